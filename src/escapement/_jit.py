@@ -1,0 +1,94 @@
+"""The one decorator that compiles kernels.
+
+Numba keys its disk cache on the source file of the kernel alone, so a changed
+callee in another file would leave a stale copy behind. The cache therefore
+lives in a directory named after a digest of every kernel source of the package.
+"""
+
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def kernel_digest(package: Path) -> str:
+    """Digest of all files under `package` that hold a kernel.
+
+    Parameters
+    ----------
+    package : Path
+        Root folder of the Python sources.
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits; differs whenever any kernel source differs.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        text = path.read_bytes()
+        if b"import jit" in text:
+            digest.update(path.relative_to(package).as_posix().encode() + b"\0" + text)
+    return digest.hexdigest()[:16]
+
+
+def _user_cache() -> Path:
+    if "NUMBA_CACHE_DIR" in os.environ:
+        return Path(os.environ["NUMBA_CACHE_DIR"])
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+
+
+@cache
+def _cache_directory() -> str | None:
+    """Folder for compiled kernels, or None where nothing can be written."""
+    try:
+        folder = _user_cache() / "escapement" / kernel_digest(Path(__file__).parent)
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return str(folder)
+    except (OSError, RuntimeError):
+        return None
+
+
+def _tolerate_full_disk(dispatcher: Any) -> None:
+    """Keep a compiled kernel in memory when its copy cannot be saved."""
+    store = dispatcher._cache
+    save = store.save_overload
+
+    def save_or_skip(signature: Any, data: Any) -> None:
+        try:
+            save(signature, data)
+        except OSError:
+            pass  # a cache is a convenience: the kernel itself is ready
+
+    store.save_overload = save_or_skip
+
+
+def jit(function: Function) -> Function:
+    """Compile on first call, cached on disk, GIL released, no fast-math.
+
+    Division by zero follows IEEE 754 (`error_model="numpy"`): kernels report
+    through a status code and never raise.
+    """
+    folder = _cache_directory()
+    options = {"nogil": True, "error_model": "numpy"}
+    if folder is None:
+        return numba.njit(**options)(function)
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = folder
+    try:
+        dispatcher = numba.njit(cache=True, **options)(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+    _tolerate_full_disk(dispatcher)
+    return dispatcher

@@ -1,0 +1,73 @@
+"""Small checks, each raising one line: argument, rule, value received, remedy."""
+
+import math
+import operator
+from typing import Any
+
+from escapement.errors import InvalidValue
+
+
+def fail(name: str, rule: str, value: Any, remedy: str) -> InvalidValue:
+    """The error for `name` breaking `rule`; the caller raises it."""
+    shown = repr(value)
+    if len(shown) > 80:
+        shown = shown[:77] + "..."
+    return InvalidValue(f"{name} must be {rule}, got {shown}; {remedy}")
+
+
+def number(name: str, value: Any, remedy: str = "give a finite real number") -> float:
+    """`value` as a finite float."""
+    if isinstance(value, bool | str | bytes):
+        raise fail(name, "a finite number", value, remedy)
+    try:
+        result = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise fail(name, "a finite number", value, remedy) from None
+    if not math.isfinite(result):
+        raise fail(name, "a finite number", value, remedy)
+    return result
+
+
+def positive(name: str, value: Any, remedy: str) -> float:
+    """`value` as a finite float greater than zero."""
+    result = number(name, value, remedy)
+    if not result > 0.0:
+        raise fail(name, "greater than 0", value, remedy)
+    return result
+
+
+def non_negative(name: str, value: Any, remedy: str) -> float:
+    """`value` as a finite float of at least zero."""
+    result = number(name, value, remedy)
+    if not result >= 0.0:
+        raise fail(name, "at least 0", value, remedy)
+    return result
+
+
+def integer(name: str, value: Any, minimum: int, remedy: str) -> int:
+    """`value` as an int of at least `minimum`."""
+    rule = f"a whole number of at least {minimum}"
+    if isinstance(value, bool):
+        raise fail(name, rule, value, remedy)
+    try:
+        result = operator.index(value)
+    except TypeError:
+        raise fail(name, rule, value, remedy) from None
+    if result < minimum:
+        raise fail(name, rule, value, remedy)
+    return result
+
+
+def choice(name: str, value: Any, allowed: tuple[str, ...]) -> str:
+    """`value` as one of `allowed`, else an error naming the nearest."""
+    if value in allowed:
+        return str(value)
+    raise fail(name, "one of " + ", ".join(allowed), value, nearest(value, allowed))
+
+
+def nearest(value: Any, allowed: tuple[str, ...]) -> str:
+    """A remedy: the closest of `allowed` to what was typed."""
+    import difflib
+
+    close = difflib.get_close_matches(str(value), allowed, n=1, cutoff=0.5)
+    return f"did you mean {close[0]!r}?" if close else f"for example {allowed[0]!r}"

@@ -1,0 +1,5 @@
+"""Mechanisms: each gives its transmission over a cell of driver angle."""
+
+from escapement.mechanisms.geneva import Geneva
+
+__all__ = ["Geneva"]

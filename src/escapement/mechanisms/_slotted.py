@@ -1,0 +1,112 @@
+"""The core of every slotted mechanism: a pin path of two rotating vectors.
+
+With the origin on the follower's axis the pin moves along
+C(theta) = P exp(i a theta) + Q exp(i b theta). A radial slot makes the follower
+turn with arg C while the pin slides along R = |C|; with q = C'/C
+
+    g  = Im q        transmission function                (Meyer 1-7, Filemon 2)
+    u  = Re q        relative sliding speed R'/R
+    g' = u (a+b-2g)  second-order transmission function   (Meyer 1-8, Filemon 3)
+
+All three depend on the half angle h = (a-b) theta/2 alone. Writing them in
+sin(h)^2 keeps full relative accuracy where |C| is small.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement._jit import jit
+from escapement.model import FloatArray
+
+
+@jit
+def transmission_at(path, theta):  # type: ignore[no-untyped-def]
+    """Transmission (g, u, g') at one driver angle, from a path's flat numbers.
+
+    path = (h/theta, L0, L1, G0, G1, U1, s) with L = |C|^2 = L0 + L1 sin^2 h,
+    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g).
+    """
+    half = path[0] * theta
+    sine = np.sin(half)
+    square = sine * sine
+    length = path[1] + path[2] * square
+    g = (path[3] + path[4] * square) / length
+    u = path[5] * sine * np.cos(half) / length
+    return g, u, u * (path[6] - 2.0 * g)
+
+
+@jit
+def _tabulate(path, theta, g, u, dg):  # type: ignore[no-untyped-def]
+    for i in range(theta.size):
+        g[i], u[i], dg[i] = transmission_at(path, theta[i])
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """Transmission over driver angle: arrays of one shape.
+
+    g : first-order transmission function, follower over driver speed [-].
+    u : relative sliding of the pin along the slot, R'/R [-].
+    dg : derivative of g by driver angle [-].
+    """
+
+    g: FloatArray
+    u: FloatArray
+    dg: FloatArray
+
+
+def two_vector_path(p: float, a: float, q: float, b: float, forward: float) -> FloatArray:
+    """Flat numbers of C = p exp(i a theta) + q exp(i b theta).
+
+    Parameters
+    ----------
+    p, q : float
+        Vector lengths, in crank radii [-].
+    a, b : float
+        Their turns per turn of the driver [-].
+    forward : float
+        +1 or -1: the sense in which the follower angle is counted.
+
+    Returns
+    -------
+    ndarray, shape (7,)
+        As `transmission_at` expects.
+    """
+    total, product = p + q, p * q
+    return np.array(
+        [
+            (a - b) / 2.0,
+            total * total,
+            -4.0 * product,
+            forward * total * (a * p + b * q),
+            -2.0 * forward * product * (a + b),
+            -2.0 * product * (a - b),
+            forward * (a + b),
+        ]
+    )
+
+
+def transmission(path: FloatArray, theta: ArrayLike) -> Transmission:
+    """Transmission of a path at driver angles of any shape [rad]."""
+    angles = np.asarray(theta, dtype=float)
+    flat = np.ascontiguousarray(angles).reshape(-1)
+    g, u, dg = np.empty_like(flat), np.empty_like(flat), np.empty_like(flat)
+    _tabulate(path, flat, g, u, dg)
+    return Transmission(*(values.reshape(angles.shape) for values in (g, u, dg)))
+
+
+def radius(path: FloatArray, theta: ArrayLike) -> FloatArray:
+    """Distance of the pin from the follower's axis, in crank radii."""
+    sine = np.sin(path[0] * np.asarray(theta, dtype=float))
+    return np.sqrt(path[1] + path[2] * sine * sine)
+
+
+def transmission_extremes(path: FloatArray) -> tuple[float, float]:
+    """g at the two ends of the path's symmetry axis (sin h = 0 and cos h = 0).
+
+    C'/C is a Moebius function of exp(2ih), so (g, u) runs on a circle between
+    these two values: u^2 = (g1 - g)(g - g2).
+    """
+    return path[3] / path[1], (path[3] + path[4]) / (path[1] + path[2])

@@ -1,0 +1,156 @@
+"""Figures of merit: what a designer reads off a motion.
+
+The terminal figures belong to the cycle that repeats itself. Rise and settling
+time compare the extrema of the motion from its start with that cycle.
+"""
+
+import math
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from escapement.model import FloatArray
+from escapement.motion import Extrema, Motion
+from escapement.status import MESSAGES, Status
+
+RISE_BAND = 0.02
+"""A rise is over at the first extremum this close to its terminal value [-]."""
+SETTLING_BAND = 0.01
+"""A motion is settled when every later extremum is this close [-]."""
+MAX_ENGAGEMENTS = 1_000_000
+"""A rise or settling time beyond this many engagements is not given."""
+
+NAN = math.nan
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures of merit of an escapement; NaN where there is none.
+
+    velocity_max, velocity_min : extremes of the terminal driver speed [rad/s].
+    velocity_mean : cell angle over period [rad/s].
+    period : time of one terminal engagement, dwell included [s].
+    rise_time : first velocity extremum within 2 % of its terminal value [s].
+    settling_time : first extremum from which on every engagement's extremes
+        are within 1 % [s].
+    handoff_velocity : driver speed at the terminal handoff [rad/s].
+    contraction : factor by which an engagement shrinks a small deviation of
+        the squared handoff speed from its terminal value [-].
+    acceleration_max, follower_acceleration_max : greatest magnitudes over the
+        terminal cycle [rad/s^2].
+    contact_moment_max : greatest magnitude of the moment on the follower [N m].
+    critical_friction : Painleve limit [-].
+    energy_residual : energy unaccounted for over the terminal cycle, of the
+        work done [-].
+    reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
+    status, message : outcome, and why in a sentence.
+    """
+
+    velocity_max: float = NAN
+    velocity_min: float = NAN
+    velocity_mean: float = NAN
+    period: float = NAN
+    rise_time: float = NAN
+    settling_time: float = NAN
+    handoff_velocity: float = NAN
+    contraction: float = NAN
+    acceleration_max: float = NAN
+    follower_acceleration_max: float = NAN
+    contact_moment_max: float = NAN
+    critical_friction: float = NAN
+    energy_residual: float = NAN
+    reversal_angles: tuple[float, ...] = ()
+    status: Status = Status.OK
+    message: str = MESSAGES[Status.OK]
+
+    @property
+    def velocity_average_published(self) -> float:
+        """(max + min)/2, the thesis' average terminal velocity [rad/s]."""
+        return (self.velocity_max + self.velocity_min) / 2.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Fields by name, with the published average beside the mean."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return values | {"velocity_average_published": self.velocity_average_published}
+
+
+def read_cycle(cycle: Motion, base: Figures) -> Figures:
+    """Terminal figures from one engagement that starts at the terminal speed."""
+    speeds = np.concatenate([cycle.extrema.theta_dot, cycle.at([0.0, cycle.end_time]).theta_dot])
+    cell = cycle.escapement.mechanism.cell_angle
+    turned = cycle.reversals.theta - cycle.reversals.engagement * cell
+    return replace(
+        base,
+        velocity_max=float(speeds.max()),
+        velocity_min=float(speeds.min()),
+        velocity_mean=cell / cycle.end_time,
+        period=cycle.end_time,
+        handoff_velocity=float(cycle.handoff_velocities[0]),
+        acceleration_max=_peak(cycle, "theta_ddot"),
+        follower_acceleration_max=_peak(cycle, "phi_ddot"),
+        contact_moment_max=_peak(cycle, "contact_moment"),
+        energy_residual=cycle.ledger.residual,
+        reversal_angles=tuple(turned.tolist()),
+    )
+
+
+def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
+    """Rise and settling time [s] of a motion that has reached its terminal cycle.
+
+    NaN for a time the motion is too short to show.
+    """
+    extrema = motion.extrema
+    terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
+    error = np.abs(extrema.theta_dot / terminal - 1.0)
+    risen = np.nonzero(error <= RISE_BAND)[0]
+    leading = _leading(motion, extrema)
+    unsettled = np.nonzero(error[leading] > SETTLING_BAND)[0]
+    later = leading[unsettled[-1] + 1 :] if unsettled.size else leading
+    return (
+        float(extrema.time[risen[0]]) if risen.size else NAN,
+        float(extrema.time[later[0]]) if later.size else NAN,
+    )
+
+
+def _leading(motion: Motion, extrema: Extrema) -> np.ndarray:
+    """Indices of extrema that are the greatest or least of their engagement.
+
+    A lesser hump tends to its own limit, not to the terminal extreme. An
+    extremum on a handoff counts for both of its neighbours.
+    """
+    bounds = np.concatenate([[0.0], motion.handoff_times])
+    chosen: set[int] = set()
+    for start, end in zip(bounds[:-1], bounds[1:], strict=True):
+        inside = np.nonzero((extrema.time >= start) & (extrema.time <= end))[0]
+        for kind, best in ((True, np.argmax), (False, np.argmin)):
+            same = inside[extrema.maximum[inside] == kind]
+            if same.size:
+                chosen.add(int(same[best(extrema.theta_dot[same])]))
+    return np.array(sorted(chosen), dtype=int)
+
+
+def _peak(motion: Motion, name: str) -> float:
+    """Greatest magnitude of a quantity over all pieces, one-sided at boundaries."""
+    from scipy.optimize import minimize_scalar
+
+    starts = motion.trajectory.start
+    best = 0.0
+    for piece, (a, b) in enumerate(zip(starts, np.append(starts[1:], motion.end_time), strict=True)):
+
+        def size(t: Any, piece: int = piece) -> FloatArray:
+            return np.abs(getattr(motion.within(piece, t), name))
+
+        grid = np.linspace(a, b, 129)
+        values = size(grid)
+        i = int(values.argmax())
+        best = max(best, float(values[i]))
+        if 0 < i < grid.size - 1:
+            found = minimize_scalar(
+                lambda t, size=size: -float(size(t)),
+                bounds=(grid[i - 1], grid[i + 1]),
+                method="bounded",
+                options={"xatol": 1e-9 * (b - a)},
+            )
+            best = max(best, -float(found.fun))
+    return best

@@ -1,0 +1,142 @@
+"""The problem as plain values: a mechanism, two inertias, losses and a drive."""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from escapement import _validate
+from escapement.errors import InvalidValue
+
+FloatArray = NDArray[np.float64]
+
+
+@runtime_checkable
+class Mechanism(Protocol):
+    """What an escapement needs to know of a mechanism.
+
+    A *cell* is the driver angle between one pin's entry and the next one's,
+    dwell included. Driver angles are local to the cell and measured from dead
+    centre; the follower angle is oriented so that it grows.
+    """
+
+    @property
+    def cell_angle(self) -> float:
+        """Driver angle of one cell [rad]."""
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Entry, every kink of the sliding speed, exit [rad], ascending.
+
+        Between neighbours the transmission is analytic. From the exit to the
+        end of the cell the follower is locked.
+        """
+
+    @property
+    def follower_step(self) -> float:
+        """Follower angle per cell [rad]."""
+
+    @property
+    def path(self) -> FloatArray:
+        """Flat numbers that kernels evaluate the transmission from."""
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Follower angle [rad], zero at dead centre."""
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Moments of inertia about the two axes.
+
+    Parameters
+    ----------
+    driver : float
+        Driver and everything that turns with it [kg m^2], > 0.
+    follower : float
+        Follower and everything that turns with it [kg m^2], > 0.
+    """
+
+    driver: float
+    follower: float
+
+    def __post_init__(self) -> None:
+        remedy = "give the moment of inertia in kg m^2 (or in-lbf-s^2 with those units)"
+        for name in ("driver", "follower"):
+            value = _validate.positive(f"{name}_inertia", getattr(self, name), remedy)
+            object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True)
+class Escapement:
+    """A mechanism with inertia and friction under a constant driving torque.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry, for example `Geneva(slots=4)`.
+    inertia : Inertia
+        Moments of inertia [kg m^2].
+    torque : float
+        Constant torque on the driver [N m], > 0. Meyer's "spring rate" K.
+    friction : float
+        Coefficient of friction between pin and slot [-], >= 0.
+    load_torque : float
+        Constant torque opposing the follower while it moves [N m], >= 0.
+
+    Source: Meyer (1973), chapter I; the load torque is an extension.
+    """
+
+    mechanism: Mechanism
+    inertia: Inertia
+    torque: float
+    friction: float = 0.0
+    load_torque: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.mechanism, Mechanism):
+            raise _validate.fail(
+                "mechanism", "a mechanism", self.mechanism, "give for example Geneva(slots=4)"
+            )
+        if not isinstance(self.inertia, Inertia):
+            raise _validate.fail(
+                "inertia", "an Inertia", self.inertia, "give Inertia(driver=..., follower=...)"
+            )
+        checked = {
+            "torque": _validate.positive(
+                "torque", self.torque, "give the constant driving torque in N m"
+            ),
+            "friction": _validate.non_negative(
+                "friction", self.friction, "give a coefficient of friction, 0 for none"
+            ),
+            "load_torque": _validate.non_negative(
+                "load_torque", self.load_torque, "give the opposing torque in N m, 0 for none"
+            ),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def inertia_ratio(self) -> float:
+        """Driver over follower inertia [-]."""
+        return self.inertia.driver / self.inertia.follower
+
+    @property
+    def load_ratio(self) -> float:
+        """Load torque over driving torque [-]."""
+        return self.load_torque / self.torque
+
+    @property
+    def time_unit(self) -> float:
+        """Natural unit of time, sqrt(I_f / torque) [s].
+
+        In it the motion depends on the mechanism, the inertia ratio, the load
+        ratio and friction alone: torque is a pure change of clock.
+        """
+        ratio = self.inertia.follower / self.torque
+        if not 0.0 < ratio < float("inf"):
+            raise InvalidValue(
+                "torque and follower_inertia must have a ratio a double can hold, got "
+                f"{self.inertia.follower!r} kg m^2 / {self.torque!r} N m; choose other units"
+            )
+        return float(np.sqrt(ratio))

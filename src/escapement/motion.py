@@ -1,0 +1,272 @@
+"""A motion as a piecewise solution, whichever engine computed it.
+
+Within a piece one side of the slot carries the force and the transmission is
+analytic. The engine supplies position and speed; acceleration, follower motion
+and contact moment follow from the equation of motion, so nothing is sampled or
+stored before it is asked for.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement.dynamics import tabulate
+from escapement.errors import InvalidValue
+from escapement.mechanisms._slotted import radius
+from escapement.model import Escapement, FloatArray
+from escapement.status import Status
+
+_SAMPLES = 100  # per engagement on the default grid: smooth to the eye at full page width
+
+
+@dataclass(frozen=True)
+class Events:
+    """Instants of one kind: arrays of one length.
+
+    engagement : index of the engagement, from 0.
+    time : [s].
+    theta : cumulative driver angle from the first dead centre [rad].
+    theta_dot : driver speed [rad/s].
+    """
+
+    engagement: np.ndarray
+    time: FloatArray
+    theta: FloatArray
+    theta_dot: FloatArray
+
+
+@dataclass(frozen=True)
+class Extrema(Events):
+    """Extrema of the driver speed; `maximum` tells the two kinds apart."""
+
+    maximum: np.ndarray
+
+
+@dataclass(frozen=True)
+class State:
+    """Driver, follower and contact at the times `t`: arrays of one shape.
+
+    t [s]; theta, phi [rad]; theta_dot, phi_dot [rad/s]; theta_ddot, phi_ddot
+    [rad/s^2]; contact_moment N R [N m], > 0 where the driver pushes the
+    follower forward; contact_force N [N], None without a crank radius.
+    """
+
+    t: FloatArray
+    theta: FloatArray
+    theta_dot: FloatArray
+    theta_ddot: FloatArray
+    phi: FloatArray
+    phi_dot: FloatArray
+    phi_ddot: FloatArray
+    contact_moment: FloatArray
+    contact_force: FloatArray | None
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Where the work of the drive went over a motion [J].
+
+    work = kinetic + load + friction up to `residual`, a share of the work (or,
+    where that is less, of the kinetic energy at the start).
+    """
+
+    work: float
+    kinetic: float
+    load: float
+    friction: float
+    residual: float
+
+
+class Trajectory(Protocol):
+    """What an engine hands over: pieces, and the state within a piece."""
+
+    @property
+    def start(self) -> FloatArray:
+        """Start time of each piece [s]."""
+
+    @property
+    def engagement(self) -> np.ndarray:
+        """Engagement of each piece."""
+
+    @property
+    def sign(self) -> FloatArray:
+        """+1 or -1: side of the slot that carries the force; 0: follower locked."""
+
+    @property
+    def friction_loss(self) -> FloatArray:
+        """Work lost in friction over each piece [J]."""
+
+    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of an escapement, exact between its handoffs and reversals.
+
+    Attributes
+    ----------
+    escapement : Escapement
+        What was simulated.
+    engine, rtol : str, float
+        How, and the relative error asked for.
+    trajectory : Trajectory
+        The engine's piecewise solution.
+    end_time : float
+        Length of the motion [s].
+    handoff_times, handoff_velocities : ndarray, shape (engagements,)
+        End of each completed engagement [s] and the driver speed there [rad/s].
+    reversals, extrema : Events, Extrema
+        Every pin reversal, and every extremum of the driver speed, corners at
+        handoffs included.
+    status, message : Status, str
+        How it ended, and why in a sentence.
+    """
+
+    escapement: Escapement
+    engine: str
+    rtol: float
+    trajectory: Trajectory
+    end_time: float
+    handoff_times: FloatArray
+    handoff_velocities: FloatArray
+    reversals: Events
+    extrema: Extrema
+    status: Status
+    message: str
+
+    def at(self, t: ArrayLike) -> State:
+        """State at any times within the motion [s].
+
+        On the boundary of two pieces the later one is taken, where the contact
+        moment and the acceleration jump.
+
+        Raises
+        ------
+        InvalidValue
+            Where a time is not finite or lies outside [0, end_time].
+        """
+        times = np.asarray(t, dtype=float)
+        outside = ~((times >= 0.0) & (times <= self.end_time))
+        if outside.any():
+            raise InvalidValue(
+                f"t must be between 0 and the end of the motion, {self.end_time!r} s, got "
+                f"{float(times[outside].flat[0])!r}; simulate a longer motion or drop the time"
+            )
+        flat = times.reshape(-1)
+        pieces = np.searchsorted(self.trajectory.start, flat, side="right") - 1
+        columns = np.empty((8, flat.size))
+        for piece in np.unique(pieces):
+            chosen = pieces == piece
+            columns[:, chosen] = self._columns(piece, flat[chosen])
+        return self._state(times, columns)
+
+    def within(self, piece: int, t: ArrayLike) -> State:
+        """State at times within one piece, one-sided at its boundaries."""
+        times = np.asarray(t, dtype=float)
+        return self._state(times, self._columns(piece, times.reshape(-1)))
+
+    def _columns(self, piece: int, t: FloatArray) -> FloatArray:
+        """theta, theta_dot, theta_ddot, phi, phi_dot, phi_ddot, moment, R/r; shape (8, t)."""
+        scene = self.escapement
+        mechanism, clock = scene.mechanism, scene.time_unit
+        engagement, sign = self.trajectory.engagement[piece], self.trajectory.sign[piece]
+        theta, speed = self.trajectory.state(piece, t)
+        turned = engagement * mechanism.cell_angle
+        indexed = engagement * mechanism.follower_step
+        if sign == 0.0:
+            zero = np.zeros_like(t)
+            free = zero + scene.torque / scene.inertia.driver
+            locked = indexed + mechanism.follower_angle(zero + mechanism.breaks[-1])
+            return np.array([theta + turned, speed, free, locked, zero, zero, zero, zero + np.nan])
+        numbers = (sign, scene.inertia_ratio, scene.friction, scene.load_ratio)
+        table = np.empty((4, t.size))
+        tabulate(mechanism.path, theta, (speed * clock) ** 2, *numbers, table)
+        g, dg, driver, moment = table
+        driver = driver / clock**2
+        follower = g * driver + dg * speed**2
+        phi = indexed + mechanism.follower_angle(theta)
+        arm = radius(mechanism.path, theta)
+        return np.array(
+            [theta + turned, speed, driver, phi, g * speed, follower, moment * scene.torque, arm]
+        )
+
+    def _state(self, times: FloatArray, columns: FloatArray) -> State:
+        values = [column.reshape(times.shape) for column in columns]
+        crank = getattr(self.escapement.mechanism, "crank_radius", None)
+        force = None
+        if crank is not None:
+            force = np.where(np.isnan(values[7]), 0.0, values[6] / (crank * values[7]))
+        return State(times, *values[:7], contact_force=force)
+
+    @cached_property
+    def t(self) -> FloatArray:
+        """Default grid of times [s]: even within each engagement, handoffs included."""
+        ends = np.concatenate([[0.0], self.handoff_times, [self.end_time]])
+        spans = [
+            np.linspace(a, b, _SAMPLES, endpoint=False)
+            for a, b in zip(ends[:-1], ends[1:], strict=True)
+            if b > a
+        ]
+        return np.concatenate([*spans, [self.end_time]]) if spans else np.empty(0)
+
+    @cached_property
+    def samples(self) -> State:
+        """State on the default grid `t`."""
+        return self.at(self.t)
+
+    @property
+    def theta(self) -> FloatArray:
+        """Driver angle from the first dead centre on the default grid [rad]."""
+        return self.samples.theta
+
+    @property
+    def theta_dot(self) -> FloatArray:
+        """Driver speed on the default grid [rad/s]."""
+        return self.samples.theta_dot
+
+    @property
+    def theta_ddot(self) -> FloatArray:
+        """Driver acceleration on the default grid [rad/s^2]."""
+        return self.samples.theta_ddot
+
+    @property
+    def phi(self) -> FloatArray:
+        """Follower angle on the default grid [rad]."""
+        return self.samples.phi
+
+    @property
+    def phi_dot(self) -> FloatArray:
+        """Follower speed on the default grid [rad/s]."""
+        return self.samples.phi_dot
+
+    @property
+    def phi_ddot(self) -> FloatArray:
+        """Follower acceleration on the default grid [rad/s^2]."""
+        return self.samples.phi_ddot
+
+    @property
+    def contact_moment(self) -> FloatArray:
+        """Moment N R on the follower on the default grid [N m]."""
+        return self.samples.contact_moment
+
+    @cached_property
+    def ledger(self) -> Ledger:
+        """Energy balance from start to end; it closes to the engine's error."""
+        scene = self.escapement
+        if self.trajectory.start.size == 0:
+            return Ledger(0.0, 0.0, 0.0, 0.0, 0.0)
+        ends = self.at([0.0, self.end_time])
+        energies = (
+            scene.inertia.driver * ends.theta_dot**2 + scene.inertia.follower * ends.phi_dot**2
+        ) / 2.0
+        work = scene.torque * (ends.theta[1] - ends.theta[0])
+        load = scene.load_torque * (ends.phi[1] - ends.phi[0])
+        friction = float(self.trajectory.friction_loss.sum())
+        kinetic = float(energies[1] - energies[0])
+        scale = max(work, float(energies[0]))
+        residual = (work - kinetic - load - friction) / scale if scale > 0.0 else 0.0
+        return Ledger(float(work), kinetic, float(load), friction, float(residual))

@@ -1,0 +1,37 @@
+"""One table of outcomes: what a kernel returns, a file stores and a user reads."""
+
+from enum import IntEnum
+
+
+class Status(IntEnum):
+    """Outcome of one case; the names are the `flag_meanings` of a result file."""
+
+    OK = 0
+    NO_TERMINAL = 1
+    STALL = 2
+    PAINLEVE = 3
+    NOT_CONVERGED = 4
+    INVALID = 5
+
+    @property
+    def label(self) -> str:
+        """Lower-case name, as written to files and JSON."""
+        return self.name.lower()
+
+    @property
+    def failed(self) -> bool:
+        """Whether the case has no answer (no terminal speed *is* an answer)."""
+        return self not in (Status.OK, Status.NO_TERMINAL)
+
+
+MESSAGES = {
+    Status.OK: "done",
+    Status.NO_TERMINAL: (
+        "no terminal velocity exists: nothing dissipates the work of the drive, "
+        "so the speed grows without bound; give a friction greater than 0"
+    ),
+    Status.STALL: "the drive cannot carry the load and the mechanism stops",
+    Status.PAINLEVE: "friction is at or above the Painleve limit: no unique rigid motion exists",
+    Status.NOT_CONVERGED: "the iteration did not converge within its limit",
+    Status.INVALID: "the parameters of this case break a rule",
+}

@@ -1,0 +1,41 @@
+"""Exact factors between SI and the inch-pound units of the sources.
+
+The inch (0.0254 m), the pound (0.45359237 kg) and standard gravity
+(9.80665 m/s^2) are exact by definition, so every factor below is exact too.
+"""
+
+INCH = 0.0254
+"""One inch [m]."""
+POUND_FORCE = 0.45359237 * 9.80665
+"""One pound-force [N]."""
+INCH_POUND = INCH * POUND_FORCE
+"""One in-lbf [N m]; also one in-lbf-s^2 [kg m^2], the inertia unit of Meyer (1973)."""
+
+SYSTEMS = ("SI", "in-lbf-s")
+"""Unit systems a user may choose: SI, or inch, pound-force and second."""
+
+_FACTORS = {"torque": INCH_POUND, "inertia": INCH_POUND, "length": INCH, "force": POUND_FORCE}
+_NAMES = {
+    "SI": {"torque": "N m", "inertia": "kg m2", "length": "m", "force": "N"},
+    "in-lbf-s": {"torque": "in lbf", "inertia": "in lbf s2", "length": "in", "force": "lbf"},
+}
+_COMMON = {"speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad", "ratio": "1"}
+
+
+def factor(quantity: str, system: str) -> float:
+    """SI value of one unit of `quantity` in `system`.
+
+    Parameters
+    ----------
+    quantity : str
+        "torque", "inertia", "length", "force", "speed", "acceleration", "time",
+        "angle" or "ratio".
+    system : str
+        "SI" or "in-lbf-s".
+    """
+    return _FACTORS.get(quantity, 1.0) if system == "in-lbf-s" else 1.0
+
+
+def unit_name(quantity: str, system: str) -> str:
+    """UDUNITS spelling of the unit of `quantity` in `system`."""
+    return _COMMON.get(quantity) or _NAMES[system][quantity]
