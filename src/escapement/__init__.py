@@ -26,7 +26,7 @@ _HOMES = {
     "Figures": "metrics",
     "simulate": "simulation",
     "terminal": "simulation",
-    "sweep": "sweep",
+    "sweep": "sweeping",
     "read_study": "store",
     "units": "",
     "plots": "",

@@ -82,7 +82,7 @@ def jit(function: Function) -> Function:
     """
     folder = _cache_directory()
     options = {"nogil": True, "error_model": "numpy"}
-    if folder is None:
+    if folder is None or numba.config.DISABLE_JIT:
         return numba.njit(**options)(function)
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = folder

@@ -18,8 +18,8 @@ With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta).
 import numpy as np
 
 from escapement._jit import jit
-from escapement.mechanisms._slotted import transmission_at, transmission_extremes
-from escapement.model import FloatArray, Inertia, Mechanism
+from escapement.mechanisms._slotted import transmission_at
+from escapement.model import Inertia, Mechanism
 
 
 @jit
@@ -75,11 +75,63 @@ def tabulate(path, theta, w, sign, rho, mu, load, out):  # type: ignore[no-untyp
         out[3, i] = contact_moment(g, u, dg, w[i], sign, rho, mu, load)
 
 
-def painleve_ratio(path: FloatArray, theta: float, rho: float) -> float:
+@jit
+def painleve_ratio(path, theta, rho):  # type: ignore[no-untyped-def]
     """Friction at which the reduced inertia vanishes at `theta`, or inf."""
-    g, u, _ = transmission_at(path, theta)
+    g, u, _dg = transmission_at(path, theta)
     product = abs(g * u)
     return (rho + g * g) / product if product > 0.0 else np.inf
+
+
+@jit
+def _stationary(first, second, rho, end):  # type: ignore[no-untyped-def]
+    """Root between 0 and `end` of the cubic for stationary painleve_ratio.
+
+    The cubic is negative at 0 and positive at both ends of the circle that
+    (g, u) runs on, so a bracketed Newton iteration cannot fail.
+    """
+    total, product = first + second, first * second
+    inner, outer = 0.0, end
+    g = 0.5 * end
+    for _ in range(200):
+        value = ((total * g + 4.0 * rho - 2.0 * product) * g - 3.0 * rho * total) * g
+        value += 2.0 * rho * product
+        slope = (3.0 * total * g + 8.0 * rho - 4.0 * product) * g - 3.0 * rho * total
+        if value < 0.0:
+            inner = g
+        else:
+            outer = g
+        guess = g - value / slope
+        if not min(inner, outer) < guess < max(inner, outer):
+            guess = 0.5 * (inner + outer)
+        if abs(guess - g) <= 1e-15 * abs(g):
+            break
+        g = guess
+    return g
+
+
+@jit
+def painleve_limit(path, rho, entry, exit_):  # type: ignore[no-untyped-def]
+    """Least painleve_ratio over the engagement, and a driver angle that has it."""
+    limit, angle = painleve_ratio(path, entry, rho), entry
+    at_exit = painleve_ratio(path, exit_, rho)
+    if at_exit < limit:
+        limit, angle = at_exit, exit_
+    first = path[3] / path[1]
+    second = (path[3] + path[4]) / (path[1] + path[2])
+    for end in (first, second):
+        g = _stationary(first, second, rho, end)
+        # g = (G0 + G1 x)/(L0 + L1 x) with x = sin^2 of the half angle
+        x = (g * path[1] - path[3]) / (path[4] - g * path[2])
+        if not 0.0 < x <= 1.0:
+            continue
+        turn = np.arcsin(np.sqrt(x)) / abs(path[0])
+        for theta in (-turn, turn):
+            if entry < theta < exit_:
+                ratio = painleve_ratio(path, theta, rho)
+                if ratio < limit:
+                    limit, angle = ratio, theta
+    return limit, angle
 
 
 def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
@@ -100,7 +152,9 @@ def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
     float
         The limit; infinite where the pin never slides under force.
     """
-    return _painleve_minimum(mechanism, inertia.driver / inertia.follower)[0]
+    breaks = mechanism.breaks
+    rho = inertia.driver / inertia.follower
+    return painleve_limit(mechanism.path, rho, breaks[0], breaks[-1])[0]
 
 
 def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:
@@ -111,35 +165,29 @@ def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> f
     float
         Angle from dead centre [rad]; NaN when friction is below the limit.
     """
-    from scipy.optimize import brentq
-
     rho = inertia.driver / inertia.follower
-    limit, angle = _painleve_minimum(mechanism, rho)
+    path, entry, exit_ = mechanism.path, mechanism.breaks[0], mechanism.breaks[-1]
+    limit, angle = painleve_limit(path, rho, entry, exit_)
     if friction < limit:
         return float("nan")
-    entry = mechanism.breaks[0]
-
-    def margin(theta: float) -> float:
-        return painleve_ratio(mechanism.path, theta, rho) - friction
-
-    first = min(angle, -angle) if entry <= -abs(angle) else angle
-    if margin(entry) <= 0.0:
+    if painleve_ratio(path, entry, rho) <= friction:
         return entry
-    return first if margin(first) >= 0.0 else float(brentq(margin, entry, first))
+    from scipy.optimize import brentq
+
+    # the limit is met symmetrically about dead centre, before it first
+    first = -angle if entry < -angle < angle else angle
+    if painleve_ratio(path, first, rho) >= friction:
+        return float(first)
+    return float(brentq(lambda theta: painleve_ratio(path, theta, rho) - friction, entry, first))
 
 
-def _painleve_minimum(mechanism: Mechanism, rho: float) -> tuple[float, float]:
-    """Least painleve_ratio over the engagement and a driver angle that has it."""
-    path = mechanism.path
-    first, second = transmission_extremes(path)
-    total, product = first + second, first * second
-    roots = np.roots([total, 4.0 * rho - 2.0 * product, -3.0 * rho * total, 2.0 * rho * product])
-    entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
-    angles = [entry, exit_]
-    for g in roots[np.abs(roots.imag) <= 1e-9 * np.abs(roots)].real:
-        # g = (G0 + G1 x)/(L0 + L1 x) with x = sin^2 of the half angle
-        x = (g * path[1] - path[3]) / (path[4] - g * path[2])
-        if 0.0 < x <= 1.0:
-            angle = np.arcsin(np.sqrt(x)) / abs(path[0])
-            angles += [a for a in (-angle, angle) if entry < a < exit_]
-    return min((painleve_ratio(path, a, rho), a) for a in angles)
+def painleve_message(mechanism: Mechanism, inertia: Inertia, friction: float) -> str | None:
+    """Why no motion can be computed, or None below the limit."""
+    limit = critical_friction(mechanism, inertia)
+    if friction < limit:
+        return None
+    angle = np.degrees(critical_angle(mechanism, inertia, friction))
+    return (
+        f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
+        f"{angle:.3f} degrees from dead centre: no unique rigid motion exists"
+    )

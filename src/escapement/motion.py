@@ -99,8 +99,38 @@ class Trajectory(Protocol):
     def friction_loss(self) -> FloatArray:
         """Work lost in friction over each piece [J]."""
 
+    @property
+    def reversals(self) -> Events:
+        """Every pin reversal."""
+
+    @property
+    def extrema(self) -> Extrema:
+        """Every extremum of the driver speed, corners at handoffs included."""
+
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
+
+
+class Nothing:
+    """Trajectory of a scene that has no motion."""
+
+    _none = np.empty(0)
+    start = sign = friction_loss = _none
+    engagement = _none.astype(int)
+    reversals = Events(engagement, _none, _none, _none)
+    extrema = Extrema(engagement, _none, _none, _none, maximum=_none.astype(bool))
+
+    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Never asked for: there is no piece."""
+        raise IndexError(piece)
+
+
+def stall_message(angle: float, engagement: int) -> str:
+    """What is said of a motion that stops at `angle` [rad] of an engagement (from 0)."""
+    return (
+        f"the mechanism stalls {np.degrees(angle):.3f} degrees from dead centre of engagement "
+        f"{engagement + 1}: the drive cannot carry the load torque"
+    )
 
 
 @dataclass(frozen=True)
@@ -119,9 +149,6 @@ class Motion:
         Length of the motion [s].
     handoff_times, handoff_velocities : ndarray, shape (engagements,)
         End of each completed engagement [s] and the driver speed there [rad/s].
-    reversals, extrema : Events, Extrema
-        Every pin reversal, and every extremum of the driver speed, corners at
-        handoffs included.
     status, message : Status, str
         How it ended, and why in a sentence.
     """
@@ -133,10 +160,18 @@ class Motion:
     end_time: float
     handoff_times: FloatArray
     handoff_velocities: FloatArray
-    reversals: Events
-    extrema: Extrema
     status: Status
     message: str
+
+    @property
+    def reversals(self) -> Events:
+        """Every pin reversal, located exactly."""
+        return self.trajectory.reversals
+
+    @property
+    def extrema(self) -> Extrema:
+        """Every extremum of the driver speed, corners at handoffs included."""
+        return self.trajectory.extrema
 
     def at(self, t: ArrayLike) -> State:
         """State at any times within the motion [s].
@@ -150,6 +185,8 @@ class Motion:
             Where a time is not finite or lies outside [0, end_time].
         """
         times = np.asarray(t, dtype=float)
+        if self.trajectory.start.size == 0:
+            raise InvalidValue(f"t must lie within the motion, but there is none: {self.message}")
         outside = ~((times >= 0.0) & (times <= self.end_time))
         if outside.any():
             raise InvalidValue(

@@ -2,22 +2,24 @@
 
 import math
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
+import numpy as np
+
 from escapement import _validate
-from escapement.dynamics import critical_friction
+from escapement.dynamics import critical_friction, painleve_message
 from escapement.errors import InvalidValue
-from escapement.metrics import Figures, read_cycle, read_transient
+from escapement.metrics import Figures
 from escapement.model import Escapement
-from escapement.motion import Motion
+from escapement.motion import Motion, Nothing
 from escapement.status import MESSAGES, Status
 
-ENGINES = ("ivp",)
+ENGINES = ("energy", "ivp")
 METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
-DEFAULT_ENGINE = "ivp"
-DEFAULT_RTOL = {"ivp": 1e-10}
+DEFAULT_ENGINE = "energy"
+DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10}
 DEFAULT_ENGAGEMENTS = 20
-IVP_TRANSIENT = 3000  # engagements of a transient the reference engine will integrate
 
 
 def simulate(
@@ -43,14 +45,15 @@ def simulate(
     duration : float, optional
         Time to run instead [s], > 0.
     engine : str
-        "ivp": SciPy's solve_ivp in the time domain, the reference.
+        "energy" (driver-angle domain, fast) or "ivp" (SciPy's solve_ivp in the
+        time domain, the reference).
     initial_speed : float
         Driver speed at pin entry [rad/s], >= 0.
     rtol : float, optional
         Relative error asked for in handoff times and speeds, in [1e-13, 1).
-        Default 1e-10 for "ivp".
+        Default 1e-12 for "energy", 1e-10 for "ivp".
     atol, method, max_step : optional
-        For "ivp" as in solve_ivp: absolute tolerance [rad, rad/s, J], method
+        For "ivp" only, as in solve_ivp: absolute tolerance [rad, rad/s, J], method
         (default "DOP853") and longest step [s].
 
     Returns
@@ -74,9 +77,20 @@ def simulate(
         engagements = _validate.integer("engagements", count, 1, "give how many to run")
     else:
         duration = _validate.positive("duration", duration, "give the time to run in s")
-    from escapement.engines import _ivp
+    message = painleve_message(escapement.mechanism, escapement.inertia, escapement.friction)
+    if message is not None:
+        none = np.empty(0)
+        status = Status.PAINLEVE
+        return Motion(
+            escapement, engine, settings["rtol"], Nothing(), 0.0, none, none, status, message
+        )
+    run = _engine(engine).simulate
+    return run(escapement, engagements=engagements, duration=duration, **settings)
 
-    return _ivp.simulate(escapement, engagements=engagements, duration=duration, **settings)
+
+def _engine(name: str) -> Any:
+    """An engine's module, loaded when first asked for."""
+    return import_module(f"escapement.engines._{name}")
 
 
 def _settings(
@@ -94,17 +108,27 @@ def _settings(
     tolerance = _validate.number("rtol", DEFAULT_RTOL[engine] if rtol is None else rtol)
     if not 1e-13 <= tolerance < 1.0:
         raise _validate.fail("rtol", "at least 1e-13 and below 1", rtol, "1e-10 is a good choice")
-    return {
+    settings: dict[str, Any] = {
         "initial_speed": _validate.non_negative(
             "initial_speed", initial_speed, "give the driver speed at pin entry in rad/s"
         ),
         "rtol": tolerance,
-        "atol": None if atol is None else _validate.non_negative("atol", atol, "leave it out"),
-        "method": "DOP853" if method is None else _validate.choice("method", method, METHODS),
-        "max_step": math.inf
-        if max_step is None
-        else _validate.positive("max_step", max_step, "give the longest step in s"),
     }
+    given = {"atol": atol, "method": method, "max_step": max_step}
+    if engine != "ivp":
+        for name, value in given.items():
+            if value is not None:
+                raise _validate.fail(
+                    name, "left out with engine 'energy'", value, "or choose engine 'ivp'"
+                )
+        return settings
+    if atol is not None:
+        atol = _validate.non_negative("atol", atol, "leave it out for a fitting one")
+    step = math.inf
+    if max_step is not None:
+        step = _validate.positive("max_step", max_step, "give the longest step in s")
+    method = "DOP853" if method is None else _validate.choice("method", method, METHODS)
+    return settings | {"atol": atol, "method": method, "max_step": step}
 
 
 def terminal(
@@ -134,43 +158,14 @@ def terminal(
         carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
     """
     settings = _settings(escapement, engine, rtol, atol, method, max_step, initial_speed)
-    limit = critical_friction(escapement.mechanism, escapement.inertia)
-    base = Figures(critical_friction=limit)
+    mechanism = escapement.mechanism
+    base = Figures(critical_friction=critical_friction(mechanism, escapement.inertia))
+    message = painleve_message(mechanism, escapement.inertia, escapement.friction)
+    if message is not None:
+        return replace(base, status=Status.PAINLEVE, message=message)
     if escapement.friction == 0.0:
-        return _without_friction(escapement, base)
-    return _terminal_ivp(escapement, base, settings)
-
-
-def _without_friction(escapement: Escapement, base: Figures) -> Figures:
-    """No terminal speed, or none to start with."""
-    gain = escapement.torque * escapement.mechanism.cell_angle
-    if gain > escapement.load_torque * escapement.mechanism.follower_step:
-        return replace(base, status=Status.NO_TERMINAL, message=MESSAGES[Status.NO_TERMINAL])
-    return replace(base, status=Status.STALL, message=MESSAGES[Status.STALL])
-
-
-def _terminal_ivp(escapement: Escapement, base: Figures, settings: dict[str, Any]) -> Figures:
-    from escapement.engines import _ivp
-    from escapement.engines._ivp_terminal import terminal_cycle
-
-    initial_speed = settings.pop("initial_speed")
-    cycle, contraction = terminal_cycle(escapement, **settings)
-    if cycle.status is not Status.OK:
-        return replace(base, status=cycle.status, message=cycle.message)
-    figures = replace(read_cycle(cycle, base), contraction=contraction)
-    count = _transient_length(contraction)
-    if count > IVP_TRANSIENT:
-        message = f"rise and settling time: the motion needs more than {IVP_TRANSIENT} engagements"
-        return replace(figures, message=message)
-    motion = _ivp.simulate(
-        escapement, engagements=count, duration=None, initial_speed=initial_speed, **settings
-    )
-    if motion.status is not Status.OK:
-        return replace(base, status=motion.status, message=motion.message)
-    rise, settled = read_transient(motion, figures)
-    return replace(figures, rise_time=rise, settling_time=settled)
-
-
-def _transient_length(contraction: float) -> float:
-    """Engagements after which a deviation of order one is far below the settling band."""
-    return 8 + math.ceil(math.log(1e-4) / math.log(min(max(contraction, 1e-4), 1.0 - 1e-12)))
+        gain = escapement.torque * mechanism.cell_angle
+        carries = gain > escapement.load_torque * mechanism.follower_step
+        status = Status.NO_TERMINAL if carries else Status.STALL
+        return replace(base, status=status, message=MESSAGES[status])
+    return _engine(f"{engine}_terminal").terminal(escapement, base, **settings)

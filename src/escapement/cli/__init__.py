@@ -1,0 +1,84 @@
+"""Command line: picks a command, runs it, turns every error into one line.
+
+A command is a module of this package with a one-line `SUMMARY`, `configure(parser)`
+and `execute(args) -> exit code`. Only the module asked for is imported, and it imports
+nothing heavy before its arguments are understood, so that help answers at once.
+"""
+
+import contextlib
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from escapement.errors import EscapementError, StorageError
+
+COMMANDS = {
+    "run": "one motion and its figures of merit",
+    "sweep": "a study on a grid, to an HDF5 file",
+    "plot": "the right figures for what a file holds",
+    "mechanism": "geometry, transmission, motion ratio and dwell",
+    "reproduce": "a source's printed numbers beside computed ones",
+}
+
+INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments after the program's name. Default: those of the process.
+
+    Returns
+    -------
+    int
+        Exit code: 0 done; 2 wrong usage or invalid value; 3 done, some cases
+        failed; 65 unreadable input file; 66 missing input; 73 cannot create
+        output; 74 input/output error; 130 interrupted.
+    """
+    try:
+        code = _dispatch(sys.argv[1:] if argv is None else list(argv))
+        sys.stdout.flush()
+        return code
+    except EscapementError as error:
+        return _complain(str(error), error.exit_code)
+    except KeyboardInterrupt:
+        return _complain("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        _discard_output()  # the reader has seen enough, as in `escapement ... | head`
+        return 0
+    except OSError as error:
+        return _complain(str(error), StorageError.exit_code)
+    except MemoryError:
+        return _complain("not enough memory; make the study smaller", StorageError.exit_code)
+
+
+def _dispatch(argv: list[str]) -> int:
+    """Help and version here, everything else in the command's own module."""
+    from escapement.cli._parser import Parser, understand_command
+
+    name = understand_command(argv, COMMANDS)
+    if name is None:
+        return 0
+    command = import_module(f"escapement.cli.{name}")
+    parser = Parser(prog=f"escapement {name}", description=command.SUMMARY)
+    command.configure(parser)
+    args = parser.understand(argv[1:])
+    return 0 if args is None else command.execute(args)
+
+
+def _complain(message: str, code: int) -> int:
+    """One line on stderr, whatever line breaks the message has."""
+    with contextlib.suppress(OSError):
+        print("escapement: error: " + " ".join(message.split()), file=sys.stderr)
+    return code
+
+
+def _discard_output() -> None:
+    """Send what is still buffered nowhere, or the interpreter complains at exit."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)

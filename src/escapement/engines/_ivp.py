@@ -22,14 +22,12 @@ from escapement.dynamics import (
     acceleration,
     contact,
     contact_moment,
-    critical_angle,
-    critical_friction,
     side_at,
 )
 from escapement.dynamics import tabulate as tabulate_motion
 from escapement.mechanisms._slotted import transmission_at
 from escapement.model import Escapement, FloatArray
-from escapement.motion import Events, Extrema, Motion
+from escapement.motion import Events, Extrema, Motion, stall_message
 from escapement.status import MESSAGES, Status
 
 _PER_STEP = 8  # looks per solver step when searching the dense output for crossings
@@ -60,6 +58,8 @@ class _Pieces:
     sign: Any = field(default_factory=list)
     friction_loss: Any = field(default_factory=list)
     solution: list[Any] = field(default_factory=list)
+    reversals: Any = None
+    extrema: Any = None
 
     def add(self, x: float, engagement: int, sign: float, loss: float, solution: Any) -> None:
         self.start.append(x * self.clock)
@@ -247,20 +247,10 @@ def simulate(
     method: str,
     max_step: float,
 ) -> Motion:
-    """Motion by solve_ivp; arguments are validated by `escapement.simulate`."""
+    """Motion by solve_ivp; arguments are validated by `escapement.simulate`, friction below the limit."""
     mechanism, clock = escapement.mechanism, escapement.time_unit
     rho = escapement.inertia_ratio
     pieces = _Pieces(clock, escapement.torque)
-    limit = critical_friction(mechanism, escapement.inertia)
-    if escapement.friction >= limit:
-        pieces.freeze()
-        angle = np.degrees(critical_angle(mechanism, escapement.inertia, escapement.friction))
-        message = (
-            f"friction {escapement.friction:g} is at or above the Painleve limit {limit:.6g}, "
-            f"first met {angle:.3f} degrees from dead centre: no unique rigid motion exists"
-        )
-        return _assemble(escapement, rtol, pieces, 0.0, [], [], [], Status.PAINLEVE, message)
-
     entry, end = mechanism.breaks[0], mechanism.breaks[0] + mechanism.cell_angle
     local = max(rtol * _TIGHTER, _FLOOR)
     fast = np.sqrt(2.0 * mechanism.cell_angle / (rho + 1.0))
@@ -289,7 +279,7 @@ def simulate(
             run.engage(stop)
         if run.stalled or run.at_horizon():
             break
-        if end > mechanism.breaks[-1]:
+        if end > mechanism.breaks[-1] + 1e-12:  # a dwell of one rounding error is none
             run.dwell(end)
             if run.at_horizon():
                 break
@@ -301,10 +291,7 @@ def simulate(
     status, message = Status.OK, MESSAGES[Status.OK]
     if run.stalled:
         status = Status.STALL
-        message = (
-            f"the mechanism stalls {np.degrees(run.theta):.3f} degrees from dead centre of "
-            f"engagement {run.engagement + 1}: the drive cannot carry the load torque"
-        )
+        message = stall_message(run.theta, run.engagement)
     return _assemble(
         escapement, rtol, pieces, run.x, handoffs, run.reversals, run.extrema, status, message
     )
@@ -331,6 +318,8 @@ def _assemble(
 
     times, speeds = np.array(handoffs, dtype=float).reshape(-1, 2).T
     peaks = columns(extrema, 5)
+    pieces.reversals = Events(*columns(reversals, 4))
+    pieces.extrema = Extrema(*peaks[:4], maximum=peaks[4].astype(bool))
     return Motion(
         escapement,
         "ivp",
@@ -339,8 +328,6 @@ def _assemble(
         x * clock,
         times * clock,
         speeds / clock,
-        Events(*columns(reversals, 4)),
-        Extrema(*peaks[:4], maximum=peaks[4].astype(bool)),
         status,
         message,
     )

@@ -8,7 +8,8 @@ turn with arg C while the pin slides along R = |C|; with q = C'/C
     u  = Re q        relative sliding speed R'/R
     g' = u (a+b-2g)  second-order transmission function   (Meyer 1-8, Filemon 3)
 
-All three depend on the half angle h = (a-b) theta/2 alone. Writing them in
+C'/C is a Moebius function of exp(2ih), so (g, u) runs on a circle between g1 at
+sin(h) = 0 and g2 at cos(h) = 0: u^2 = (g1 - g)(g - g2). All three depend on the half angle h = (a-b) theta/2 alone. Writing them in
 sin(h)^2 keeps full relative accuracy where |C| is small.
 """
 
@@ -101,12 +102,3 @@ def radius(path: FloatArray, theta: ArrayLike) -> FloatArray:
     """Distance of the pin from the follower's axis, in crank radii."""
     sine = np.sin(path[0] * np.asarray(theta, dtype=float))
     return np.sqrt(path[1] + path[2] * sine * sine)
-
-
-def transmission_extremes(path: FloatArray) -> tuple[float, float]:
-    """g at the two ends of the path's symmetry axis (sin h = 0 and cos h = 0).
-
-    C'/C is a Moebius function of exp(2ih), so (g, u) runs on a circle between
-    these two values: u^2 = (g1 - g)(g - g2).
-    """
-    return path[3] / path[1], (path[3] + path[4]) / (path[1] + path[2])

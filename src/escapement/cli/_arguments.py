@@ -1,0 +1,176 @@
+"""Options that several commands share, and the objects they describe.
+
+Values are checked as typed, in the user's units, so that a message shows what the user
+wrote; the conversion to SI follows.
+"""
+
+import argparse
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from escapement import _validate
+from escapement.cli._parser import Parser, UsageError, number, one_of, whole
+from escapement.units import SYSTEMS, factor
+
+if TYPE_CHECKING:
+    from escapement.mechanisms import Geneva
+    from escapement.model import Escapement, Inertia
+
+KINDS = ("geneva",)
+DEFAULT_SLOTS = 4
+
+
+class Quantity(NamedTuple):
+    """A physical option: its kind of unit, its rule, and what to give."""
+
+    unit: str
+    rule: Callable[..., float]
+    text: str
+
+
+QUANTITIES = {
+    "torque": Quantity("torque", _validate.positive, "constant driving torque"),
+    "driver_inertia": Quantity(
+        "inertia", _validate.positive, "moment of inertia of the driver and what turns with it"
+    ),
+    "follower_inertia": Quantity(
+        "inertia", _validate.positive, "moment of inertia of the follower and what turns with it"
+    ),
+    "friction": Quantity(
+        "ratio", _validate.non_negative, "coefficient of friction between pin and slot"
+    ),
+    "load_torque": Quantity(
+        "torque", _validate.non_negative, "constant torque opposing the follower"
+    ),
+    "crank_radius": Quantity(
+        "length", _validate.positive, "distance of the pins from the driver's axis"
+    ),
+    "initial_speed": Quantity(
+        "speed", _validate.non_negative, "driver speed at the first pin entry"
+    ),
+    "duration": Quantity("time", _validate.positive, "time to run"),
+    "max_step": Quantity("time", _validate.positive, "longest step"),
+}
+_METAVARS = {
+    "torque": "M",
+    "inertia": "I",
+    "ratio": "MU",
+    "length": "R",
+    "speed": "W",
+    "time": "S",
+}
+_SHOWN = {
+    "torque": " [N m, in-lbf]",
+    "inertia": " [kg m^2, in-lbf-s^2]",
+    "length": " [m, in]",
+    "speed": " [rad/s]",
+    "time": " [s]",
+}
+
+
+def option(name: str) -> str:
+    """Spelling of an argument on the command line."""
+    return "--" + name.replace("_", "-")
+
+
+def add_quantity(
+    parser: argparse._ActionsContainer,
+    name: str,
+    *,
+    required: bool = False,
+    default: float | None = None,
+    note: str = "",
+) -> None:
+    """Add the option of one physical quantity."""
+    quantity = QUANTITIES[name]
+    parser.add_argument(
+        option(name),
+        type=number(option(name), quantity.rule, f"give the {quantity.text}"),
+        required=required,
+        default=default,
+        metavar=_METAVARS[quantity.unit],
+        help=quantity.text + _SHOWN.get(quantity.unit, "") + note,
+    )
+
+
+def add_common(parser: Parser) -> None:
+    """Add what every command takes."""
+    parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    parser.add_argument(
+        "--units",
+        type=one_of("--units", SYSTEMS),
+        default=SYSTEMS[0],
+        metavar="|".join(SYSTEMS),
+        help="units of what goes in and what comes out (default: SI)",
+    )
+
+
+def add_mechanism(parser: Parser) -> None:
+    """Add the mechanism: its kind, and the geometry of a Geneva wheel."""
+    parser.add_argument(
+        "kind",
+        nargs="?",
+        type=one_of("KIND", KINDS),
+        default=KINDS[0],
+        metavar="KIND",
+        help="mechanism: geneva (default)",
+    )
+    group = parser.add_argument_group("mechanism")
+    group.add_argument(
+        "--slots",
+        type=whole("--slots", 3, "a Geneva wheel needs 3 slots or more"),
+        default=DEFAULT_SLOTS,
+        metavar="N",
+        help=f"slots of the wheel (default: {DEFAULT_SLOTS})",
+    )
+    group.add_argument(
+        "--pins",
+        type=whole("--pins", 1, "give the number of crank pins, or leave it out"),
+        metavar="P",
+        help="pins of the driver (default: continuous engagement where it exists, else 1)",
+    )
+    group.add_argument("--internal", action="store_true", help="internal wheel, driver inside")
+    add_quantity(group, "crank_radius")
+
+
+def read_mechanism(args: argparse.Namespace) -> "Geneva":
+    """The mechanism the arguments describe."""
+    from escapement.mechanisms import Geneva
+
+    return Geneva(
+        slots=args.slots, pins=args.pins, internal=args.internal, crank_radius=si(args, "crank_radius")
+    )
+
+
+def read_inertia(args: argparse.Namespace) -> "Inertia | None":
+    """Both inertias, or None where neither is given."""
+    from escapement.model import Inertia
+
+    driver, follower = si(args, "driver_inertia"), si(args, "follower_inertia")
+    if driver is not None and follower is not None:
+        return Inertia(driver=driver, follower=follower)
+    if driver is None and follower is None:
+        return None
+    missing, given = "--driver-inertia", "--follower-inertia"
+    if follower is None:
+        missing, given = given, missing
+    raise UsageError(f"{missing} must be given beside {given}, got neither; give both or none")
+
+
+def read_escapement(args: argparse.Namespace) -> "Escapement":
+    """The escapement the arguments describe."""
+    from escapement.model import Escapement, Inertia
+
+    return Escapement(
+        mechanism=read_mechanism(args),
+        inertia=Inertia(driver=si(args, "driver_inertia"), follower=si(args, "follower_inertia")),
+        torque=si(args, "torque"),
+        friction=args.friction,
+        load_torque=si(args, "load_torque"),
+    )
+
+
+def si(args: argparse.Namespace, name: str) -> float | None:
+    """Value of a physical option in SI; None where it is not given."""
+    value = getattr(args, name)
+    return None if value is None else value * factor(QUANTITIES[name].unit, args.units)

@@ -1,0 +1,70 @@
+"""What commands have in common on the way out: JSON, tables, units, notes."""
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from escapement.units import factor
+
+
+def print_json(record: dict[str, Any]) -> None:
+    """One object on stdout; what is not a finite number is null."""
+    json.dump(plain(record), sys.stdout, indent=2, allow_nan=False)
+    sys.stdout.write("\n")
+
+
+def plain(value: Any) -> Any:
+    """`value` in JSON's own types, NaN and infinity as None."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
+
+
+def in_units(value: float, quantity: str, system: str) -> float:
+    """An SI value in the user's units."""
+    return value / factor(quantity, system)
+
+
+def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
+    """Name, value and unit, a row each."""
+    lines = [(name, show(value), "" if unit == "1" else unit) for name, value, unit in rows]
+    wide = max(len(name) for name, _, _ in lines)
+    far = max(len(value) for _, value, unit in lines if unit)
+    for name, value, unit in lines:
+        print(f"{name:<{wide}}  {value:<{far}}  {unit}".rstrip())
+
+
+def print_columns(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """A table with right-aligned columns."""
+    cells = [list(header), *([show(value) for value in row] for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
+    for row in cells:
+        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+def show(value: Any) -> str:
+    """A value as a reader wants it: six figures, a dash for what does not exist."""
+    value = plain(value)
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def words(key: str) -> str:
+    """A JSON key as a table shows it; the unit has a column of its own."""
+    return key.removesuffix("_deg").replace("_", " ")
+
+
+def note(message: str) -> None:
+    """A line on stderr."""
+    print(f"escapement: {message}", file=sys.stderr)

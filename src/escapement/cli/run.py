@@ -1,0 +1,150 @@
+"""`escapement run`: one motion and its figures of merit."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from escapement import _validate
+from escapement.cli import _arguments, _files, _output
+from escapement.cli._parser import Parser, UsageError, number, whole
+from escapement.units import unit_name
+
+if TYPE_CHECKING:
+    from escapement.metrics import Figures
+    from escapement.motion import Motion
+
+SUMMARY = "One motion from pin entry, and its figures of merit."
+SOME_FAILED = 3
+
+FIGURES = {
+    "velocity_max": "speed",
+    "velocity_min": "speed",
+    "velocity_mean": "speed",
+    "velocity_average_published": "speed",
+    "period": "time",
+    "rise_time": "time",
+    "settling_time": "time",
+    "critical_friction": "ratio",
+    "acceleration_max": "acceleration",
+    "follower_acceleration_max": "acceleration",
+    "contact_moment_max": "torque",
+}
+"""Figures of merit as printed, with the kind of unit of each."""
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    _arguments.add_mechanism(parser)
+    model = parser.add_argument_group("model")
+    _arguments.add_quantity(model, "torque", required=True)
+    _arguments.add_quantity(model, "driver_inertia", required=True)
+    _arguments.add_quantity(model, "follower_inertia", required=True)
+    for name in ("friction", "load_torque", "initial_speed"):
+        _arguments.add_quantity(model, name, default=0.0, note=" (default: 0)")
+    length = parser.add_argument_group("length of the motion")
+    length.add_argument(
+        "--engagements",
+        type=whole("--engagements", 1, "give how many to run"),
+        metavar="N",
+        help="engagements to run (default: 20)",
+    )
+    _arguments.add_quantity(length, "duration", note=", instead of engagements")
+    _add_solver(parser)
+    output = parser.add_argument_group("output")
+    output.add_argument("-o", "--output", type=Path, metavar="FILE.h5", help="write the motion")
+    output.add_argument("--force", action="store_true", help="replace FILE.h5 where it exists")
+    output.add_argument(
+        "--plot",
+        type=Path,
+        metavar="FILE",
+        help="draw the velocities; .png, .pdf or .svg, replaced where it exists",
+    )
+    _arguments.add_common(parser)
+
+
+def _add_solver(parser: Parser) -> None:
+    solver = parser.add_argument_group("solver")
+    solver.add_argument("--engine", metavar="NAME", help="ivp: SciPy's solve_ivp, the reference")
+    solver.add_argument(
+        "--rtol",
+        type=number("--rtol", _validate.number, "1e-10 is a good choice"),
+        metavar="R",
+        help="relative error of handoff times and speeds, 1e-13 <= R < 1",
+    )
+    solver.add_argument(
+        "--atol",
+        type=number("--atol", _validate.non_negative, "leave it out"),
+        metavar="A",
+        help="absolute tolerance of ivp, as in solve_ivp",
+    )
+    solver.add_argument("--method", metavar="NAME", help="method of ivp, as in solve_ivp")
+    _arguments.add_quantity(solver, "max_step", note=" of ivp")
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Simulate, write what was asked for, print the figures."""
+    _check_outputs(args)
+    escapement = _arguments.read_escapement(args)
+    from escapement.simulation import DEFAULT_ENGINE, simulate, terminal
+
+    settings = {name: getattr(args, name) for name in ("rtol", "atol", "method", "max_step")}
+    settings |= {"engine": args.engine or DEFAULT_ENGINE, "initial_speed": args.initial_speed}
+    motion = simulate(escapement, args.engagements, duration=args.duration, **settings)
+    figures = terminal(escapement, **settings)
+    _write(motion, args)
+    record = summarise(motion, figures, args.units)
+    if args.json:
+        _output.print_json(record)
+    else:
+        _print_table(record, args.units)
+    outcome = motion if motion.status.failed else figures
+    if record["message"] != "done":
+        _output.note(record["message"])
+    return SOME_FAILED if outcome.status.failed else 0
+
+
+def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:
+    """What `run` reports, by JSON key, in the user's units."""
+    outcome = motion if motion.status.failed else figures
+    values = figures.as_dict()
+    return {
+        **{key: _output.in_units(values[key], kind, units) for key, kind in FIGURES.items()},
+        "handoff_times": motion.handoff_times,
+        "handoff_velocities": motion.handoff_velocities,
+        "energy_residual": motion.ledger.residual,
+        "status": outcome.status.label,
+        "message": outcome.message,
+        "engine": motion.engine,
+    }
+
+
+def _check_outputs(args: argparse.Namespace) -> None:
+    if args.output is not None:
+        _files.check_output("--output", args.output, force=args.force)
+    elif args.force:
+        raise UsageError("--force must come with --output FILE.h5, got none; leave it out")
+    if args.plot is not None:
+        _files.check_picture("--plot", args.plot)
+
+
+def _write(motion: "Motion", args: argparse.Namespace) -> None:
+    if motion.end_time == 0.0:
+        return  # nothing moved, and the message says why
+    if args.output is not None:
+        from escapement.store_motion import write_motion
+
+        write_motion(motion, args.output, units=args.units, force=args.force)
+    if args.plot is not None:
+        from escapement.plots import plot_velocities, save
+
+        save(plot_velocities(motion).figure, args.plot)
+
+
+def _print_table(record: dict[str, Any], units: str) -> None:
+    rows = [(_output.words(key), record[key], unit_name(FIGURES[key], units)) for key in FIGURES]
+    times, speeds = record["handoff_times"], record["handoff_velocities"]
+    rows.append(("handoffs", len(times), ""))
+    if len(times):
+        rows += [("last handoff", times[-1], "s"), ("velocity there", speeds[-1], "rad s-1")]
+    rows += [(_output.words(key), record[key], "") for key in ("energy_residual", "status", "engine")]
+    _output.print_values(rows)

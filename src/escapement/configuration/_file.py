@@ -1,0 +1,51 @@
+"""Reading a study file."""
+
+import tomllib
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from escapement.configuration._parse import parse_plan
+from escapement.configuration._plan import StudyPlan
+from escapement.errors import InputFileError, InvalidValue, MissingInput
+
+
+def load_plan(path: str | PathLike[str]) -> StudyPlan:
+    """Read and check a study configuration (TOML).
+
+    Raises
+    ------
+    MissingInput
+        When there is no such file.
+    InputFileError
+        When it cannot be read or is not TOML; the message has the line.
+    InvalidValue
+        When a key is unknown, missing, or its value breaks a rule.
+    """
+    content = _toml(Path(path))
+    try:
+        return parse_plan(content)
+    except InvalidValue as error:
+        raise InvalidValue(f"{path}: {error}") from None
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    try:
+        data = path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingInput(f"study file {path} does not exist; check its name") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputFileError(
+            f"study file {path} must be a readable file, got: {reason}; name a TOML file"
+        ) from None
+    try:
+        return tomllib.loads(data.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        reason = f"a byte that is not UTF-8 (at line {line})"
+    except RecursionError:
+        reason = "values nested too deeply"
+    except ValueError as error:
+        reason = str(error)
+    raise InputFileError(f"study file {path} must be valid TOML, got: {reason}; correct that line")

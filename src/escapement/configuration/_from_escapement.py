@@ -1,0 +1,84 @@
+"""A plan from an escapement and the axes to vary it over: all in SI."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement.configuration._parameters import KINDS, Kind, Option, Parameter
+from escapement.configuration._parse import parse_plan
+from escapement.configuration._plan import StudyPlan
+from escapement.configuration._solver import DEFAULT_ENGINE
+from escapement.model import Escapement, Mechanism
+
+
+def plan_from(
+    escapement: Escapement,
+    axes: Mapping[str, ArrayLike | Mapping[str, Any]],
+    *,
+    initial_speed: float = 0.0,
+    engine: str = DEFAULT_ENGINE,
+    rtol: float | None = None,
+    atol: float | None = None,
+    method: str | None = None,
+    max_step: float | None = None,
+    title: str | None = None,
+) -> StudyPlan:
+    """Plan a study of `escapement` over `axes`.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        The nominal design; an axis replaces its value. What the mechanism would
+        choose by itself, such as the pins of `Geneva(slots=4)`, follows the axes.
+    axes : Mapping
+        Name of each axis and its values [SI]: numbers, or start, stop and num.
+    initial_speed : float
+        Driver speed at the first pin entry [rad/s], >= 0.
+    engine, rtol, atol, method, max_step : optional
+        As for `simulate`.
+    title : str, optional
+        One line for people.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    """
+    if not isinstance(escapement, Escapement):
+        raise _validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    machine, own = _describe(escapement.mechanism)
+    inertia = escapement.inertia
+    solver = {"engine": engine, "rtol": rtol, "atol": atol, "method": method, "max_step": max_step}
+    configuration = {
+        "mechanism": machine,
+        "inertia": {"driver": inertia.driver, "follower": inertia.follower},
+        "torque": escapement.torque,
+        "friction": escapement.friction,
+        "load_torque": escapement.load_torque,
+        "initial_speed": initial_speed,
+        "sweep": axes,
+        "solver": solver,
+    }
+    return parse_plan(configuration | ({} if title is None else {"title": title}), mechanism=own)
+
+
+def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
+    """A mechanism as a [mechanism] table, or itself where no kind fits it."""
+    home = f"{type(mechanism).__module__}:{type(mechanism).__qualname__}"
+    for name, kind in KINDS.items():
+        if kind.factory == home:
+            return {"kind": name} | _chosen(mechanism, kind), None
+    return {"kind": type(mechanism).__qualname__, "description": repr(mechanism)}, mechanism
+
+
+def _chosen(mechanism: Mechanism, kind: Kind) -> dict[str, Any]:
+    """The settings that the mechanism would not have chosen by itself."""
+    settings: dict[str, Parameter | Option] = {**kind.parameters, **kind.options}
+    chosen = {name: getattr(mechanism, name) for name in settings}
+    for name in (name for name, setting in settings.items() if not setting.required):
+        without = {key: value for key, value in chosen.items() if key != name}
+        if getattr(type(mechanism)(**without), name) == chosen[name]:
+            chosen = without
+    return chosen

@@ -1,0 +1,192 @@
+"""Every scalar a study may fix or sweep, and what each kind of mechanism adds.
+
+The tables are the only place that knows a parameter: its key in the file, its
+rule, its unit and its default. A new kind of mechanism is one more entry.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement import _validate, units
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the model.
+
+    long_name, quantity : what it is, and its key in `escapement.units`.
+    minimum, exclusive, whole : the rule its values obey.
+    section, key : where its fixed value stands in the file ("" is top level).
+    required, default : the fixed value when the file has none; None leaves the
+        choice to the mechanism.
+    """
+
+    long_name: str
+    quantity: str
+    remedy: str
+    key: str
+    section: str = ""
+    minimum: float = 0.0
+    exclusive: bool = False
+    whole: bool = False
+    required: bool = False
+    default: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Where the value stands in the file, for messages."""
+        return f"{self.section}.{self.key}" if self.section else self.key
+
+    def to_si(self, values: Any, system: str) -> Any:
+        """Numbers in units of `system` in SI; whole numbers stay whole."""
+        return values if self.whole else values * units.factor(self.quantity, system)
+
+    def check(self, label: str, value: Any) -> float:
+        """`value` as a number that obeys the rule; raises InvalidValue."""
+        if self.whole:
+            number = _validate.number(label, value, self.remedy)
+            whole = int(number) if number == int(number) else value
+            return _validate.integer(label, whole, int(self.minimum), self.remedy)
+        rule = _validate.positive if self.exclusive else _validate.non_negative
+        return rule(label, value, self.remedy)
+
+    def check_all(self, label: str, values: NDArray[np.float64]) -> NDArray[Any]:
+        """`values`, whole ones as integers; raises for the first that breaks the rule."""
+        good = np.isfinite(values) & (values >= self.minimum)
+        if self.exclusive:
+            good &= values > self.minimum
+        if self.whole:
+            good &= values == np.rint(values)
+            good &= values < 2.0**53  # beyond it a double no longer tells whole numbers apart
+        if not good.all():
+            first = int(np.argmin(good))
+            self.check(f"{label}[{first}]", float(values[first]))
+            raise _validate.fail(f"{label}[{first}]", "below 2^53", values[first], self.remedy)
+        return values.astype(np.int64) if self.whole else values
+
+
+MODEL = {
+    "friction": Parameter(
+        "coefficient of friction between pin and slot",
+        "ratio",
+        "give a coefficient of friction, 0 for none",
+        key="friction",
+        default=0.0,
+    ),
+    "torque": Parameter(
+        "driving torque",
+        "torque",
+        "give the constant driving torque",
+        key="torque",
+        exclusive=True,
+        required=True,
+    ),
+    "load_torque": Parameter(
+        "load torque on the follower",
+        "torque",
+        "give the opposing torque, 0 for none",
+        key="load_torque",
+        default=0.0,
+    ),
+    "initial_speed": Parameter(
+        "driver speed at the first pin entry",
+        "speed",
+        "give the driver speed in rad/s, 0 to start from rest",
+        key="initial_speed",
+        default=0.0,
+    ),
+    "driver_inertia": Parameter(
+        "moment of inertia of the driver",
+        "inertia",
+        "give the moment of inertia",
+        key="driver",
+        section="inertia",
+        exclusive=True,
+        required=True,
+    ),
+    "follower_inertia": Parameter(
+        "moment of inertia of the follower",
+        "inertia",
+        "give the moment of inertia",
+        key="follower",
+        section="inertia",
+        exclusive=True,
+        required=True,
+    ),
+}
+"""Parameters of every escapement, by the name of their axis."""
+
+
+@dataclass(frozen=True)
+class Option:
+    """A setting of a mechanism that cannot be an axis.
+
+    check : the value that a user gave, or InvalidValue.
+    quantity : key in `escapement.units`, None for what is no number.
+    required : whether the mechanism has no default of its own.
+    """
+
+    check: Callable[[str, Any], Any]
+    quantity: str | None = None
+    required: bool = False
+
+    def to_si(self, value: Any, system: str) -> Any:
+        """A value in units of `system` in SI."""
+        return value if self.quantity is None else value * units.factor(self.quantity, system)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of mechanism: who builds it, from what.
+
+    factory : "module:class", imported when the first mechanism is built.
+    parameters : numbers that may be axes. options : everything else.
+    """
+
+    factory: str
+    parameters: Mapping[str, Parameter]
+    options: Mapping[str, Option] = field(default_factory=dict)
+
+
+def _truth(label: str, value: Any) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise _validate.fail(label, "true or false", value, "give a truth value")
+    return bool(value)
+
+
+def _length(label: str, value: Any) -> float:
+    return _validate.positive(label, value, "give a length")
+
+
+KINDS = {
+    "geneva": Kind(
+        factory="escapement.mechanisms.geneva:Geneva",
+        parameters={
+            "slots": Parameter(
+                "slots of the follower",
+                "ratio",
+                "a Geneva wheel needs 3 slots or more",
+                key="slots",
+                section="mechanism",
+                minimum=3,
+                whole=True,
+                required=True,
+            ),
+            "pins": Parameter(
+                "pins of the driver",
+                "ratio",
+                "give the number of crank pins",
+                key="pins",
+                section="mechanism",
+                minimum=1,
+                whole=True,
+            ),
+        },
+        options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
+    ),
+}
+"""Kinds of mechanism by the name a file gives them."""

@@ -1,0 +1,135 @@
+"""From the content of a study file to a plan."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from escapement import _validate, units
+from escapement.configuration._axes import axis_values
+from escapement.configuration._keys import check_keys, table
+from escapement.configuration._parameters import KINDS, MODEL, Kind, Parameter
+from escapement.configuration._plan import StudyPlan
+from escapement.configuration._solver import Solver, parse_solver
+from escapement.errors import InvalidValue
+from escapement.model import Mechanism
+
+MOST_CASES = 10**12
+DEFAULT_KIND = "geneva"
+_SECTIONS = ("mechanism", "inertia", "sweep", "solver")
+
+
+def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = None) -> StudyPlan:
+    """Check a study configuration and make a plan of it.
+
+    Parameters
+    ----------
+    configuration : Mapping
+        The content of a study file, in the units that it names.
+    mechanism : Mechanism, optional
+        Replaces what the [mechanism] table says: for mechanisms of the user's
+        own, which no table can describe.
+
+    Raises
+    ------
+    InvalidValue
+        For an unknown key, a missing parameter or a value that breaks its rule.
+    """
+    machine = dict(table(configuration, "mechanism"))
+    if mechanism is None:
+        machine.setdefault("kind", DEFAULT_KIND)
+        kind = KINDS[_validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))]
+        _check_keys(configuration, kind)
+        machine = {"kind": machine["kind"]} | _options(machine, kind)
+    else:
+        kind = Kind(factory="", parameters={})
+    system = _validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
+    parameters = {**kind.parameters, **MODEL}
+    axes, forms = _axes(table(configuration, "sweep"), parameters)
+    title = configuration.get("title", f"{machine['kind']} escapement over {', '.join(axes)}")
+    return StudyPlan(
+        title=_title(title),
+        unit_system=system,
+        kind=kind,
+        machine=machine,
+        fixed=_fixed(configuration, parameters, axes),
+        axes=axes,
+        forms=forms,
+        solver=parse_solver(table(configuration, "solver")),
+        own_mechanism=mechanism,
+    )
+
+
+def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
+    """Refuse keys that no part of a study has, naming where each would belong."""
+    parameters = {**kind.parameters, **MODEL}
+    homes = {setting.name: "[solver]" for setting in fields(Solver)}
+    homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
+    keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
+    keys["mechanism"] = ["kind", *kind.options]
+    for name, parameter in parameters.items():
+        keys[parameter.section].append(parameter.key)
+        where = f"[{parameter.section}]" if parameter.section else "the top level"
+        homes[parameter.key] = where
+        if name != parameter.key:
+            homes[name] = f"{where} as {parameter.key!r}"
+    check_keys(configuration, keys[""], "the top level", homes)
+    for section in ("mechanism", "inertia"):
+        check_keys(table(configuration, section), keys[section], f"[{section}]", homes)
+
+
+def _options(machine: Mapping[str, Any], kind: Kind) -> dict[str, Any]:
+    for name, option in kind.options.items():
+        if option.required and name not in machine:
+            raise InvalidValue(f"the study lacks mechanism.{name}; write it in [mechanism]")
+    return {
+        name: option.check(f"mechanism.{name}", machine[name])
+        for name, option in kind.options.items()
+        if name in machine
+    }
+
+
+def _axes(
+    forms: Mapping[str, Any], parameters: Mapping[str, Parameter]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Values and JSON form of every axis, in order."""
+    check_keys(forms, parameters, "[sweep]")
+    if not forms:
+        raise InvalidValue(
+            "the study must sweep at least one parameter, got none; "
+            "add an axis under [sweep], for example friction = [0.2, 0.3]"
+        )
+    parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
+    cases = math.prod(values.size for values, _ in parsed.values())
+    if cases > MOST_CASES:
+        raise InvalidValue(
+            f"the grid must have at most {MOST_CASES:.0e} cases, got {cases:.3g}; shorten an axis"
+        )
+    axes = {name: values for name, (values, _) in parsed.items()}
+    return axes, {name: form for name, (_, form) in parsed.items()}
+
+
+def _fixed(
+    configuration: Mapping[str, Any], parameters: Mapping[str, Parameter], axes: Mapping[str, Any]
+) -> dict[str, float]:
+    """Fixed values, the default ones included; an axis replaces its fixed value."""
+    fixed, missing = {}, []
+    for name, parameter in parameters.items():
+        section = table(configuration, parameter.section) if parameter.section else configuration
+        if parameter.key in section:
+            fixed[name] = parameter.check(parameter.label, section[parameter.key])
+        elif parameter.default is not None:
+            fixed[name] = parameter.default
+        elif parameter.required and name not in axes:
+            missing.append(f"{parameter.label} ({parameter.long_name})")
+    if missing:
+        raise InvalidValue(
+            f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
+        )
+    return {name: value for name, value in fixed.items() if name not in axes}
+
+
+def _title(title: Any) -> str:
+    if not isinstance(title, str) or not title.isprintable():
+        raise _validate.fail("title", "one line of text", title, "put it in quotation marks")
+    return title

@@ -1,0 +1,61 @@
+"""Terminal cycle and figures of merit of the fast engine."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from escapement.engines import _energy
+from escapement.engines._cycle import (
+    CONTRACTION,
+    FIGURES,
+    PERIOD,
+    RISE,
+    SETTLING,
+    V_MAX,
+    V_MIN,
+    W_HANDOFF,
+    figures,
+)
+from escapement.engines._march import EVENTS, SCRATCH
+from escapement.engines._panels import MAX_PANELS, ROW
+from escapement.metrics import Figures, read_cycle
+from escapement.model import Escapement
+from escapement.motion import stall_message
+from escapement.status import MESSAGES, Status
+
+
+def terminal(
+    escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
+) -> Figures:
+    """Figures of merit without a transient in time; see `escapement.terminal`."""
+    clock = escapement.time_unit
+    start = (initial_speed * clock) ** 2
+    out = np.empty(FIGURES)
+    scratch = np.empty((MAX_PANELS, ROW)), np.empty((16, EVENTS)), np.empty(SCRATCH)
+    code = figures(*_energy.scene_of(escapement), start, rtol, *scratch, out)
+    status = Status(code)
+    if status is Status.STALL:
+        message = stall_message(out[0], int(out[1]))
+        return replace(base, status=status, message=message)
+    if status is not Status.OK:
+        return replace(base, status=status, message=MESSAGES[status])
+    handoff = float(np.sqrt(out[W_HANDOFF]) / clock)
+    cycle = _energy.simulate(
+        escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol
+    )
+    cell = escapement.mechanism.cell_angle
+    message = base.message
+    if np.isnan(out[SETTLING]):
+        message = "rise and settling time are not given: beyond 1 000 000 engagements"
+    return replace(
+        read_cycle(cycle, base),
+        velocity_max=float(out[V_MAX] / clock),
+        velocity_min=float(out[V_MIN] / clock),
+        velocity_mean=float(cell / (out[PERIOD] * clock)),
+        period=float(out[PERIOD] * clock),
+        rise_time=float(out[RISE] * clock),
+        settling_time=float(out[SETTLING] * clock),
+        handoff_velocity=handoff,
+        contraction=float(out[CONTRACTION]),
+        message=message,
+    )

@@ -1,0 +1,226 @@
+"""Panels: an engagement cut into pieces on which the energy equation is solved.
+
+Twice the kinetic energy, E = (rho + g^2) w, obeys on a panel with side s
+
+    E' = A - B E,   c = s mu |u|,   J = rho + g^2 + g c,
+    A = 2 (1 - g load) - 2 c (rho load + g)/J,   B = 2 c rho g'/(J (rho + g^2)),
+
+so E = alpha E_left + beta with alpha = exp(-int B), beta = alpha int A/alpha:
+two quadratures, whatever the energy at the left end. B vanishes with mu, so
+nothing is lost by cancellation in the frictionless limit.
+
+Values live at 16 Gauss points. Integrals over a whole panel converge twice as
+fast as interpolation inside it; a panel records the size of its last Legendre
+coefficients and is halved when what is asked of it needs better.
+"""
+
+import numpy as np
+
+from escapement._jit import jit
+from escapement.mechanisms._slotted import transmission_at
+
+N = 16
+
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(N)
+LEGENDRE = np.polynomial.legendre.legvander(POINTS, N).T.copy()
+"""Legendre polynomials 0..N (rows) at the points."""
+_ORDERS = np.arange(N)
+TRANSFORM = ((2 * _ORDERS + 1) / 2.0)[:, None] * LEGENDRE[:N] * WEIGHTS
+"""Values at the points to Legendre coefficients (rows)."""
+
+
+def _integrated(x: np.ndarray) -> np.ndarray:
+    """Integral of each Legendre polynomial from -1 to x, shape (N, x.size)."""
+    values = np.polynomial.legendre.legvander(x, N + 1).T
+    upper = np.vstack([values[1:2] - 1.0 + 2.0, values[2 : N + 1] - values[: N - 1]])
+    return upper / np.maximum(2 * _ORDERS + 1, 1)[:, None]
+
+
+CUMULATE = (_integrated(POINTS).T @ TRANSFORM).T.copy()
+"""CUMULATE[k, i]: weight of the value at point k in the integral to point i."""
+
+# One row of the panel store. A side's block is: tail, alpha, beta, b = int B at the
+# points, then alpha, beta, b at the right end.
+LEFT, HALF, NEXT, KINK = 0, 1, 2, 3  # KINK: whether the left end is a break of the mechanism
+G, U, DG, INVERSE = 4, 4 + N, 4 + 2 * N, 4 + 3 * N
+ENDS = 4 + 4 * N  # g, |u|, g' at the left end, then at the right end
+SIDES = ENDS + 6
+TAIL, ALPHA, BETA, B, RIGHT = 0, 1, 1 + N, 1 + 2 * N, 1 + 3 * N
+BLOCK = RIGHT + 3
+ROW = SIDES + 2 * BLOCK
+
+UNBUILT = -1.0
+MAX_PANELS = 512
+SMALLEST = 1e-13  # of a radian: no panel is halved below this
+
+
+@jit
+def block_of(side):  # type: ignore[no-untyped-def]
+    """Offset of a side's block in a panel's row."""
+    return SIDES if side > 0.0 else SIDES + BLOCK
+
+
+@jit
+def survey(row, path, rho, left, right):  # type: ignore[no-untyped-def]
+    """Fill a panel's geometry and mark both sides as not yet solved."""
+    half = 0.5 * (right - left)
+    middle = 0.5 * (right + left)
+    row[LEFT] = left
+    row[HALF] = half
+    for i in range(N):
+        g, u, dg = transmission_at(path, middle + half * POINTS[i])
+        row[G + i] = g
+        row[U + i] = abs(u)
+        row[DG + i] = dg
+        row[INVERSE + i] = 1.0 / (rho + g * g)
+    for k in range(2):
+        g, u, dg = transmission_at(path, left if k == 0 else right)
+        row[ENDS + 3 * k] = g
+        row[ENDS + 3 * k + 1] = abs(u)
+        row[ENDS + 3 * k + 2] = dg
+    row[SIDES + TAIL] = UNBUILT
+    row[SIDES + BLOCK + TAIL] = UNBUILT
+
+
+@jit
+def tail_of(values, offset):  # type: ignore[no-untyped-def]
+    """Size of the last two Legendre coefficients of N values from `offset`."""
+    last = 0.0
+    other = 0.0
+    for i in range(N):
+        last += TRANSFORM[N - 1, i] * values[offset + i]
+        other += TRANSFORM[N - 2, i] * values[offset + i]
+    return abs(last) + abs(other)
+
+
+@jit
+def solve_side(row, side, rho, mu, load, scratch):  # type: ignore[no-untyped-def]
+    """Solve the energy equation on a panel for one side of the slot."""
+    block = block_of(side)
+    half = row[HALF]
+    total = 0.0
+    for i in range(N):
+        scratch[i] = 0.0
+    for k in range(N):
+        g = row[G + k]
+        c = side * mu * row[U + k]
+        inverse_j = 1.0 / (1.0 / row[INVERSE + k] + g * c)
+        rate = half * 2.0 * c * rho * row[DG + k] * inverse_j * row[INVERSE + k]
+        scratch[N + k] = half * 2.0 * ((1.0 - g * load) - c * (rho * load + g) * inverse_j)
+        total += WEIGHTS[k] * rate
+        for i in range(N):
+            scratch[i] += CUMULATE[k, i] * rate
+    source = 0.0
+    for i in range(N):
+        row[block + B + i] = scratch[i]
+        alpha = np.exp(-scratch[i])
+        row[block + ALPHA + i] = alpha
+        row[block + BETA + i] = 0.0
+        scratch[N + i] /= alpha
+        source += WEIGHTS[i] * scratch[N + i]
+    for k in range(N):
+        value = scratch[N + k]
+        for i in range(N):
+            row[block + BETA + i] += CUMULATE[k, i] * value
+    largest = 0.0
+    for i in range(N):
+        row[block + BETA + i] *= row[block + ALPHA + i]
+        largest = max(largest, abs(row[block + BETA + i]))
+    alpha = np.exp(-total)
+    row[block + RIGHT] = alpha
+    row[block + RIGHT + 1] = alpha * source
+    row[block + RIGHT + 2] = total
+    tail = tail_of(row, block + ALPHA) / max(1.0, alpha)
+    tail = max(tail, tail_of(row, block + BETA) / max(largest, 1e-300))
+    tail = max(tail, tail_of(row, INVERSE) / max(row[INVERSE], row[INVERSE + N - 1]))
+    if not tail < 1.0 or abs(total) > 20.0:
+        tail = 1.0
+    row[block + TAIL] = tail
+
+
+@jit
+def halve(store, panel, path, rho, count):  # type: ignore[no-untyped-def]
+    """Split a panel in two; returns the new number of panels.
+
+    The left half keeps the row, the right half gets row `count` and the place
+    behind it in the chain.
+    """
+    row = store[panel]
+    left = row[LEFT]
+    middle = left + row[HALF]
+    right = left + 2.0 * row[HALF]
+    following = row[NEXT]
+    # a break of the mechanism keeps its exact angle
+    if following >= 0.0:
+        right = store[int(following), LEFT]
+    survey(row, path, rho, left, middle)
+    survey(store[count], path, rho, middle, right)
+    row[NEXT] = count
+    store[count, NEXT] = following
+    store[count, KINK] = 0.0
+    return count + 1
+
+
+@jit
+def series(values, offset, out):  # type: ignore[no-untyped-def]
+    """Legendre coefficients of N values from `offset` into out."""
+    for k in range(N):
+        out[k] = 0.0
+        for i in range(N):
+            out[k] += TRANSFORM[k, i] * values[offset + i]
+
+
+@jit
+def evaluate(coefficients, x):  # type: ignore[no-untyped-def]
+    """A Legendre series and its derivative at x in [-1, 1]."""
+    before, now = 1.0, x
+    before_slope, slope = 0.0, 1.0
+    value = coefficients[0] + coefficients[1] * x
+    derivative = coefficients[1]
+    for k in range(1, N - 1):
+        after = ((2 * k + 1) * x * now - k * before) / (k + 1)
+        after_slope = before_slope + (2 * k + 1) * now
+        before, now = now, after
+        before_slope, slope = slope, after_slope
+        value += coefficients[k + 1] * now
+        derivative += coefficients[k + 1] * slope
+    return value, derivative
+
+
+@jit
+def root_between(coefficients, low, high, value_low):  # type: ignore[no-untyped-def]
+    """Root of a Legendre series in a bracket: Newton, kept in by bisection."""
+    x = 0.5 * (low + high)
+    for _ in range(60):
+        value, slope = evaluate(coefficients, x)
+        if value * value_low > 0.0:
+            low = x
+        else:
+            high = x
+        guess = x - value / slope
+        if not low <= guess <= high:
+            guess = 0.5 * (low + high)
+        step = abs(guess - x)
+        x = guess
+        # Newton squares the error: the step after this one would be rounding
+        if step <= 1e-9:
+            break
+    return x
+
+
+@jit
+def weights_to(x, values, partial):  # type: ignore[no-untyped-def]
+    """Weights that interpolate at x, and that integrate from -1 to x."""
+    for i in range(N):
+        values[i] = 0.5 * WEIGHTS[i]
+        partial[i] = 0.5 * WEIGHTS[i] * (1.0 + x)
+    before, now = 1.0, x
+    for k in range(1, N):
+        after = ((2 * k + 1) * x * now - k * before) / (k + 1)
+        at = 0.5 * (2 * k + 1) * now
+        integral = 0.5 * (after - before)
+        for i in range(N):
+            basis = WEIGHTS[i] * LEGENDRE[k, i]
+            values[i] += at * basis
+            partial[i] += integral * basis
+        before, now = now, after

@@ -1,0 +1,24 @@
+"""Figures and drawings to scale: data in, matplotlib axes out.
+
+Functions named after one panel draw into the axes they are given, or into a new
+figure of their own; nothing is shown on a screen. `save` writes a figure.
+"""
+
+from escapement.plots._style import new_axes, save
+from escapement.plots.drawing import plot_configurations, plot_mechanism
+from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
+from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
+
+__all__ = [
+    "new_axes",
+    "plot_configurations",
+    "plot_contact_moment",
+    "plot_lines",
+    "plot_map",
+    "plot_mechanism",
+    "plot_phase_portrait",
+    "plot_rise_and_terminal",
+    "plot_study",
+    "plot_velocities",
+    "save",
+]

@@ -1,0 +1,161 @@
+"""Panels of a study's figures: lines, and contour maps with holes."""
+
+from typing import Any, Literal
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.contour import ContourSet
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+
+from escapement.model import FloatArray
+from escapement.plots import _style
+from escapement.plots._labels import label, number, print_unit, scaled
+from escapement.plots._table import Study, Table, printed_name
+
+_FEW = 15  # points of a line that are marked one by one
+_LEVELS = 7  # contours of a map, about
+_EDGE = 0.06  # part of a map beside its frame that is too narrow for a number
+_APART = 0.1  # least distance of two numbers on a map, of its size
+_PLAIN = (1e-3, 1e4)  # numbers printed without a power of ten
+_DECADE = 8.0  # an axis spanning this factor in even ratios is logarithmic
+
+
+def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D]:
+    """A line for each value of the second axis, six at most; returns them."""
+    x = table.x_values
+    factor, unit = scaled(study.units.get(result, ""), table.values)
+    drawn = []
+    for look, column in zip(_style.LOOKS, _spread(table.values.shape[1]), strict=False):
+        name = "" if table.lines is None else number(table.line_values[column])
+        drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name))
+    dress_axis(ax, "x", study, table.x)
+    ax.set_ylabel(label(printed_name(study, result), unit))
+    return drawn
+
+
+def draw_line(ax: Axes, x: FloatArray, y: FloatArray, look: _style.Look, name: str) -> Line2D:
+    """One line, its points marked where they are few or stand alone."""
+    finite = np.concatenate([[False], np.isfinite(y), [False]])
+    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    (line,) = ax.plot(
+        x, y, color=look.color, linestyle=look.linestyle, lw=1.2, marker=look.marker, ms=3.5,
+        mfc="white", mew=0.9, label=name or "_",
+        markevery=None if x.size <= _FEW else np.flatnonzero(alone).tolist(),
+    )  # fmt: skip
+    return line
+
+
+def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str = "") -> None:
+    """What the lines stand for, over a panel in one column."""
+    if table.lines is not None:
+        title = "\n".join(text for text in (note, legend_title(study, table)) if text)
+        columns = 2 if len(lines) == 4 else 3
+        _style.legend_above(ax, columns, title, handles=lines)
+
+
+def legend_title(study: Study, table: Table) -> str:
+    """What the lines are: "Driving torque (in lbf)"; "" for a single line."""
+    if table.lines is None:
+        return ""
+    text = label(printed_name(study, table.lines), print_unit(study.units.get(table.lines, "")))
+    count = table.values.shape[1]
+    shown = len(_spread(count))
+    return text if shown == count else f"{text}, {shown} of {count} values"
+
+
+def draw_map(ax: Axes, study: Study, result: str, table: Table, bar: bool) -> list[Patch]:
+    """Labelled contours over both axes; hatched where there is no result.
+
+    bar : whether a colour bar names the result, or a title does.
+    Returns the legend's key of the hatching, or nothing where there is none.
+    """
+    x, y = table.x_values, table.line_values
+    factor, unit = scaled(study.units.get(result, ""), table.values)
+    z = np.ma.masked_invalid(table.values.T * factor)
+    levels = np.asarray(MaxNLocator(_LEVELS).tick_values(float(z.min()), float(z.max())))
+    light = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, 0.6, 256)))
+    hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": _style.GREY, "hatch": "////"}
+    ax.patch.set(linewidth=0.0, **hatched)
+    dress_axis(ax, "x", study, table.x)
+    dress_axis(ax, "y", study, str(table.lines))
+    filled = ax.contourf(x, y, z, levels, cmap=light)
+    inside = levels[(levels > z.min()) & (levels < z.max())]
+    if inside.size:
+        lines = ax.contour(x, y, z, inside, colors=_style.BLACK, linewidths=0.6)
+        _label_contours(ax, lines)
+    name = label(printed_name(study, result), unit)
+    if bar:
+        colours = ax.figure.colorbar(filled, ax=ax)
+        colours.set_label(name, size=_style.LABEL_SIZE)
+        colours.ax.tick_params(labelsize=_style.TICK_SIZE, width=0.7)
+    else:
+        ax.set_title(name, fontsize=_style.TICK_SIZE)
+    return [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
+
+
+def _label_contours(ax: Axes, lines: ContourSet) -> None:
+    """A number on the middle of each contour's longest piece, in a halo.
+
+    None is drawn where the frame or another number is in its way.
+    """
+    to_axes = ax.transData - ax.transAxes
+    placed: list[tuple[float, float]] = []
+    for path in lines.get_paths():
+        pieces = [
+            _middle(to_axes.transform(piece)) for piece in path.to_polygons(closed_only=False)
+        ]
+        _, (x, y) = max(pieces, key=lambda found: found[0], default=(0.0, (0.0, 0.0)))
+        clear = all(np.hypot(x - x0, y - y0) > _APART for x0, y0 in placed)
+        if clear and _EDGE < x < 1.0 - _EDGE and _EDGE < y < 1.0 - _EDGE:
+            placed.append((x, y))
+    middles = [to_axes.inverted().transform(point) for point in placed]
+    for text in ax.clabel(lines, fontsize=_style.SMALL_SIZE, inline=False, manual=middles) or ():
+        text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+
+
+def _middle(points: FloatArray) -> tuple[float, tuple[float, float]]:
+    """Length of a polyline, and the point half-way along it."""
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    half = along[-1] / 2.0
+    x, y = (float(np.interp(half, along, column)) for column in points.T)
+    return float(along[-1]), (x, y)
+
+
+def dress_axis(ax: Axes, which: Literal["x", "y"], study: Study, name: str) -> None:
+    """Label, scale and ticks of an axis that a parameter runs along."""
+    values = np.asarray(study.axes[name])
+    first, last = float(values.min()), float(values.max())
+    axis = ax.xaxis if which == "x" else ax.yaxis
+    axis.set_label_text(label(printed_name(study, name), print_unit(study.units.get(name, ""))))
+    if _logarithmic(np.sort(values.astype(float))):
+        ax.set(**{f"{which}scale": "log"})
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if last < 1e2 * first else (1.0,)))
+        axis.set_minor_formatter(NullFormatter())
+        if first >= _PLAIN[0] and last <= _PLAIN[1]:
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        return
+    whole = np.issubdtype(values.dtype, np.integer)
+    axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], integer=whole))
+    ax.ticklabel_format(axis=which, useMathText=True, scilimits=(-3, 4))
+
+
+def _logarithmic(values: FloatArray) -> bool:
+    if values.size < 3 or values.min() <= 0.0 or values.max() / values.min() < _DECADE:
+        return False
+    steps = np.diff(np.log(values))
+    return bool(np.allclose(steps, steps[0], rtol=1e-6))
+
+
+def _spread(count: int) -> list[int]:
+    """Indices of the lines drawn: evenly spread, ends included."""
+    most = len(_style.LOOKS)
+    if count <= most:
+        return list(range(count))
+    even = [n for n in range(most, 3, -1) if (count - 1) % (n - 1) == 0]
+    chosen = np.linspace(0, count - 1, even[0] if even else most)
+    return [round(i) for i in chosen.tolist()]

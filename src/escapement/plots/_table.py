@@ -1,0 +1,170 @@
+"""What of a study goes into a figure: one result over one or two axes."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement import _validate
+from escapement.errors import InvalidValue
+from escapement.model import FloatArray
+from escapement.plots._labels import quantity
+
+_SHORT = {
+    "friction": "coefficient of friction",
+    "velocity_max": "maximum driver velocity",
+    "velocity_mean": "mean driver velocity",
+    "velocity_min": "minimum driver velocity",
+}
+_WIDEST = 56  # characters of a note over one column
+_LONGEST = 28  # characters of a long name that still make an axis label
+
+
+class Study(Protocol):
+    """What a figure needs of a study: a grid of results over named axes.
+
+    `axes` in the order of the results' dimensions; `units` (UDUNITS spelling)
+    and `long_names` for axes and results alike; NaN where there is no result.
+    """
+
+    @property
+    def axes(self) -> Mapping[str, NDArray[Any]]:
+        """Values along each dimension; shape (n,)."""
+
+    @property
+    def results(self) -> Mapping[str, NDArray[Any]]:
+        """Arrays over the axes in order."""
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Unit of every axis and result."""
+
+    @property
+    def long_names(self) -> Mapping[str, str]:
+        """Description of every axis and result."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """One result over at most two axes, ready to draw.
+
+    x, lines : names of the axes along the first and second dimension of
+        `values`; without a second axis `lines` is None, and that dimension 1.
+    x_values, line_values : values along them, ascending.
+    values : the result, NaN where there is none.
+    note : which axes were fixed, and where; "" for none.
+    """
+
+    x: str
+    lines: str | None
+    x_values: FloatArray
+    line_values: FloatArray
+    values: FloatArray
+    note: str
+
+
+def tabulate(study: Study, result: str, x: str | None = None) -> Table:
+    """Choose the axes of a figure, and fix every other one at its middle.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result.
+    result : str
+        Which result.
+    x : str, optional
+        First axis. Default: of the first two that were varied, torque, else
+        the one with most points.
+
+    Raises
+    ------
+    InvalidValue
+        For an unknown or empty result, or a study that varies nothing.
+    """
+    known = tuple(name for name in study.results if name != "status")
+    _validate.choice("result", result, known)
+    varied = [name for name, values in study.axes.items() if np.size(values) > 1]
+    if not varied:
+        raise InvalidValue(
+            "study must vary at least one parameter to be plotted, got a single case; "
+            "give a parameter two values or more"
+        )
+    if x is None:
+        pair = varied[:2]
+        x = "torque" if "torque" in pair else max(pair, key=lambda name: len(study.axes[name]))
+    _validate.choice("x", x, tuple(varied))
+    lines = next((name for name in varied if name != x), None)
+    middle = {
+        name: np.size(values) // 2 for name, values in study.axes.items() if name not in (x, lines)
+    }
+    index = tuple(middle.get(name, slice(None)) for name in study.axes)
+    values = np.array(study.results[result], dtype=float)[index]
+    values[~np.isfinite(values)] = np.nan
+    if np.isnan(values).all():
+        raise _empty([result])
+    names = list(study.axes)
+    if lines is None:
+        values = values[:, None]
+    elif names.index(lines) < names.index(x):
+        values = values.T
+    x_values = np.asarray(study.axes[x], dtype=float)
+    line_values = np.zeros(1) if lines is None else np.asarray(study.axes[lines], dtype=float)
+    rows, columns = np.argsort(x_values), np.argsort(line_values)
+    fixed = [_fixed(study, name, i) for name, i in middle.items()]
+    note = textwrap.fill(", ".join(fixed), _WIDEST)
+    return Table(
+        x,
+        lines,
+        x_values[rows],
+        line_values[columns],
+        values[np.ix_(rows, columns)],
+        note[:1].upper() + note[1:],
+    )
+
+
+def available(study: Study, names: Sequence[str]) -> list[str]:
+    """Those of the named results that a figure can show.
+
+    Raises
+    ------
+    InvalidValue
+        When there is none.
+    """
+    found = []
+    for name in names:
+        if name in study.results:
+            try:
+                tabulate(study, name)
+            except NoResult:
+                continue
+            found.append(name)
+    if not found:
+        raise _empty(names)
+    return found
+
+
+class NoResult(InvalidValue):
+    """Every case that would be drawn lacks the result."""
+
+
+def printed_name(study: Study, name: str) -> str:
+    """Name of an axis or result, short enough for a label."""
+    words = name.replace("_", " ")
+    long = study.long_names.get(name) or words
+    return _SHORT.get(name) or (long if len(long) <= _LONGEST else words)
+
+
+def _fixed(study: Study, name: str, index: int) -> str:
+    values = study.axes[name]
+    text = quantity(printed_name(study, name), values[index], study.units.get(name, ""))
+    return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)} values)"
+
+
+def _empty(names: Sequence[str]) -> NoResult:
+    return NoResult(
+        f"study must hold a number for {' or '.join(names)} to be plotted, got none in the cases "
+        "shown; its status says what went wrong in each"
+    )

@@ -1,0 +1,217 @@
+"""Figures of a study: figures of merit over one or two swept parameters."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
+
+from escapement.errors import InvalidValue
+from escapement.plots import _style
+from escapement.plots._labels import label, scaled
+from escapement.plots._panels import (
+    draw_line,
+    draw_lines,
+    draw_map,
+    dress_axis,
+    legend,
+    legend_title,
+)
+from escapement.plots._table import NoResult, Study, Table, available, tabulate
+
+_ENOUGH = 5  # points on either axis that make a contour map worth while
+_TIMES = ("rise_time", "settling_time")
+_VELOCITIES = ("velocity_max", "velocity_mean", "velocity_min")
+_MAPS = ("period", "velocity_mean", "rise_time")
+
+
+def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
+    """One result against one parameter, a line for each value of another.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result.
+    result : str
+        Which result, for example "rise_time".
+    x : str, optional
+        Axis of the study along the abscissa. Default: torque where it was
+        varied, else the axis with most points.
+    ax : Axes, optional
+        Where to draw. Default: a new figure in one column.
+
+    Returns
+    -------
+    Axes
+        Computed points are marked where they are few. Of many lines six are
+        drawn. Axes beyond two stay at their middle value, told in the legend.
+
+    Raises
+    ------
+    InvalidValue
+        For an unknown or empty result, or a study with nothing varied.
+
+    Source: the figures are Meyer (1973), figures 9-11.
+    """
+    table = tabulate(study, result, x)
+    ax = ax or _style.new_axes(_style.ONE_COLUMN, 3.1)
+    lines = draw_lines(ax, study, result, table)
+    legend(ax, study, table, lines, table.note)
+    if table.lines is None and table.note:
+        ax.set_title(table.note, fontsize=_style.SMALL_SIZE)
+    return ax
+
+
+def plot_rise_and_terminal(study: Study) -> Figure:
+    """Rise time above mean terminal velocity, against one parameter.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result, as for `plot_lines`.
+
+    Source: the figure is Meyer (1973), figures 9-11; his average velocity is
+    (max + min)/2, here it is the cell angle over the period.
+    """
+    names = available(study, ("rise_time", "velocity_mean"))
+    figure = _style.new_figure(_style.ONE_COLUMN, 0.7 + 2.2 * len(names))
+    panels = _panels(figure, len(names), 1)
+    lines, table = _fill(panels, study, names)
+    legend(panels[0], study, table, lines)
+    _title(figure, table)
+    return figure
+
+
+def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
+    """Contour map of one result over two parameters; hatched: no result.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result with two varied axes or more; beyond the first two,
+        axes stay at their middle value.
+    result : str
+        Which result.
+    ax : Axes, optional
+        Where to draw. Default: a new figure in one column.
+
+    Raises
+    ------
+    InvalidValue
+        For an unknown or empty result, or fewer than two varied axes.
+    """
+    table = tabulate(study, result)
+    if table.lines is None:
+        raise InvalidValue(
+            f"study must vary two parameters for a map, got one ({table.x}); use plot_lines"
+        )
+    own = ax is None
+    ax = ax or _style.new_axes(_style.ONE_COLUMN, 2.9)
+    key = draw_map(ax, study, result, table, bar=True)
+    if key:
+        _style.legend_above(ax, 1, handles=key)
+    if own:
+        _title(ax.figure, table)
+    return ax
+
+
+def plot_study(study: Study) -> Figure:
+    """The figure that suits a study.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result.
+
+    Returns
+    -------
+    Figure
+        One varied axis: rise and settling time, and the terminal velocities.
+        Two: rise time and mean velocity, a line for each value of the second;
+        with five points or more on both, contour maps below. More: the first
+        two, the others at their middle value, which the title tells.
+
+    Raises
+    ------
+    InvalidValue
+        When nothing was varied, or no case has a result.
+    """
+    names = available(study, ("rise_time", "velocity_mean"))
+    table = tabulate(study, names[0])
+    if table.lines is None:
+        return _plot_single(study, table)
+    if min(table.values.shape) < _ENOUGH:
+        return plot_rise_and_terminal(study)
+    return _plot_double(study, names, table)
+
+
+def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
+    """Lines above contour maps."""
+    figure = _style.new_figure(_style.TWO_COLUMN, 5.8)
+    rows = figure.add_gridspec(2, 1, height_ratios=(1.15, 1.0))
+    upper, lower = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
+    lines, _ = _fill(_panels(upper, 1, len(names)), study, names)
+    key: dict[str, Any] = {"fontsize": _style.SMALL_SIZE, "frameon": False, "handlelength": 2.6}
+    upper.legend(
+        handles=lines, loc="outside upper center", ncols=len(lines),
+        title=legend_title(study, table), title_fontsize=_style.SMALL_SIZE, **key,
+    )  # fmt: skip
+    maps = available(study, _MAPS)
+    holes = []
+    for ax, name in zip(_panels(lower, 1, len(maps)), maps, strict=True):
+        holes += draw_map(ax, study, name, tabulate(study, name), bar=False)
+        ax.label_outer()
+    if holes:
+        lower.legend(handles=holes[:1], loc="outside lower center", **key)
+    _title(figure, table)
+    return figure
+
+
+def _plot_single(study: Study, table: Table) -> Figure:
+    """Times above velocities, against the only varied parameter."""
+    groups = {"time": _present(study, _TIMES), "driver velocity": _present(study, _VELOCITIES)}
+    groups = {name: members for name, members in groups.items() if members}
+    figure = _style.new_figure(_style.ONE_COLUMN, 0.4 + 2.2 * len(groups))
+    panels = _panels(figure, len(groups), 1)
+    for ax, (name, members) in zip(panels, groups.items(), strict=True):
+        values = {member: tabulate(study, member).values[:, 0] for member in members}
+        factor, unit = scaled(study.units.get(members[0], ""), list(values.values()))
+        for look, (member, y) in zip(_style.LOOKS, values.items(), strict=False):
+            entry = member.removeprefix("velocity_").replace("_", " ")
+            draw_line(ax, table.x_values, y * factor, look, entry)
+        dress_axis(ax, "x", study, table.x)
+        ax.set_ylabel(label(name, unit))
+        ax.label_outer()
+        _style.legend_above(ax, 3)
+    _title(figure, table)
+    return figure
+
+
+def _present(study: Study, names: Sequence[str]) -> list[str]:
+    try:
+        return available(study, names)
+    except NoResult:
+        return []
+
+
+def _panels(figure: Figure | SubFigure, rows: int, columns: int) -> list[Axes]:
+    """Panels in house style; stacked ones share the abscissa."""
+    axes = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False)
+    return [_style.dress(ax) for ax in axes.ravel()]
+
+
+def _fill(panels: list[Axes], study: Study, names: Sequence[str]) -> tuple[list[Line2D], Table]:
+    """Lines of one result in each panel; returns those of the last."""
+    for ax, name in zip(panels, names, strict=True):
+        table = tabulate(study, name)
+        lines = draw_lines(ax, study, name, table)
+        if len(panels[0].get_shared_x_axes().get_siblings(ax)) > 1:
+            ax.label_outer()
+    return lines, table
+
+
+def _title(figure: Figure | SubFigure, table: Table) -> None:
+    """Say over the figure which axes were fixed, and where."""
+    if table.note:
+        figure.suptitle(table.note, fontsize=_style.SMALL_SIZE)

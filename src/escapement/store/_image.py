@@ -1,0 +1,97 @@
+"""The HDF5 layout of a study: datasets, scales, names and units, then chunks."""
+
+import json
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.status import Status
+from escapement.store._chunks import CELLS, Tiling, encode
+from escapement.store._steady_file import SteadyFile
+from escapement.store._study import RESULTS, Study
+
+_FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
+
+
+class StudyImage:
+    """A study file under construction on an open, empty file.
+
+    Every method raises OSError as soon as the disk has failed; closing never
+    leaves HDF5 in a state it cannot leave.
+
+    Parameters
+    ----------
+    handle : binary file
+        Where the bytes go.
+    frame : Study
+        Everything but the results.
+    tiling : Tiling
+        How the results are cut into chunks.
+    """
+
+    def __init__(self, handle: BinaryIO, frame: Study, tiling: Tiling) -> None:
+        import h5py
+
+        self._tiling = tiling
+        self._steady = SteadyFile(handle)
+        self._hdf5 = h5py.File(self._steady, "w")
+        try:
+            _write_root(self._hdf5, frame)
+            for name, values in frame.axes.items():
+                _write_axis(self._hdf5, frame, name, values)
+            for name in RESULTS:
+                _create_result(self._hdf5, frame, name, tiling.tile)
+            self._check()
+        except BaseException:
+            self._hdf5.close()
+            raise
+
+    def store(self, chunk: int, columns: dict[str, NDArray[Any]], count: int) -> None:
+        """Write one chunk of every result: the first `count` values of each column."""
+        offset = self._tiling.offset(chunk)
+        for name, values in columns.items():
+            data = encode(values[:count], self._tiling.cells)
+            self._hdf5[name].id.write_direct_chunk(offset, data)
+        self._check()
+
+    def close(self) -> None:
+        """Complete the file."""
+        self._hdf5.close()
+        self._check()
+
+    def _check(self) -> None:
+        if self._steady.error is not None:
+            raise self._steady.error
+
+
+def _write_root(hdf5: Any, frame: Study) -> None:
+    import h5py
+
+    for name, value in frame.attributes.items():
+        hdf5.attrs[name] = value
+    text = json.dumps(frame.configuration, allow_nan=False)
+    dataset = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
+    dataset.attrs["units"] = "1"
+    dataset.attrs["long_name"] = "configuration of the study, JSON"
+
+
+def _write_axis(hdf5: Any, frame: Study, name: str, values: NDArray[Any]) -> None:
+    chunks = (min(values.size, CELLS),)
+    kind = "<i8" if values.dtype.kind == "i" else "<f8"
+    axis = hdf5.create_dataset(name, data=values, dtype=kind, chunks=chunks, **_FILTERS)
+    axis.attrs["units"] = frame.units[name]
+    axis.attrs["long_name"] = frame.long_names[name]
+    axis.make_scale(name)
+
+
+def _create_result(hdf5: Any, frame: Study, name: str, tile: tuple[int, ...]) -> None:
+    result = RESULTS[name]
+    dataset = hdf5.create_dataset(name, frame.shape, result.dtype, chunks=tile, **_FILTERS)
+    dataset.attrs["units"] = frame.units[name]
+    dataset.attrs["long_name"] = frame.long_names[name]
+    if name == "status":
+        dataset.attrs["flag_values"] = np.array([member.value for member in Status], "u1")
+        dataset.attrs["flag_meanings"] = " ".join(member.label for member in Status)
+    for dimension, axis in zip(dataset.dims, frame.axes, strict=True):
+        dimension.attach_scale(hdf5[axis])

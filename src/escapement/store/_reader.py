@@ -1,0 +1,88 @@
+"""Reading a study file back."""
+
+import json
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from escapement.errors import InputFileError, MissingInput
+from escapement.store._study import RESULTS, SCHEMA_VERSION, Study
+
+
+def read_study(path: str | PathLike[str]) -> Study:
+    """Read a study with all its results.
+
+    Parameters
+    ----------
+    path : path
+        File written by a sweep.
+
+    Raises
+    ------
+    MissingInput
+        When there is no such file.
+    InputFileError
+        When it is no HDF5 file, is damaged, holds something else, or was
+        written in a layout newer than this version knows.
+    """
+    import h5py
+
+    file = Path(path)
+    if not file.exists():
+        raise MissingInput(f"study {path} does not exist; check its name")
+    if not file.is_file():
+        raise InputFileError(f"study {path} must be a file, got a directory; name a file in it")
+    try:
+        with h5py.File(file, "r") as hdf5:
+            _check_schema(path, hdf5)
+            return _read(hdf5)
+    except PermissionError:
+        raise InputFileError(f"study {path} must be readable; check its permissions") from None
+    except (OSError, RuntimeError) as error:
+        if not h5py.is_hdf5(file):
+            raise InputFileError(
+                f"study {path} must be an HDF5 file, and is not or is cut short; "
+                "name a file that escapement sweep wrote"
+            ) from None
+        raise _damaged(path, error) from None
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        raise _damaged(path, error) from None
+
+
+def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:
+    version = hdf5.attrs.get("schema_version")
+    missing = [name for name in ("configuration", *RESULTS) if name not in hdf5]
+    if missing or not isinstance(version, np.integer | int):
+        raise InputFileError(
+            f"study {path} must hold a study, and lacks {', '.join(missing) or 'schema_version'}; "
+            "name a file that escapement sweep wrote"
+        )
+    if version > SCHEMA_VERSION:
+        raise InputFileError(
+            f"study {path} must have schema_version {SCHEMA_VERSION} or less, got {version}; "
+            "install a newer geneva-escapement to read it"
+        )
+
+
+def _read(hdf5: Any) -> Study:
+    axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
+    names = [*axes, *RESULTS]
+    return Study(
+        axes={name: hdf5[name][()] for name in axes},
+        results={name: hdf5[name][()] for name in RESULTS},
+        units={name: str(hdf5[name].attrs["units"]) for name in names},
+        long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
+        configuration=json.loads(hdf5["configuration"].asstr()[()]),
+        attributes={name: _plain(value) for name, value in hdf5.attrs.items()},
+    )
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _damaged(path: str | PathLike[str], error: Exception) -> InputFileError:
+    reason = " ".join(str(error).split())
+    return InputFileError(f"study {path} must be whole, and is damaged: {reason}; write it anew")

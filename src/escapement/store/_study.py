@@ -1,0 +1,82 @@
+"""A study's results as a value, and the results every study has."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from escapement.status import Status
+
+SCHEMA_VERSION = 1
+"""Version of the file layout: raised when an older reader would misread a newer file."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """One result of every case: its unit (UDUNITS), name and storage type."""
+
+    units: str
+    long_name: str
+    dtype: DTypeLike = "<f8"
+
+
+RESULTS: Mapping[str, Result] = {
+    "velocity_max": Result("rad s-1", "largest driver velocity of the terminal cycle"),
+    "velocity_min": Result("rad s-1", "smallest driver velocity of the terminal cycle"),
+    "velocity_mean": Result("rad s-1", "mean driver velocity of the terminal cycle"),
+    "period": Result("s", "period of one engagement of the terminal cycle"),
+    "rise_time": Result("s", "time of the first velocity extremum within 2 % of terminal"),
+    "settling_time": Result("s", "time from which all velocity extrema are within 1 %"),
+    "status": Result("1", "outcome of the case", "u1"),
+}
+"""Results over the grid, in the order of the file."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study: axes, results over their grid, and what they mean.
+
+    Attributes
+    ----------
+    axes : dict of ndarray, shape (n,)
+        In the user's units; their order is that of the results' dimensions.
+    results : dict of ndarray
+        NaN where a case has no such figure; `status` (uint8) says why.
+    units, long_names : dict of str
+        For every axis and result.
+    configuration : dict
+        The study as it was asked for.
+    attributes : dict
+        title, schema_version, package_version, engine, rtol and created.
+    """
+
+    axes: dict[str, NDArray[Any]]
+    results: dict[str, NDArray[Any]]
+    units: dict[str, str]
+    long_names: dict[str, str]
+    configuration: dict[str, Any]
+    attributes: dict[str, Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of each axis."""
+        return tuple(values.size for values in self.axes.values())
+
+    @property
+    def cases(self) -> int:
+        """Number of grid points."""
+        return math.prod(self.shape)
+
+    @property
+    def failed(self) -> int:
+        """Number of cases without an answer."""
+        return count_failed(self.results["status"])
+
+
+def count_failed(status: NDArray[np.uint8]) -> int:
+    """How many statuses say that a case has no answer."""
+    failures = [member.value for member in Status if member.failed]
+    return int(np.isin(status, failures).sum())

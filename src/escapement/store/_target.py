@@ -1,0 +1,125 @@
+"""An output file that appears complete or not at all."""
+
+import errno
+import os
+import stat
+import uuid
+from contextlib import suppress
+from os import PathLike
+from pathlib import Path
+from typing import BinaryIO
+
+from escapement.errors import CannotCreate, EscapementError, StorageError
+
+_DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+
+
+def check_target(path: str | PathLike[str], force: bool = False) -> Path:
+    """Where an output will go, once it is clear that it may go there.
+
+    Parameters
+    ----------
+    path : path
+        What the user named; a link is followed, so that it stays a link.
+    force : bool
+        Whether an existing file may be replaced.
+
+    Raises
+    ------
+    CannotCreate
+        When the folder is missing, something stands in the way, or a file
+        exists and `force` is not given.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+        kind = target.lstat().st_mode
+    except FileNotFoundError:
+        if not target.parent.is_dir():
+            raise CannotCreate(
+                f"output {path} must be in an existing folder, got {target.parent}; create it first"
+            ) from None
+        return target
+    except (OSError, ValueError) as error:
+        raise _cannot_create(path, error) from None
+    if stat.S_ISDIR(kind):
+        raise CannotCreate(f"output {path} must be a file, got a directory; name a file in it")
+    if not stat.S_ISREG(kind):
+        raise CannotCreate(f"output {path} must be an ordinary file; name another")
+    if not force:
+        raise CannotCreate(
+            f"output {path} must not exist yet, got an existing file; "
+            "choose another name or give --force (force=True) to replace it"
+        )
+    return target
+
+
+class PendingFile:
+    """A temporary file beside its target, put in place when it is complete.
+
+    Raises
+    ------
+    CannotCreate
+        When the target may not be created.
+    StorageError
+        When the disk is full or fails.
+    """
+
+    def __init__(self, path: str | PathLike[str], force: bool = False) -> None:
+        self._named, self._force = path, force
+        self._target = check_target(path, force)
+        self._temporary = self._target.parent / f".escapement-{uuid.uuid4().hex}.partial"
+        try:
+            self.handle: BinaryIO = open(self._temporary, "x+b", buffering=0)  # noqa: SIM115
+        except OSError as error:
+            raise _storage_or_creation(path, error) from None
+
+    def place(self) -> None:
+        """Make the file durable and give it its name, in that order."""
+        try:
+            os.fsync(self.handle.fileno())
+            self.handle.close()
+            check_target(self._named, self._force)
+            os.replace(self._temporary, self._target)
+            _sync_folder(self._target.parent)
+        except OSError as error:
+            self.discard()
+            if isinstance(error, EscapementError):
+                raise
+            raise storage_error(self._named, error) from None
+
+    def discard(self) -> None:
+        """Leave nothing behind; the target stays as it was."""
+        with suppress(OSError):  # a full disk may only show now, and the file goes anyway
+            self.handle.close()
+        with suppress(OSError):  # the folder itself may be gone
+            self._temporary.unlink()
+
+
+def storage_error(path: str | PathLike[str], error: BaseException) -> StorageError:
+    """The error for a write to `path` that failed half-way."""
+    reason = getattr(error, "strerror", None) or error
+    return StorageError(
+        f"writing {path} failed: {reason}; nothing was left behind, free space or name another disk"
+    )
+
+
+def _cannot_create(path: str | PathLike[str], error: Exception) -> CannotCreate:
+    reason = getattr(error, "strerror", None) or error
+    return CannotCreate(f"output {path} cannot be created: {reason}; choose another folder or name")
+
+
+def _storage_or_creation(path: str | PathLike[str], error: OSError) -> EscapementError:
+    if error.errno in _DEVICE_ERRORS:
+        return storage_error(path, error)
+    return _cannot_create(path, error)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the new name durable, where the system can."""
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except OSError:
+        return
+    with suppress(OSError):
+        os.fsync(descriptor)
+    os.close(descriptor)

@@ -1,0 +1,5 @@
+"""Studies over grids of parameters: every case solved, into memory or into a file."""
+
+from escapement.sweeping._run import Tally, frame_of, run_plan, sweep, write_plan
+
+__all__ = ["Tally", "frame_of", "run_plan", "sweep", "write_plan"]

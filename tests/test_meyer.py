@@ -1,0 +1,246 @@
+"""Appendix E of Meyer (1973): the exact solutions beside the printed tables."""
+
+import json
+import math
+from collections import defaultdict
+
+import numpy as np
+import pytest
+
+from escapement.errors import InvalidValue
+from escapement.mechanisms import Geneva
+from escapement.model import Escapement, Inertia, Mechanism
+from escapement.published.meyer import (
+    HEADINGS,
+    INERTIAS,
+    PublishedCell,
+    agreement,
+    appendix_e,
+    printed_rows,
+)
+from escapement.units import INCH_POUND
+
+COLUMNS = ("printed", "as_published", "program_1973", "true")
+FIGURES = {"velocity_max", "velocity_min", "rise_time", "period"}
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return appendix_e()
+
+
+def _row(rows, slots, friction, torque):
+    key = (slots, friction, torque)
+    return next(r for r in rows if (r["slots"], r["friction"], r["torque_inlbf"]) == key)
+
+
+def _series(rows, column, along, figure):
+    """Figure over one of friction and torque, everything else fixed."""
+    other = "torque_inlbf" if along == "friction" else "friction"
+    series = defaultdict(list)
+    for row in rows:
+        series[row["slots"], row[other]].append((row[along], row[column][figure]))
+    return [np.array(sorted(pairs))[:, 1] for pairs in series.values() if len(pairs) > 1]
+
+
+def test_table_as_printed():
+    table = printed_rows()
+    assert len(table) == 49
+    assert [sum(row.slots == n for row in table) for n in (3, 4, 6)] == [16, 17, 16]
+    assert table[0] == (3, 6, 0.20, 0.03, 83.0, 10.0, 0.101, 0.046)
+    assert table[32] == (4, 4, 0.35, 0.20, 163.0, 25.0, 0.028, 0.031)
+    assert table[-1] == (6, 3, 0.35, 0.14, 176.0, 72.0, 0.028, 0.015)
+    assert all(row.pins == Geneva(row.slots).pins for row in table)
+
+
+def test_only_the_six_pin_heading_swaps_inertias():
+    assert HEADINGS[3] == INERTIAS[3][::-1]
+    assert {n for n in INERTIAS if HEADINGS[n] != INERTIAS[n]} == {3}
+
+
+@pytest.mark.parametrize(("slots", "entry", "end"), [(3, -30, 60), (4, -45, 45), (6, -60, 30)])
+def test_published_cell_is_90_degrees_from_the_true_entry(slots, entry, end):
+    cell = PublishedCell(slots)
+    assert isinstance(cell, Mechanism)
+    assert cell.cell_angle == math.pi / 2
+    np.testing.assert_allclose(np.degrees(cell.breaks), [entry, 0.0, end], atol=1e-12)
+    np.testing.assert_array_equal(cell.path, Geneva(slots).path)
+
+
+@pytest.mark.parametrize("slots", [3, 4, 6])
+def test_published_follower_step_is_the_integral_of_the_transmission(slots):
+    cell = PublishedCell(slots)
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    half = cell.cell_angle / 2
+    g = Geneva(slots).transmission(cell.breaks[0] + half * (1 + nodes)).g
+    assert cell.follower_step == pytest.approx(half * weights @ g, rel=1e-12)
+
+
+def test_transmission_at_the_published_handoffs():
+    ends = {n: Geneva(n).transmission(PublishedCell(n).breaks[-1]).g for n in (3, 4, 6)}
+    assert ends[3] == pytest.approx(-0.3586, abs=1e-4)  # past the true exit
+    assert ends[4] == pytest.approx(0.0, abs=1e-15)
+    assert ends[6] == pytest.approx(0.4767, abs=1e-4)  # short of it
+
+
+@pytest.mark.parametrize("slots", [5, 2, 4.0, "4", None])
+def test_published_cell_exists_for_meyers_wheels_only(slots):
+    with pytest.raises(InvalidValue, match="slots must be"):
+        PublishedCell(slots)
+
+
+def test_every_row_has_four_columns(rows):
+    assert len(rows) == 49
+    for row in rows:
+        assert all(set(row[column]) == FIGURES for column in COLUMNS)
+        assert all(value > 0.0 for column in COLUMNS for value in row[column].values())
+    json.dumps(rows, allow_nan=False)
+
+
+def test_as_published_solution_meets_the_tables(rows):
+    count = agreement(rows, "as_published")
+    assert count.rows == 49
+    assert count.periods == 49
+    assert count.minima == 49
+    assert count.maxima >= 44
+    assert count.worst_maximum < 0.03
+    assert count.rise_times >= 46
+
+
+def test_replicated_listing_meets_the_maxima_better(rows):
+    count = agreement(rows, "program_1973")
+    assert count.periods == 49
+    assert count.maxima >= 47
+    assert count.worst_maximum < 0.021
+
+
+def test_tables_describe_no_real_mechanism_but_the_four_pin_one(rows):
+    met = {
+        slots: agreement([row for row in rows if row["slots"] == slots], "true").maxima
+        for slots in (3, 4, 6)
+    }
+    assert met[3] == met[6] == 0
+    assert met[4] >= 14
+
+
+@pytest.mark.parametrize(
+    ("slots", "friction", "torque", "column", "expected"),
+    [
+        (3, 0.20, 0.03, "as_published", (83.2, 9.8, 0.0453)),
+        (3, 0.20, 0.03, "true", (69.2, 9.1, 0.0418)),
+        (6, 0.20, 0.08, "as_published", (143.9, 60.6, 0.0184)),
+        (6, 0.20, 0.08, "true", (273.6, 74.6, 0.0165)),
+        (4, 0.35, 0.20, "true", (165.6, 25.2, 0.0311)),
+        (4, 0.30, 0.10, "true", (131.5, 18.5, 0.0415)),
+    ],
+)
+def test_figures_checked_by_independent_integration(
+    rows, slots, friction, torque, column, expected
+):
+    figures = _row(rows, slots, friction, torque)[column]
+    assert figures["velocity_max"] == pytest.approx(expected[0], abs=0.05)
+    assert figures["velocity_min"] == pytest.approx(expected[1], abs=0.05)
+    assert figures["period"] == pytest.approx(expected[2], abs=5e-5)
+
+
+def test_four_pin_cell_is_right_as_published(rows):
+    for row in rows:
+        if row["slots"] == 4:
+            assert row["as_published"] == pytest.approx(row["true"], rel=1e-6)
+
+
+def test_causes_are_named_where_they_apply(rows):
+    def named(words):
+        return {row["slots"] for row in rows if any(words in text for text in row["reasons"])}
+
+    assert named("heading swaps the inertias") == {3}
+    assert named("hard-codes a 90-degree cell") == {3, 6}
+    for row in rows:
+        if row["slots"] != 4:
+            assert any("90-degree" in text for text in row["reasons"])
+        if row["slots"] == 3:
+            assert any("heading" in text for text in row["reasons"])
+
+
+def test_low_peaks_are_put_down_to_the_print_step(rows):
+    for friction, torque in ((0.35, 0.20), (0.30, 0.10)):
+        reasons = _row(rows, 4, friction, torque)["reasons"]
+        assert any("0.5 ms print step misses the velocity_max" in text for text in reasons)
+
+
+def test_little_is_left_unexplained(rows):
+    left = [text for row in rows for text in row["reasons"] if "unexplained" in text]
+    # six-slot maxima, all within 1.1 rad/s of the exact ones
+    assert len(left) <= 6
+    assert all("velocity_max" in text for text in left)
+
+
+def test_a_row_that_agrees_has_no_reasons(rows):
+    assert _row(rows, 4, 0.35, 0.11)["reasons"] == []
+
+
+@pytest.mark.parametrize("column", ["as_published", "program_1973", "true"])
+def test_more_torque_runs_faster(rows, column):
+    for figure in ("velocity_max", "velocity_min"):
+        faster = _series(rows, column, "torque_inlbf", figure)
+        assert all((np.diff(values) > 0).all() for values in faster)
+    shorter = _series(rows, column, "torque_inlbf", "period")
+    assert all((np.diff(values) < 0).all() for values in shorter)
+
+
+@pytest.mark.parametrize("column", ["printed", "as_published", "true"])
+def test_more_friction_runs_slower(rows, column):
+    slower = _series(rows, column, "friction", "velocity_max")
+    assert all((np.diff(values) < 0).all() for values in slower)
+    # printed periods tie where 1 ms does not tell them apart
+    longer = _series(rows, column, "friction", "period")
+    assert all((np.diff(values) >= 0).all() for values in longer)
+
+
+@pytest.mark.parametrize("column", ["printed", "as_published", "true"])
+def test_more_friction_settles_in_fewer_periods(rows, column):
+    rise = _series(rows, column, "friction", "rise_time")
+    period = _series(rows, column, "friction", "period")
+    for times, unit in zip(rise, period, strict=True):
+        if len(times) == 4:
+            assert times[-1] / unit[-1] < times[0] / unit[0]
+
+
+def test_printed_speeds_go_as_the_root_of_torque():
+    groups = defaultdict(list)
+    for row in printed_rows():
+        groups[row.slots, row.friction].append(row.velocity_max / math.sqrt(row.torque_inlbf))
+    for key, scaled in groups.items():
+        # half a digit is 0.7 %, the print step cuts up to another 2.7 %
+        assert max(scaled) / min(scaled) < 1.035, key
+
+
+def test_speeds_go_exactly_as_the_root_of_torque():
+    from escapement.simulation import terminal
+
+    inertia = Inertia(*(value * INCH_POUND for value in INERTIAS[4]))
+    low, high = (
+        terminal(Escapement(Geneva(4), inertia, torque * INCH_POUND, 0.25))
+        for torque in (0.08, 0.14)
+    )
+    ratio = math.sqrt(0.14 / 0.08)
+    for name in ("velocity_max", "velocity_min"):
+        assert getattr(high, name) == pytest.approx(getattr(low, name) * ratio, rel=1e-8)
+    for name in ("rise_time", "period"):
+        assert getattr(high, name) == pytest.approx(getattr(low, name) / ratio, rel=1e-8)
+
+
+def test_units_change_the_inputs_and_no_answer(rows):
+    si = appendix_e("SI")
+    assert si[0]["torque"] == pytest.approx(0.03 * INCH_POUND, rel=1e-15)
+    assert si[0]["driver_inertia"] == pytest.approx(6e-6 * INCH_POUND, rel=1e-15)
+    assert rows[0]["torque"] == rows[0]["torque_inlbf"] == si[0]["torque_inlbf"] == 0.03
+    assert all(a[column] == b[column] for a, b in zip(si, rows, strict=True) for column in COLUMNS)
+    with pytest.raises(InvalidValue, match="units must be one of"):
+        appendix_e("cgs")
+
+
+def test_missing_figures_count_as_not_met(rows):
+    hollow = [row | {"true": dict.fromkeys(FIGURES)} for row in rows]
+    count = agreement(hollow, "true")
+    assert count[1:] == (0, 0, 0, 0.0, 0)
