@@ -23,7 +23,7 @@ class Engine(NamedTuple):
 
 
 # ivp takes the contraction from a difference quotient over 2e-4 of w, at an rtol of 1e-10.
-ENGINES = [Engine("ivp", 1e-10, 1e-9, 1e-5)]
+ENGINES = [Engine("energy", 1e-12, 1e-11, 1e-9), Engine("ivp", 1e-10, 1e-9, 1e-5)]
 
 each_engine = pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
 each_case = pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])

@@ -117,9 +117,11 @@ def fixed_point(store, count, path, exit_, dwell, rho, mu, load, w, rtol, events
         # 1 - shrink keeps its relative accuracy when next to nothing is lost
         shrink = np.exp(-exponent) * (1.0 - unequal)
         gap = -np.expm1(-exponent) + np.exp(-exponent) * unequal
-        if not gap > 0.0:
-            return NO_TERMINAL, 0.0, shrink, count, marches
         previous = out + free
+        if plain == 0 and gap <= 1e-14 and previous > w:
+            # too slow for a pin reversal, friction only borrows: go where it takes
+            w = 4.0 * previous
+            continue
         better = (source / leave + free) / gap
         if plain > 0 or not better > 0.0:
             w = previous
@@ -140,6 +142,8 @@ def figures(path, breaks, dwell, rho, mu, load, w_start, rtol, store, events, sc
     """
     for i in range(FIGURES):
         out[i] = np.nan
+    if mu == 0.0:
+        return NO_TERMINAL
     loose, strict = tolerances(rtol)
     count = lay_out(store, breaks, path, rho)
     # the first engagements settle most of the way: a good start for Newton

@@ -166,7 +166,7 @@ def simulate(
     while True:
         times, squares = np.empty(size), np.empty(size)
         code, done, angle, _w = handoffs(*scene, w, horizon, rtol, times, squares)
-        if engagements or code or times[-1] >= horizon:
+        if engagements or code or done < size or times[-1] >= horizon:
             break
         size *= 8
     status, message, end = Status.OK, MESSAGES[Status.OK], times[done - 1]

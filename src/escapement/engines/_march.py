@@ -20,6 +20,7 @@ from escapement.engines._panels import (
     LEFT,
     MAX_PANELS,
     NEXT,
+    NOISE,
     POINTS,
     RIGHT,
     SIDES,
@@ -185,7 +186,6 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
         reversal = -1
         if not split:
             # speeds, times and contact at the points
-            low, high = w, w
             against = 0
             for i in range(N):
                 e = row[block + ALPHA + i] * energy + row[block + BETA + i]
@@ -196,8 +196,6 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
                 scratch[_C + i] = c
                 scratch[_F + i] = 1.0 / np.sqrt(v)
                 against += c <= 0.0
-            low = min(w, min(scratch[_W], scratch[_W + N - 1]))
-            high = max(w, max(scratch[_W], scratch[_W + N - 1]))
             e_right = row[block + RIGHT] * energy + row[block + RIGHT + 1]
             w_right = e_right / (rho + row[ENDS + 3] ** 2)
             c_right = side * _contact_at_end(row, 1, w_right, rho, load)
@@ -235,8 +233,8 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
             z = 1.0 + w / slope if slope > 0.0 else 2.0
             if z < 1.6 and (z > 1.05 or tail > strict or reversal >= 0):
                 split = True
-        elif not split and (high > 4.0 * low or reversal >= 0):
-            limit = strict if reversal >= 0 else loose
+        if not split and z >= 1.6:
+            limit = max(strict if reversal >= 0 else loose, row[block + NOISE])
             split = tail_of(scratch, _F) > limit * scratch[_F + N // 2]
 
         # extrema of the speed
@@ -312,7 +310,8 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
             bad += not w_right > 0.0
             bad += side * _contact_at_end(row, 1, w_right, rho, load) > 0.0
             bad += record and _rate_at_end(row, 1, -side, w_right, mu, load) <= 0.0
-            split = bad > 0 or tail_of(scratch, _F) > strict * scratch[_F + N // 2]
+            limit = max(strict, row[other + NOISE])
+            split = bad > 0 or tail_of(scratch, _F) > limit * scratch[_F + N // 2]
             if not split:
                 angle = row[LEFT] + half * (1.0 + x)
                 g, _u, _dg = transmission_at(path, angle)

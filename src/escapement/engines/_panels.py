@@ -40,17 +40,18 @@ CUMULATE = (_integrated(POINTS).T @ TRANSFORM).T.copy()
 """CUMULATE[k, i]: weight of the value at point k in the integral to point i."""
 
 # One row of the panel store. A side's block is: tail, alpha, beta, b = int B at the
-# points, then alpha, beta, b at the right end.
+# points, then alpha, beta, b at the right end, and the rounding noise in all of these.
 LEFT, HALF, NEXT, KINK = 0, 1, 2, 3  # KINK: whether the left end is a break of the mechanism
 G, U, DG, INVERSE = 4, 4 + N, 4 + 2 * N, 4 + 3 * N
 ENDS = 4 + 4 * N  # g, |u|, g' at the left end, then at the right end
 SIDES = ENDS + 6
 TAIL, ALPHA, BETA, B, RIGHT = 0, 1, 1 + N, 1 + 2 * N, 1 + 3 * N
-BLOCK = RIGHT + 3
+NOISE = RIGHT + 3
+BLOCK = NOISE + 1
 ROW = SIDES + 2 * BLOCK
 
 UNBUILT = -1.0
-MAX_PANELS = 512
+MAX_PANELS = 2048
 SMALLEST = 1e-13  # of a radian: no panel is halved below this
 
 
@@ -99,12 +100,14 @@ def solve_side(row, side, rho, mu, load, scratch):  # type: ignore[no-untyped-de
     block = block_of(side)
     half = row[HALF]
     total = 0.0
+    cancelled = 1.0
     for i in range(N):
         scratch[i] = 0.0
     for k in range(N):
         g = row[G + k]
         c = side * mu * row[U + k]
         inverse_j = 1.0 / (1.0 / row[INVERSE + k] + g * c)
+        cancelled = max(cancelled, inverse_j / row[INVERSE + k])
         rate = half * 2.0 * c * rho * row[DG + k] * inverse_j * row[INVERSE + k]
         scratch[N + k] = half * 2.0 * ((1.0 - g * load) - c * (rho * load + g) * inverse_j)
         total += WEIGHTS[k] * rate
@@ -133,6 +136,11 @@ def solve_side(row, side, rho, mu, load, scratch):  # type: ignore[no-untyped-de
     tail = tail_of(row, block + ALPHA) / max(1.0, alpha)
     tail = max(tail, tail_of(row, block + BETA) / max(largest, 1e-300))
     tail = max(tail, tail_of(row, INVERSE) / max(row[INVERSE], row[INVERSE + N - 1]))
+    # J is a difference near the Painleve limit: finer panels cannot help below this
+    noise = 1e-15 * cancelled * max(1.0, abs(total))
+    row[block + NOISE] = noise
+    if tail < noise:
+        tail = 0.0
     if not tail < 1.0 or abs(total) > 20.0:
         tail = 1.0
     row[block + TAIL] = tail

@@ -16,6 +16,7 @@ from escapement.engines._panels import (
     ENDS,
     INVERSE,
     MAX_PANELS,
+    NOISE,
     RIGHT,
     ROW,
     TAIL,
@@ -132,7 +133,8 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
             energies[i] = row[block + ALPHA + i] * energy + row[block + BETA + i]
             slowness[i] = 1.0 / np.sqrt(energies[i] * row[INVERSE + i])
             good = good and energies[i] > 0.0
-        good = good and tail_of(slowness, 0) <= strict * slowness[N // 2]
+        limit = max(strict, row[block + NOISE])
+        good = good and tail_of(slowness, 0) <= limit * slowness[N // 2]
         even = right - left <= _EVEN
         middle = 0.5 * (left + right)
         if not good and not even and waiting < 80 and left < middle < right:

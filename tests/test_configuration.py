@@ -1,0 +1,315 @@
+"""Study configurations: what they accept, what they refuse and how they say it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from escapement import simulation
+from escapement.configuration import _solver, load_plan, parse_plan, plan_from
+from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
+from escapement.mechanisms import Geneva
+from escapement.model import Escapement, Inertia
+from escapement.units import INCH, INCH_POUND
+
+GOOD = {
+    "mechanism": {"kind": "geneva", "slots": 4},
+    "inertia": {"driver": 3e-6, "follower": 50e-6},
+    "torque": 0.1,
+    "sweep": {"friction": [0.2, 0.3]},
+}
+TIMER = Escapement(Geneva(slots=4), Inertia(3e-7, 5e-6), torque=0.01, friction=0.3)
+RUNS = Path(__file__).parent.parent / "runs"
+
+
+def changed(**changes):
+    return {key: value for key, value in (GOOD | changes).items() if value is not ...}
+
+
+def test_units_order_and_defaults():
+    plan = parse_plan(
+        changed(
+            units="in-lbf-s",
+            mechanism={"slots": 4, "crank_radius": 0.5},
+            sweep={"torque": {"start": 0.08, "stop": 0.14, "num": 4}, "friction": 0.2},
+            solver={"rtol": 1e-8},
+        )
+    )
+    assert list(plan.axes) == ["torque", "friction"]
+    assert plan.shape == (4, 1)
+    assert plan.axes["torque"] == pytest.approx([0.08, 0.10, 0.12, 0.14], rel=1e-15)
+    assert (plan.unit("torque"), plan.unit("friction")) == ("in lbf", "1")
+    assert plan.solver.given == {"engine": _solver.DEFAULT_ENGINE, "rtol": 1e-8}
+    case = plan.escapement(3)
+    assert case.torque == 0.14 * INCH_POUND
+    assert case.inertia == Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
+    assert case.mechanism == Geneva(slots=4, crank_radius=0.5 * INCH)
+    assert (case.friction, case.load_torque, plan.values(3)["initial_speed"]) == (0.2, 0.0, 0.0)
+
+
+def test_every_number_of_the_model_can_be_an_axis():
+    axes = {
+        "friction": [0.1, 0.2],
+        "torque": [0.1],
+        "load_torque": [0.0, 0.01],
+        "driver_inertia": [3e-6],
+        "follower_inertia": [5e-5, 6e-5],
+        "initial_speed": [0.0, 1.0],
+        "slots": [3, 4.0],
+        "pins": {"start": 1, "stop": 3, "num": 3},
+    }
+    plan = parse_plan({"sweep": axes})
+    assert plan.shape == (2, 1, 2, 1, 2, 2, 2, 3)
+    last = plan.escapement(plan.cases - 1)
+    assert last.mechanism == Geneva(slots=4, pins=3)
+    assert plan.axes["slots"].dtype == np.int64
+    for start, stop in ((0, 5), (90, plan.cases)):
+        columns = plan.columns(start, stop)
+        for row, case in enumerate(range(start, stop)):
+            assert {n: c[row] for n, c in columns.items()}.items() <= plan.values(case).items()
+
+
+def test_an_axis_replaces_its_fixed_value():
+    plan = parse_plan(changed(sweep={"torque": [0.2]}, friction=0.3))
+    assert plan.escapement(0).torque == 0.2
+    assert "torque" not in plan.configuration
+
+
+def test_pins_follow_an_axis_of_slots_unless_they_were_chosen():
+    for mechanism, pins in ((Geneva(slots=4), (6, 4, 3)), (Geneva(slots=4, pins=2), (2, 2, 2))):
+        escapement = Escapement(mechanism, Inertia(1.0, 1.0), torque=1.0)
+        plan = plan_from(escapement, {"slots": [3, 4, 6]})
+        assert tuple(plan.escapement(i).mechanism.pins for i in range(3)) == pins
+
+
+def test_from_python_and_from_a_file_are_one_plan():
+    plan = plan_from(TIMER, {"friction": np.linspace(0.1, 0.3, 3)}, rtol=1e-9, title="t")
+    again = parse_plan(json.loads(json.dumps(plan.configuration)))
+    assert again.configuration == plan.configuration
+    assert [again.escapement(i) for i in range(3)] == [plan.escapement(i) for i in range(3)]
+
+
+def test_a_mechanism_of_the_users_own_is_kept_as_it_is():
+    class Mine(Geneva):
+        pass
+
+    escapement = Escapement(Mine(slots=5), Inertia(1.0, 1.0), torque=1.0)
+    plan = plan_from(escapement, {"friction": [0.1]})
+    assert plan.escapement(0).mechanism is escapement.mechanism
+    assert "Mine" in json.dumps(plan.configuration)
+    with pytest.raises(InvalidValue, match="unknown key 'slots'"):
+        plan_from(escapement, {"slots": [3]})
+
+
+def test_settings_agree_with_the_engines():
+    assert _solver.ENGINES == simulation.ENGINES
+    assert _solver.METHODS == simulation.METHODS
+    assert _solver.DEFAULT_ENGINE == simulation.DEFAULT_ENGINE
+
+
+@pytest.mark.parametrize("path", sorted(RUNS.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_studies_of_the_repository_are_valid(path):
+    plan = load_plan(path)
+    assert plan.escapement(0) != plan.escapement(plan.cases - 1)
+    assert parse_plan(plan.configuration).configuration == plan.configuration
+
+
+EVEN = {"start": 0.1, "stop": 0.3, "num": 3}
+REFUSED = [
+    ({"frictoin": 0.3}, "unknown key 'frictoin' at the top level; did you mean 'friction'?"),
+    ({"slots": 4}, "unknown key 'slots' at the top level; it belongs in [mechanism]"),
+    ({"driver_inertia": 1.0}, "it belongs in [inertia] as 'driver'"),
+    ({"zzz": 4}, "unknown key 'zzz' at the top level; known are title, units,"),
+    ({"inertia": {"driver": 1.0, "folower": 1.0}}, "'folower' in [inertia]; did you mean 'follow"),
+    ({"mechanism": {"slots": 4, "pin": 4}}, "'pin' in [mechanism]; did you mean 'pins'?"),
+    ({"solver": {"rtoll": 1}}, "unknown key 'rtoll' in [solver]; did you mean 'rtol'?"),
+    ({"sweep": {"frction": [1]}}, "unknown key 'frction' in [sweep]; did you mean 'friction'?"),
+    ({"sweep": {"crank_radius": [1]}}, "unknown key 'crank_radius' in [sweep]; known are"),
+    ({"sweep": {"friction": EVEN | {"nun": 3}}}, "'nun' in axis friction; did you mean 'num'?"),
+    ({"torque": ...}, "the study lacks torque (driving torque); give"),
+    ({"inertia": {}}, "lacks inertia.driver (moment of inertia of the driver), inertia.follower"),
+    ({"mechanism": ...}, "the study lacks mechanism.slots (slots"),
+    ({"sweep": ...}, "the study must sweep at least one parameter, got none; add an axis"),
+    ({"mechanism": 4}, "mechanism must be a table, got 4; write [mechanism]"),
+    ({"mechanism": {"kind": "genva", "slots": 4}}, "mechanism.kind must be one of geneva, got"),
+    ({"mechanism": {"slots": 2}}, "mechanism.slots must be a whole number of at least 3, got 2"),
+    ({"mechanism": {"slots": 4.5}}, "mechanism.slots must be a whole number of at least 3, got"),
+    ({"mechanism": {"slots": True}}, "mechanism.slots must be a finite number, got True"),
+    ({"mechanism": {"slots": 4, "internal": 1}}, "mechanism.internal must be true or false"),
+    ({"mechanism": {"slots": 4, "crank_radius": 0}}, "mechanism.crank_radius must be greater"),
+    ({"inertia": {"driver": -1.0, "follower": 1.0}}, "inertia.driver must be greater than 0, got"),
+    ({"torque": 0}, "torque must be greater than 0, got 0; give the constant"),
+    ({"torque": "much"}, "torque must be a finite number, got 'much'"),
+    ({"torque": True}, "torque must be a finite number, got True"),
+    ({"torque": float("nan")}, "torque must be a finite number, got nan"),
+    ({"torque": 10**400}, "torque must be a finite number, got 1000"),
+    ({"friction": -0.1}, "friction must be at least 0, got -0.1; give a coefficient"),
+    ({"load_torque": float("inf")}, "load_torque must be a finite number, got inf"),
+    ({"units": "cgs"}, "units must be one of SI, in-lbf-s, got 'cgs'"),
+    ({"title": "two\nlines"}, "title must be one line of text"),
+    ({"title": 4}, "title must be one line of text, got 4"),
+    ({"sweep": {"friction": []}}, "friction must have at least one value, got an empty axis"),
+    ({"sweep": {"friction": [0.1, -0.2]}}, "friction[1] must be at least 0, got -0.2"),
+    ({"sweep": {"friction": [0.1, float("nan")]}}, "friction[1] must be a finite number, got nan"),
+    ({"sweep": {"friction": [0.1, "0.2"]}}, "friction[1] must be a finite number, got '0.2'"),
+    ({"sweep": {"friction": [0.1, True]}}, "friction[1] must be a finite number, got True"),
+    ({"sweep": {"friction": [[0.1]]}}, "friction[0] must be a finite number, got [0.1]"),
+    ({"sweep": {"friction": "0.1"}}, "friction must be a list of numbers, one number, or start"),
+    ({"sweep": {"friction": True}}, "friction must be a list of numbers, one number, or start"),
+    ({"sweep": {"slots": [4, 2]}}, "slots[1] must be a whole number of at least 3, got 2"),
+    ({"sweep": {"slots": [4, 4.5]}}, "slots[1] must be a whole number of at least 3, got 4.5"),
+    ({"sweep": {"slots": [1e300]}}, "slots[0] must be below 2^53"),
+    ({"sweep": {"torque": [1.0, 0.0]}}, "torque[1] must be greater than 0, got 0.0"),
+    ({"sweep": {"torque": {"start": 1}}}, "axis torque lacks stop and num; write { start"),
+    ({"sweep": {"torque": EVEN | {"num": 0}}}, "torque.num must be a whole number of at least 1"),
+    ({"sweep": {"torque": EVEN | {"num": 2.5}}}, "torque.num must be a whole number of at least"),
+    ({"sweep": {"torque": EVEN | {"num": 10**8}}}, "torque must have at most 10000000 values"),
+    ({"sweep": {"torque": EVEN | {"start": "a"}}}, "torque.start must be a finite number"),
+    ({"sweep": {"torque": EVEN | {"log": 1}}}, "torque.log must be true or false, got 1"),
+    (
+        {"sweep": {"friction": EVEN | {"start": 0.0, "log": True}}},
+        "friction.start must be greater than 0, got 0.0; a logarithmic axis",
+    ),
+    (
+        {"sweep": {"slots": {"start": 3, "stop": 4, "num": 3}}},
+        "slots[1] must be a whole number of at least 3, got 3.5",
+    ),
+    (
+        {"sweep": dict.fromkeys(("friction", "torque"), EVEN | {"num": 10**7})},
+        "the grid must have at most 1e+12 cases, got 1e+14",
+    ),
+    ({"solver": {"engine": "euler"}}, "engine must be one of"),
+    ({"solver": {"rtol": 1}}, "rtol must be at least 1e-13 and below 1, got 1"),
+    ({"solver": {"rtol": 1e-14}}, "rtol must be at least 1e-13 and below 1, got 1e-14"),
+    ({"solver": {"engine": "ivp", "atol": -1}}, "atol must be at least 0, got -1"),
+    ({"solver": {"engine": "ivp", "method": "RK4"}}, "method must be one of DOP853, RK45"),
+    (
+        {"solver": {"engine": "energy", "method": "RK45"}},
+        "method must be left out with engine 'energy', got 'RK45'",
+    ),
+    ({"solver": {"engine": "ivp", "max_step": 0}}, "max_step must be greater than 0, got 0"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), REFUSED, ids=[m for _, m in REFUSED])
+def test_a_refusal_is_one_line_that_helps(changes, message):
+    with pytest.raises(InvalidValue) as caught:
+        parse_plan(changed(**changes))
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("axes", "message"),
+    [
+        ({"friction": np.zeros((2, 2))}, "friction must be one-dimensional, got 'shape (2, 2)'"),
+        ({"friction": np.array([True])}, "friction must be a list of numbers"),
+        ({"friction": np.array(["a"])}, "friction must be a list of numbers"),
+        ({"friction": np.array([0.1, None])}, "friction[1] must be a finite number, got None"),
+        ({"friction": [[1], [1, 2]]}, "friction[0] must be a finite number"),
+        ({"friction": None}, "friction must be a list of numbers"),
+        ({}, "must sweep at least one parameter"),
+    ],
+)
+def test_python_axes_are_refused_alike(axes, message):
+    with pytest.raises(InvalidValue) as caught:
+        plan_from(TIMER, axes)
+    assert message in str(caught.value)
+
+
+def write(path, content):
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+@pytest.mark.parametrize(
+    ("content", "error", "message"),
+    [
+        (None, MissingInput, "does not exist; check its name"),
+        ("torque = 1\nfriction 3\n", InputFileError, "(at line 2, column"),
+        ("torque = 1\ntorque = 2\n", InputFileError, "(at line 2, column"),
+        (b"torque = 1\n\xff\xfe = 2\n", InputFileError, "not UTF-8 (at line 2)"),
+        ("a = " + "[" * 100_000, InputFileError, "nested too deeply"),
+        ("a = " + "1" * 10_000, InputFileError, "must be valid TOML"),
+        ("a = 1990-13-45\n", InputFileError, "must be valid TOML"),
+        ("torque = 1979-05-27\n[sweep]\nfriction=[1]", InvalidValue, "torque must be a finite"),
+        ("", InvalidValue, "must sweep at least one parameter"),
+        ("[sweep]\nfriction = [nan]", InvalidValue, "friction[0] must be a finite number, got nan"),
+    ],
+)
+def test_unusable_files_are_told_from_bad_values(tmp_path, content, error, message):
+    path = tmp_path / "study.toml"
+    if content is not None:
+        write(path, content)
+    with pytest.raises(EscapementError) as caught:
+        load_plan(path)
+    assert type(caught.value) is error
+    assert str(path) in str(caught.value)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_directory_or_a_file_as_folder_is_no_study(tmp_path):
+    with pytest.raises(InputFileError, match="directory"):
+        load_plan(tmp_path)
+    with pytest.raises(MissingInput):
+        load_plan(write(tmp_path / "file", "") / "study.toml")
+
+
+def test_a_byte_order_mark_does_no_harm(tmp_path):
+    text = "torque = 1\n[mechanism]\nslots = 4\n[inertia]\ndriver = 1\nfollower = 1\n"
+    text += "[sweep]\nfriction = 0.1\n"
+    assert load_plan(write(tmp_path / "s.toml", b"\xef\xbb\xbf" + text.encode())).cases == 1
+
+
+def test_no_engine_is_loaded_to_read_a_configuration():
+    code = (
+        "import sys; from escapement.configuration import load_plan\n"
+        f"load_plan({str(RUNS / 'meyer_four_pins.toml')!r})\n"
+        "assert not {'numba', 'scipy', 'h5py'} & set(sys.modules), 'loaded too much'"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+number = st.floats(0.0, 1e6, allow_subnormal=False)
+
+
+@settings(deadline=None)
+@given(st.lists(number, min_size=1, max_size=20))
+def test_a_list_is_its_values(values):
+    for form in (values, tuple(values), np.array(values), np.array(values, dtype=object)):
+        plan = plan_from(TIMER, {"friction": form})
+        assert plan.axes["friction"].tolist() == values
+        assert plan.axes["friction"].dtype == np.float64
+
+
+@settings(deadline=None)
+@given(number, number, st.integers(1, 50))
+def test_even_steps_reach_both_ends(start, stop, num):
+    form = {"start": start, "stop": stop, "num": num}
+    values = parse_plan(changed(sweep={"friction": form})).axes["friction"]
+    assert values.size == num
+    assert values[0] == start
+    assert values[-1] == (stop if num > 1 else start)
+    steps = np.diff(values)
+    assert np.allclose(steps, (stop - start) / max(num - 1, 1), atol=1e-9 * max(start, stop, 1e-9))
+
+
+@settings(deadline=None)
+@given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(2, 50))
+def test_logarithmic_steps_have_one_ratio(start, stop, num):
+    form = {"start": start, "stop": stop, "num": num, "log": True}
+    values = parse_plan(changed(sweep={"torque": form})).axes["torque"]
+    assert (values[0], values[-1]) == (start, stop)
+    assert np.allclose(np.diff(np.log(values)), np.log(stop / start) / (num - 1), atol=1e-9)
+
+
+def test_powers_of_two_are_whole():
+    form = {"start": 4, "stop": 64, "num": 5, "log": True}
+    assert parse_plan(changed(sweep={"slots": form})).axes["slots"].tolist() == [4, 8, 16, 32, 64]

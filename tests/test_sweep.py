@@ -1,0 +1,302 @@
+"""Studies: every case where it belongs, bad ones marked, files as asked for."""
+
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from escapement import simulation
+from escapement.configuration import parse_plan, plan_from
+from escapement.errors import CannotCreate, InvalidValue, StorageError
+from escapement.mechanisms import Geneva
+from escapement.metrics import Figures
+from escapement.model import Escapement, Inertia
+from escapement.progress import Progress, describe, duration
+from escapement.status import Status
+from escapement.store import RESULTS, read_study
+from escapement.sweeping import Tally, run_plan, sweep, write_plan
+from escapement.units import INCH_POUND
+
+TIMER = Escapement(
+    Geneva(slots=4), Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.1 * INCH_POUND, 0.35
+)
+
+
+def fake(escapement, *, engine, initial_speed=0.0, rtol=None, **_):
+    """Figures that tell which case they belong to."""
+    if escapement.friction > 0.4:
+        return Figures(status=Status.PAINLEVE, message="painleve")
+    return Figures(
+        velocity_max=escapement.friction,
+        velocity_min=escapement.torque,
+        velocity_mean=escapement.inertia.driver,
+        period=initial_speed,
+        rise_time=escapement.mechanism.slots,
+        settling_time=escapement.mechanism.pins,
+    )
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr(simulation, "terminal", fake)
+
+
+@pytest.mark.parametrize("engine", simulation.ENGINES)
+def test_a_case_is_what_terminal_says(engine):
+    grid = sweep(TIMER, engine=engine, torque=[TIMER.torque, 4 * TIMER.torque], friction=[0.35])
+    alone = simulation.terminal(TIMER, engine=engine)
+    for name in RESULTS:
+        assert grid.results[name].shape == (2, 1)
+        assert grid.results[name][0, 0] == pytest.approx(getattr(alone, name), rel=1e-12)
+    ratio = grid.results["velocity_max"][1, 0] / grid.results["velocity_max"][0, 0]
+    assert ratio == pytest.approx(2.0, rel=1e-8)
+    assert grid.attributes["engine"] == engine
+    assert grid.attributes["rtol"] == simulation.DEFAULT_RTOL[engine]
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("workers", [1, 3])
+def test_every_case_lands_where_its_axes_say(tmp_path, workers):
+    axes = {
+        "torque": np.linspace(1, 2, 7),
+        "initial_speed": np.array([0.0, 5.0]),
+        "friction": np.array([0.1, 0.2, 0.5]),
+        "slots": np.array([4, 3, 6]),
+    }
+    plan = plan_from(TIMER, axes)
+    grid = run_plan(plan, workers=workers)
+    expected = dict(zip(axes, np.meshgrid(*axes.values(), indexing="ij"), strict=True))
+    failed = expected["friction"] > 0.4
+    for result, axis in {
+        "velocity_max": "friction",
+        "velocity_min": "torque",
+        "period": "initial_speed",
+        "rise_time": "slots",
+    }.items():
+        np.testing.assert_array_equal(
+            grid.results[result], np.where(failed, np.nan, expected[axis])
+        )
+    np.testing.assert_array_equal(
+        grid.results["status"], np.where(failed, Status.PAINLEVE, Status.OK)
+    )
+    np.testing.assert_array_equal(grid.results["settling_time"][0, 0, 0], [4, 6, 3])
+    assert grid.failed == failed.sum()
+    assert write_plan(plan, tmp_path / "a.h5", workers=workers) == Tally(126, failed.sum())
+    for name, values in read_study(tmp_path / "a.h5").results.items():
+        np.testing.assert_array_equal(values, grid.results[name])
+
+
+@pytest.mark.usefixtures("quick")
+def test_users_units_are_kept_for_axes_and_turned_for_cases():
+    plan = parse_plan(
+        {
+            "units": "in-lbf-s",
+            "mechanism": {"slots": 4},
+            "inertia": {"driver": 3e-6, "follower": 5e-5},
+            "sweep": {"torque": [0.08, 0.14]},
+            "solver": {"rtol": 1e-6},
+        }
+    )
+    grid = run_plan(plan)
+    assert grid.axes["torque"].tolist() == [0.08, 0.14]
+    assert grid.units["torque"] == "in lbf"
+    assert grid.results["velocity_min"].tolist() == [0.08 * INCH_POUND, 0.14 * INCH_POUND]
+    assert grid.attributes["rtol"] == 1e-6
+    assert parse_plan(grid.configuration).configuration == plan.configuration
+
+
+def test_a_bad_case_is_marked_and_the_rest_goes_on(monkeypatch):
+    troubles = {0.1: ZeroDivisionError, 0.2: ValueError, 0.3: InvalidValue}
+
+    def troubled(escapement, **settings):
+        if escapement.friction in troubles:
+            raise troubles[escapement.friction]("no")
+        return fake(escapement, **settings)
+
+    monkeypatch.setattr(simulation, "terminal", troubled)
+    grid = sweep(TIMER, friction=[0.1, 0.2, 0.3, 0.35])
+    bad = Status.NOT_CONVERGED
+    assert grid.results["status"].tolist() == [bad, bad, Status.INVALID, Status.OK]
+    assert np.isnan(grid.results["velocity_max"]).tolist() == [True, True, True, False]
+    grid = sweep(TIMER, slots=[3, 6], pins=[3, 4])
+    assert grid.results["status"].tolist() == [[0, 0], [0, Status.INVALID]]
+
+
+def test_an_error_of_the_program_is_not_hidden(tmp_path, monkeypatch):
+    def broken(*_, **__):
+        raise TypeError("a mistake")
+
+    monkeypatch.setattr(simulation, "terminal", broken)
+    with pytest.raises(TypeError, match="a mistake"):
+        sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("quick")
+def test_an_array_of_initial_speeds_is_an_axis():
+    grid = sweep(TIMER, initial_speed=[1.0, 2.0], friction=0.2)
+    assert list(grid.axes) == ["friction", "initial_speed"]
+    assert grid.results["period"].tolist() == [[1.0, 2.0]]
+    assert sweep(TIMER, initial_speed=3.0, friction=[0.2]).results["period"] == [3.0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"frction": [0.1]}, "did you mean 'friction'?"),
+        ({}, "must sweep at least one parameter"),
+        ({"friction": []}, "friction must have at least one value"),
+        ({"friction": [0.1], "engine": "magic"}, "engine must be one of"),
+        ({"friction": [0.1], "initial_speed": -1.0}, "initial_speed must be at least 0"),
+        ({"friction": [0.1], "workers": 0}, "workers must be a whole number of at least 1"),
+        ({"friction": [0.1], "rtol": 2.0}, "rtol must be at least 1e-13 and below 1"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, message):
+    with pytest.raises(InvalidValue) as caught:
+        sweep(TIMER, **arguments)
+    assert message in str(caught.value)
+
+
+def test_an_output_in_the_way_stops_before_the_first_case(tmp_path, monkeypatch):
+    monkeypatch.setattr(simulation, "terminal", None)
+    (tmp_path / "a.h5").write_text("precious")
+    with pytest.raises(CannotCreate):
+        sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5")
+    assert (tmp_path / "a.h5").read_text() == "precious"
+
+
+def test_a_full_disk_ends_the_sweep_and_its_threads(tmp_path, monkeypatch):
+    monkeypatch.setattr(simulation, "terminal", fake)
+    monkeypatch.setattr("escapement.store._image.encode", _no_space)
+    threads = threading.active_count()
+    with pytest.raises(StorageError, match="No space left"):
+        sweep(TIMER, friction=[0.1, 0.2], path=tmp_path / "a.h5")
+    assert list(tmp_path.iterdir()) == []
+    assert threading.active_count() == threads
+
+
+def _no_space(*_):
+    raise OSError(28, os.strerror(28))
+
+
+INTERRUPTED = """
+import sys, time
+from escapement import simulation
+from escapement.metrics import Figures
+sys.path.insert(0, {folder!r})
+from test_sweep import TIMER, sweep
+def slow(*_, **__):
+    time.sleep(0.02)
+    return Figures()
+simulation.terminal = slow
+try:
+    print("started", flush=True)
+    sweep(TIMER, friction=[0.1] * 100_000, path={path!r}, progress=True)
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals differ")
+def test_ctrl_c_ends_a_sweep_at_once_and_leaves_nothing(tmp_path):
+    code = INTERRUPTED.format(folder=os.path.dirname(__file__), path=str(tmp_path / "a.h5"))
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    with process:
+        assert process.stdout.readline() == "started\n"
+        while not list(tmp_path.iterdir()):
+            time.sleep(0.01)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        interrupted = time.monotonic()
+        _, errors = process.communicate(timeout=20)
+    assert time.monotonic() - interrupted < 5.0
+    assert process.returncode == 130, errors
+    assert re.fullmatch(r" +\d+ % \d+ of 100000 cases, .*\n", errors)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("quick")
+def test_progress_counts_up_to_the_end(capsys):
+    seen = []
+    sweep(TIMER, friction=np.linspace(0.1, 0.5, 50), progress=lambda *counts: seen.append(counts))
+    assert [done for done, _, _ in seen] == sorted({done for done, _, _ in seen})
+    assert seen[0] == (0, 50, 0)
+    assert seen[-1] == (50, 50, int((np.linspace(0.1, 0.5, 50) > 0.4).sum()))
+    sweep(TIMER, friction=[0.1], progress=False)
+    assert capsys.readouterr() == ("", "")
+    sweep(TIMER, friction=[0.1], progress=True)
+    output, errors = capsys.readouterr()
+    assert output == ""
+    assert errors.startswith("100 % 1 of 1 cases, ")
+
+
+class Clock:
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def show(stream, times, **options):
+    clock = Clock()
+    with Progress(stream, clock=clock, **options) as progress:
+        for count, now in enumerate(times, 1):
+            clock.now = now
+            progress(count, len(times), count // 2)
+    return stream.getvalue()
+
+
+def test_a_log_gets_a_line_every_half_minute_and_one_at_the_end():
+    lines = show(io.StringIO(), [10, 29, 31, 45, 60, 62, 100]).splitlines()
+    assert [line.split(" cases")[0].strip() for line in lines] == [
+        "42 % 3 of 7",
+        "85 % 6 of 7",
+        "100 % 7 of 7",
+    ]
+    assert lines[-1].endswith("took 1 min 40 s, 3 failed")
+
+
+def test_a_terminal_gets_one_line_that_is_drawn_again():
+    text = show(Terminal(), [0.05, 0.15, 0.2, 0.3, 0.31])
+    assert text.count("\r") == 3
+    assert text.endswith("\n")
+    assert text.count("\n") == 1
+    assert "[##############..........]  60 % 3 of 5 cases, 15/s, 0.1 s left, 1 failed" in text
+
+
+def test_quiet_is_silent_and_a_closed_stream_no_trouble():
+    assert show(io.StringIO(), [100], quiet=True) == ""
+    stream = io.StringIO()
+    stream.isatty()
+    progress = Progress(stream)
+    progress(1, 2, 0)
+    stream.close()
+    with progress:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.04, "0.0 s"), (9.96, "10 s"), (59.6, "1 min 00 s"), (3600, "1 h 00 min"), (1e6, "277 h")],
+)
+def test_durations_read_well(seconds, text):
+    assert duration(seconds).startswith(text)
+
+
+def test_nothing_done_yet_promises_nothing():
+    assert describe(0, 10, 0, 0.0) == "  0 % 0 of 10 cases, 0/s, starting"
