@@ -38,7 +38,8 @@ class Progress:
         self._stream = sys.stderr if stream is None else stream
         self._terminal = self._stream.isatty()
         self._quiet, self._clock = quiet, clock
-        self._start = self._shown = clock()
+        self._start = clock()
+        self._shown = -math.inf if self._terminal else self._start
         self._counts = (0, 0, 0)
         self._width = 0
 
@@ -47,7 +48,7 @@ class Progress:
         self._counts = (done, total, failed)
         interval = _REDRAW if self._terminal else _LINE
         now = self._clock()
-        if now - self._shown >= interval:
+        if done < total and now - self._shown >= interval:
             self._shown = now
             self._show(last=False)
 

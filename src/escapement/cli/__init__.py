@@ -8,10 +8,12 @@ nothing heavy before its arguments are understood, so that help answers at once.
 import contextlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from importlib import import_module
+from typing import Any
 
-from escapement.errors import EscapementError, StorageError
+from escapement.errors import EscapementError, InvalidValue, StorageError
 
 COMMANDS = {
     "run": "one motion and its figures of merit",
@@ -21,7 +23,10 @@ COMMANDS = {
     "reproduce": "a source's printed numbers beside computed ones",
 }
 
+SOME_FAILED = 3
+"""Exit code where the work is done and some cases have no answer."""
 INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -40,7 +45,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         output; 74 input/output error; 130 interrupted.
     """
     try:
-        code = _dispatch(sys.argv[1:] if argv is None else list(argv))
+        with warnings.catch_warnings():
+            warnings.showwarning = _warn
+            code = _dispatch(sys.argv[1:] if argv is None else list(argv))
         sys.stdout.flush()
         return code
     except EscapementError as error:
@@ -53,7 +60,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _complain(str(error), StorageError.exit_code)
     except MemoryError:
-        return _complain("not enough memory; make the study smaller", StorageError.exit_code)
+        message = "not enough memory; ask for a shorter motion or fewer cases"
+        return _complain(message, StorageError.exit_code)
+    except ArithmeticError as error:
+        message = f"a number leaves the range of a double ({error}); choose less extreme values"
+        return _complain(message, InvalidValue.exit_code)
 
 
 def _dispatch(argv: list[str]) -> int:
@@ -68,6 +79,11 @@ def _dispatch(argv: list[str]) -> int:
     command.configure(parser)
     args = parser.understand(argv[1:])
     return 0 if args is None else command.execute(args)
+
+
+def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
+    """A library's warning as one line, without its place in the source."""
+    print("escapement: warning: " + " ".join(str(message).split()), file=sys.stderr)
 
 
 def _complain(message: str, code: int) -> int:

@@ -93,15 +93,20 @@ def add_quantity(
     )
 
 
-def add_common(parser: Parser) -> None:
+def add_common(
+    parser: Parser,
+    *,
+    units: str | None = SYSTEMS[0],
+    text: str = "units of what goes in and what comes out (default: SI)",
+) -> None:
     """Add what every command takes."""
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.add_argument(
         "--units",
         type=one_of("--units", SYSTEMS),
-        default=SYSTEMS[0],
+        default=units,
         metavar="|".join(SYSTEMS),
-        help="units of what goes in and what comes out (default: SI)",
+        help=text,
     )
 
 
@@ -138,7 +143,10 @@ def read_mechanism(args: argparse.Namespace) -> "Geneva":
     from escapement.mechanisms import Geneva
 
     return Geneva(
-        slots=args.slots, pins=args.pins, internal=args.internal, crank_radius=si(args, "crank_radius")
+        slots=args.slots,
+        pins=args.pins,
+        internal=args.internal,
+        crank_radius=optional_si(args, "crank_radius"),
     )
 
 
@@ -146,7 +154,8 @@ def read_inertia(args: argparse.Namespace) -> "Inertia | None":
     """Both inertias, or None where neither is given."""
     from escapement.model import Inertia
 
-    driver, follower = si(args, "driver_inertia"), si(args, "follower_inertia")
+    driver = optional_si(args, "driver_inertia")
+    follower = optional_si(args, "follower_inertia")
     if driver is not None and follower is not None:
         return Inertia(driver=driver, follower=follower)
     if driver is None and follower is None:
@@ -170,7 +179,11 @@ def read_escapement(args: argparse.Namespace) -> "Escapement":
     )
 
 
-def si(args: argparse.Namespace, name: str) -> float | None:
+def si(args: argparse.Namespace, name: str) -> float:
+    """Value of a physical option in SI."""
+    return float(getattr(args, name) * factor(QUANTITIES[name].unit, args.units))
+
+
+def optional_si(args: argparse.Namespace, name: str) -> float | None:
     """Value of a physical option in SI; None where it is not given."""
-    value = getattr(args, name)
-    return None if value is None else value * factor(QUANTITIES[name].unit, args.units)
+    return None if getattr(args, name) is None else si(args, name)

@@ -1,73 +1,87 @@
-"""Looking at an output's place before computing for it."""
+"""Looking at the places of outputs before computing for them."""
 
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
-from escapement.errors import CannotCreate
+from escapement.errors import CannotCreate, EscapementError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 PICTURES = (".png", ".pdf", ".svg")
 """What a figure's name may end in."""
 
 
-def check_output(option: str, path: Path, *, force: bool = False) -> None:
-    """Raise CannotCreate unless a new file can be put at `path`.
+def check_output(path: Path, *, force: bool = False) -> None:
+    """Raise CannotCreate unless a file can be put at `path`.
 
     Parameters
     ----------
-    option : str
-        What the user gave it with.
     path : Path
         Where the file is to be.
     force : bool
         Whether an existing file may be replaced.
     """
-    try:
-        _check_place(option, path)
-        if path.exists() and not force:
-            raise refuse(option, "the name of a new file", path, "it exists: give --force to replace it")
-    except (OSError, ValueError) as error:
-        if isinstance(error, CannotCreate):
-            raise
-        reason = getattr(error, "strerror", None) or str(error)
-        raise refuse(option, "in a place that can be written", path, reason.lower()) from None
+    from escapement.store import check_target
+
+    _try_writing(path, check_target(path, force).parent)
 
 
-def check_picture(option: str, path: Path) -> None:
-    """As `check_output`; an existing picture is replaced, and nothing else is."""
+def check_picture(path: Path) -> None:
+    """As `check_output`. Pictures are made from data: an existing one is replaced."""
     if path.suffix.lower() not in PICTURES:
-        raise refuse(option, "a name ending in " + ", ".join(PICTURES), path, "change the suffix")
-    check_output(option, path, force=True)
+        raise CannotCreate(
+            f"output {path} must end in {', '.join(PICTURES)}, got {path.suffix!r}; "
+            "change the suffix"
+        )
+    check_output(path, force=True)
 
 
-def check_folder(option: str, path: Path) -> None:
-    """Create the folder `path` if it is not there; its parent must be."""
-    if path.exists() and not path.is_dir():
-        raise refuse(option, "a folder", path, "it is a file: give another name")
+def make_folder(path: Path) -> None:
+    """Create the folder `path` where it is not there; its parent must be."""
     try:
         path.mkdir(exist_ok=True)
-        _try_writing(path)
+    except FileExistsError:
+        raise CannotCreate(f"output {path} must be a folder, got a file; name another") from None
+    except (OSError, ValueError) as error:
+        raise _refused(path, error) from None
+    _try_writing(path, path)
+
+
+def save_axes(axes: "Axes", path: Path) -> None:
+    """Write the figure of axes that have one to themselves."""
+    from escapement.plots import save
+
+    save(cast("Figure", axes.figure), path)
+
+
+def write_text(path: Path, text: str) -> None:
+    """A text file, complete under its name or not at all; an older one is replaced."""
+    from escapement.store._target import PendingFile, storage_error
+
+    pending = PendingFile(path, force=True)
+    try:
+        data = memoryview(text.encode())
+        while data:
+            data = data[pending.handle.write(data) :]
+        pending.place()
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise refuse(option, "a folder that can be created and written", path, reason) from None
+        raise storage_error(path, error) from None
+    finally:
+        pending.discard()
 
 
-def refuse(option: str, rule: str, path: Path, remedy: str) -> CannotCreate:
-    """The error for an output that cannot be; the caller raises it."""
-    return CannotCreate(f"{option} must be {rule}, got {path}; {remedy}")
+def _try_writing(path: Path, folder: Path) -> None:
+    """A file without a name in `folder`: leaves nothing behind, whatever happens."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise _refused(path, error) from None
 
 
-def _check_place(option: str, path: Path) -> None:
-    if path.is_dir():
-        raise refuse(option, "a file", path, "it is a folder: add a file name")
-    if not path.parent.is_dir():
-        remedy = f"create {path.parent} first"
-        if path.parent.exists():
-            remedy = f"{path.parent} is a file"
-        raise refuse(option, "in a folder that exists", path, remedy)
-    _try_writing(path.parent)
-
-
-def _try_writing(folder: Path) -> None:
-    """A file without a name: leaves nothing behind, whatever happens."""
-    with tempfile.TemporaryFile(dir=folder):
-        pass
+def _refused(path: Path, error: Exception) -> EscapementError:
+    reason = getattr(error, "strerror", None) or error
+    return CannotCreate(f"output {path} cannot be created: {reason}; choose another folder or name")

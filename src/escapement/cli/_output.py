@@ -9,10 +9,14 @@ from typing import Any
 from escapement.units import factor
 
 
+def as_json(record: dict[str, Any]) -> str:
+    """One object; what is not a finite number is null."""
+    return json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
+
+
 def print_json(record: dict[str, Any]) -> None:
-    """One object on stdout; what is not a finite number is null."""
-    json.dump(plain(record), sys.stdout, indent=2, allow_nan=False)
-    sys.stdout.write("\n")
+    """One object on stdout."""
+    sys.stdout.write(as_json(record))
 
 
 def plain(value: Any) -> Any:
@@ -42,12 +46,14 @@ def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
         print(f"{name:<{wide}}  {value:<{far}}  {unit}".rstrip())
 
 
-def print_columns(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """A table with right-aligned columns."""
-    cells = [list(header), *([show(value) for value in row] for row in rows)]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
+def print_columns(header: Iterable[Sequence[str]], rows: Iterable[Sequence[Any]]) -> None:
+    """A table with right-aligned columns under a header of one or more lines."""
+    cells = [*map(list, header), *([show(value) for value in row] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     for row in cells:
-        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+        print(
+            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        )
 
 
 def show(value: Any) -> str:

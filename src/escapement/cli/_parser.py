@@ -4,7 +4,7 @@ import argparse
 import difflib
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
 from escapement import __version__, _validate
@@ -53,8 +53,9 @@ class Parser(argparse.ArgumentParser):
             if token.startswith("--") or token[:2] not in known:
                 raise UsageError(f"unknown option {name!r}; {self._remedy(name, known)}")
 
-    def _remedy(self, name: str, known: Iterable[str]) -> str:
-        close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
+    def _remedy(self, name: str, known: Collection[str]) -> str:
+        close = [option for option in known if option.startswith(name)]
+        close = close or difflib.get_close_matches(name, known, n=1, cutoff=0.5)
         return f"did you mean {close[0]!r}?" if close else f"see '{self.prog} --help'"
 
 
@@ -84,7 +85,7 @@ def _join_negative_numbers(argv: Sequence[str]) -> list[str]:
     tokens: list[str] = []
     for token in argv:
         previous = tokens[-1] if tokens else ""
-        if _NEGATIVE.match(token) and previous.startswith("--") and "=" not in previous:
+        if _NEGATIVE.match(token) and re.fullmatch(r"--[^=]+", previous):
             tokens[-1] = f"{previous}={token}"
         else:
             tokens.append(token)

@@ -40,7 +40,7 @@ def configure(parser: Parser) -> None:
 def execute(args: argparse.Namespace) -> int:
     """Print the geometry; draw it where asked for."""
     if args.plot is not None:
-        _files.check_picture("--plot", args.plot)
+        _files.check_picture(args.plot)
     elif args.angle is not None:
         raise UsageError("--angle must come with --plot FILE, got none; it turns the drawing")
     mechanism = _arguments.read_mechanism(args)
@@ -88,7 +88,6 @@ def describe(mechanism: "Geneva") -> dict[str, Any]:
 def _draw(mechanism: "Geneva", args: argparse.Namespace) -> None:
     import math
 
-    from escapement.plots import plot_mechanism, save
+    from escapement.plots import plot_mechanism
 
-    axes = plot_mechanism(mechanism, math.radians(args.angle or 0.0))
-    save(axes.figure, args.plot)
+    _files.save_axes(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)

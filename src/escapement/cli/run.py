@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
-from escapement.cli import _arguments, _files, _output
+from escapement.cli import SOME_FAILED, _arguments, _files, _output
 from escapement.cli._parser import Parser, UsageError, number, whole
 from escapement.units import unit_name
 
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from escapement.motion import Motion
 
 SUMMARY = "One motion from pin entry, and its figures of merit."
-SOME_FAILED = 3
 
 FIGURES = {
     "velocity_max": "speed",
@@ -64,21 +63,25 @@ def configure(parser: Parser) -> None:
 
 def _add_solver(parser: Parser) -> None:
     solver = parser.add_argument_group("solver")
-    solver.add_argument("--engine", metavar="NAME", help="ivp: SciPy's solve_ivp, the reference")
+    solver.add_argument("--engine", metavar="NAME", help="energy (default) or ivp, the reference")
     solver.add_argument(
         "--rtol",
         type=number("--rtol", _validate.number, "1e-10 is a good choice"),
         metavar="R",
-        help="relative error of handoff times and speeds, 1e-13 <= R < 1",
+        help="relative error of handoff times and speeds (default: 1e-12, with ivp 1e-10)",
     )
     solver.add_argument(
         "--atol",
         type=number("--atol", _validate.non_negative, "leave it out"),
         metavar="A",
-        help="absolute tolerance of ivp, as in solve_ivp",
+        help="with ivp: absolute tolerance as in SciPy's solve_ivp",
     )
-    solver.add_argument("--method", metavar="NAME", help="method of ivp, as in solve_ivp")
-    _arguments.add_quantity(solver, "max_step", note=" of ivp")
+    solver.add_argument(
+        "--method",
+        metavar="NAME",
+        help="with ivp: DOP853 (default), RK45, RK23, Radau, BDF or LSODA",
+    )
+    _arguments.add_quantity(solver, "max_step", note=", with ivp")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -120,11 +123,11 @@ def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any
 
 def _check_outputs(args: argparse.Namespace) -> None:
     if args.output is not None:
-        _files.check_output("--output", args.output, force=args.force)
+        _files.check_output(args.output, force=args.force)
     elif args.force:
         raise UsageError("--force must come with --output FILE.h5, got none; leave it out")
     if args.plot is not None:
-        _files.check_picture("--plot", args.plot)
+        _files.check_picture(args.plot)
 
 
 def _write(motion: "Motion", args: argparse.Namespace) -> None:
@@ -135,9 +138,9 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
 
         write_motion(motion, args.output, units=args.units, force=args.force)
     if args.plot is not None:
-        from escapement.plots import plot_velocities, save
+        from escapement.plots import plot_velocities
 
-        save(plot_velocities(motion).figure, args.plot)
+        _files.save_axes(plot_velocities(motion), args.plot)
 
 
 def _print_table(record: dict[str, Any], units: str) -> None:
@@ -146,5 +149,7 @@ def _print_table(record: dict[str, Any], units: str) -> None:
     rows.append(("handoffs", len(times), ""))
     if len(times):
         rows += [("last handoff", times[-1], "s"), ("velocity there", speeds[-1], "rad s-1")]
-    rows += [(_output.words(key), record[key], "") for key in ("energy_residual", "status", "engine")]
+    rows += [
+        (_output.words(key), record[key], "") for key in ("energy_residual", "status", "engine")
+    ]
     _output.print_values(rows)

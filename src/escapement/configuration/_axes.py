@@ -75,7 +75,7 @@ def _even_values(
     name: str, form: Mapping[str, Any], parameter: Parameter
 ) -> tuple[NDArray[Any], dict[str, Any]]:
     """Values at equal differences, or with `log` at equal ratios."""
-    check_keys(form, _EVEN, f"axis {name}")
+    check_keys(form, _EVEN, f"in axis {name}")
     missing = [key for key in _EVEN[:3] if key not in form]
     if missing:
         raise InvalidValue(

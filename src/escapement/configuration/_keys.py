@@ -23,7 +23,7 @@ def check_keys(
     known : iterable of str
         The keys this place has.
     where : str
-        The place, as the message names it: "[solver]".
+        The place, as the message names it: "in [solver]".
     elsewhere : Mapping, optional
         Keys of other places and how to write them there.
     """
@@ -31,7 +31,7 @@ def check_keys(
     for key in table:
         if key not in allowed:
             remedy = _remedy(str(key), allowed, elsewhere or {})
-            raise InvalidValue(f"unknown key {str(key)!r} in {where}; {remedy}")
+            raise InvalidValue(f"unknown key {str(key)!r} {where}; {remedy}")
 
 
 def _remedy(key: str, allowed: tuple[str, ...], elsewhere: Mapping[str, str]) -> str:

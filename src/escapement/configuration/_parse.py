@@ -73,9 +73,9 @@ def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
         homes[parameter.key] = where
         if name != parameter.key:
             homes[name] = f"{where} as {parameter.key!r}"
-    check_keys(configuration, keys[""], "the top level", homes)
+    check_keys(configuration, keys[""], "at the top level", homes)
     for section in ("mechanism", "inertia"):
-        check_keys(table(configuration, section), keys[section], f"[{section}]", homes)
+        check_keys(table(configuration, section), keys[section], f"in [{section}]", homes)
 
 
 def _options(machine: Mapping[str, Any], kind: Kind) -> dict[str, Any]:
@@ -93,7 +93,7 @@ def _axes(
     forms: Mapping[str, Any], parameters: Mapping[str, Parameter]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Values and JSON form of every axis, in order."""
-    check_keys(forms, parameters, "[sweep]")
+    check_keys(forms, parameters, "in [sweep]")
     if not forms:
         raise InvalidValue(
             "the study must sweep at least one parameter, got none; "

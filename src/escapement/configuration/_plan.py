@@ -16,7 +16,7 @@ from escapement.configuration._solver import Solver
 from escapement.model import Escapement, Inertia, Mechanism
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StudyPlan:
     """Everything a study needs to run, and nothing it computes.
 

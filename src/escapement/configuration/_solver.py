@@ -8,16 +8,16 @@ from escapement import _validate
 from escapement.configuration._keys import check_keys
 from escapement.errors import InvalidValue
 
-ENGINES = ("ivp",)
+ENGINES = ("energy", "ivp")
 METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
-DEFAULT_ENGINE = "ivp"
+DEFAULT_ENGINE = "energy"
 
 
 @dataclass(frozen=True)
 class Solver:
     """Which engine, and how accurately; None leaves a choice to the engine.
 
-    engine : "ivp".
+    engine : "energy" (fast) or "ivp" (the reference).
     rtol : relative error asked for, in [1e-13, 1).
     atol, method, max_step : for "ivp" only, as in scipy's solve_ivp; step in [s].
     """
@@ -59,7 +59,7 @@ class Solver:
 
 def parse_solver(table: Mapping[str, Any]) -> Solver:
     """Solver from the [solver] table of a study; raises InvalidValue."""
-    check_keys(table, tuple(field.name for field in fields(Solver)), "[solver]")
+    check_keys(table, tuple(field.name for field in fields(Solver)), "in [solver]")
     return Solver(**table)
 
 

@@ -13,6 +13,7 @@ from escapement.engines._panels import (
     BETA,
     BLOCK,
     DG,
+    DOWN,
     ENDS,
     HALF,
     INVERSE,
@@ -27,6 +28,7 @@ from escapement.engines._panels import (
     SMALLEST,
     TAIL,
     UNBUILT,
+    UP,
     WEIGHTS,
     B,
     G,
@@ -100,7 +102,7 @@ def _time_from_low_speed(row, energy, scratch, z):  # type: ignore[no-untyped-de
         weight = 1.0 - t * x
         power = -t
         for k in range(1, N - 1):
-            after = ((2 * k + 1) * x * now - k * before) / (k + 1)
+            after = UP[k] * x * now - DOWN[k] * before
             before, now = now, after
             power *= -t
             weight += power * now
@@ -168,6 +170,7 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
     source = 0.0
     panel = 0
     noted = False
+    a = a_left = c_left = c_right = 0.0
     row = store[0]
     energy = w * (rho + row[ENDS] ** 2)
     if side == 0.0:
@@ -198,6 +201,7 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
                 against += c <= 0.0
             e_right = row[block + RIGHT] * energy + row[block + RIGHT + 1]
             w_right = e_right / (rho + row[ENDS + 3] ** 2)
+            c_left = side * _contact_at_end(row, 0, w, rho, load)
             c_right = side * _contact_at_end(row, 1, w_right, rho, load)
             stopped = 0
             for i in range(N):
@@ -243,7 +247,7 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
             if row[KINK] > 0.0 and not noted:
                 used = _note(events, used, BREAK, row[LEFT], time, w)
                 noted = True
-            previous = _rate_at_end(row, 0, side, w, mu, load)
+            previous = a_left = _rate_at_end(row, 0, side, w, mu, load)
             if previous * rising < 0.0:
                 used = _note(events, used, MAXIMUM if rising > 0.0 else MINIMUM, row[LEFT], time, w)
             rising = np.sign(previous) if previous != 0.0 else rising
@@ -273,7 +277,9 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
             series(scratch, _C, scratch[_K : _K + N])
             low_x = POINTS[reversal - 1] if reversal > 0 else -1.0
             high_x = POINTS[reversal] if reversal < N else 1.0
-            x = root_between(scratch[_K : _K + N], low_x, high_x, 1.0)
+            low_c = scratch[_C + reversal - 1] if reversal > 0 else c_left
+            high_c = scratch[_C + reversal] if reversal < N else c_right
+            x = root_between(scratch[_K : _K + N], low_x, high_x, low_c, high_c)
             weights_to(x, scratch[_V : _V + N], scratch[_Q : _Q + N])
             e = 0.0
             elapsed = 0.0
@@ -329,7 +335,9 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
                 series(scratch, _A, scratch[_K : _K + N])
                 low_x = POINTS[extremum - 1] if extremum > 0 else -1.0
                 high_x = POINTS[extremum] if extremum < N else 1.0
-                x = root_between(scratch[_K : _K + N], low_x, high_x, rising)
+                low_a = scratch[_A + extremum - 1] if extremum > 0 else a_left
+                high_a = scratch[_A + extremum] if extremum < N else a
+                x = root_between(scratch[_K : _K + N], low_x, high_x, low_a, high_a)
                 weights_to(x, scratch[_V : _V + N], scratch[_Q : _Q + N])
                 e = 0.0
                 elapsed = 0.0

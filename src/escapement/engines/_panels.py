@@ -27,6 +27,13 @@ LEGENDRE = np.polynomial.legendre.legvander(POINTS, N).T.copy()
 _ORDERS = np.arange(N)
 TRANSFORM = ((2 * _ORDERS + 1) / 2.0)[:, None] * LEGENDRE[:N] * WEIGHTS
 """Values at the points to Legendre coefficients (rows)."""
+BASIS = (LEGENDRE[:N] * WEIGHTS / 2.0).copy()
+"""Legendre polynomials times half the weights: row k, point i."""
+SPREAD = TRANSFORM.T.copy()
+"""TRANSFORM by point: what each value adds to all coefficients, for wide vectors."""
+LAST, LAST_BUT_ONE = TRANSFORM[N - 1].copy(), TRANSFORM[N - 2].copy()
+UP, DOWN = (2 * _ORDERS + 1) / (_ORDERS + 1), _ORDERS / (_ORDERS + 1)
+"""Recurrence P[k+1] = UP[k] x P[k] - DOWN[k] P[k-1], free of divisions."""
 
 
 def _integrated(x: np.ndarray) -> np.ndarray:
@@ -89,8 +96,8 @@ def tail_of(values, offset):  # type: ignore[no-untyped-def]
     last = 0.0
     other = 0.0
     for i in range(N):
-        last += TRANSFORM[N - 1, i] * values[offset + i]
-        other += TRANSFORM[N - 2, i] * values[offset + i]
+        last += LAST[i] * values[offset + i]
+        other += LAST_BUT_ONE[i] * values[offset + i]
     return abs(last) + abs(other)
 
 
@@ -174,8 +181,10 @@ def series(values, offset, out):  # type: ignore[no-untyped-def]
     """Legendre coefficients of N values from `offset` into out."""
     for k in range(N):
         out[k] = 0.0
-        for i in range(N):
-            out[k] += TRANSFORM[k, i] * values[offset + i]
+    for i in range(N):
+        value = values[offset + i]
+        for k in range(N):
+            out[k] += SPREAD[i, k] * value
 
 
 @jit
@@ -186,7 +195,7 @@ def evaluate(coefficients, x):  # type: ignore[no-untyped-def]
     value = coefficients[0] + coefficients[1] * x
     derivative = coefficients[1]
     for k in range(1, N - 1):
-        after = ((2 * k + 1) * x * now - k * before) / (k + 1)
+        after = UP[k] * x * now - DOWN[k] * before
         after_slope = before_slope + (2 * k + 1) * now
         before, now = now, after
         before_slope, slope = slope, after_slope
@@ -196,9 +205,9 @@ def evaluate(coefficients, x):  # type: ignore[no-untyped-def]
 
 
 @jit
-def root_between(coefficients, low, high, value_low):  # type: ignore[no-untyped-def]
+def root_between(coefficients, low, high, value_low, value_high):  # type: ignore[no-untyped-def]
     """Root of a Legendre series in a bracket: Newton, kept in by bisection."""
-    x = 0.5 * (low + high)
+    x = low + (high - low) * value_low / (value_low - value_high)
     for _ in range(60):
         value, slope = evaluate(coefficients, x)
         if value * value_low > 0.0:
@@ -210,8 +219,8 @@ def root_between(coefficients, low, high, value_low):  # type: ignore[no-untyped
             guess = 0.5 * (low + high)
         step = abs(guess - x)
         x = guess
-        # Newton squares the error: the step after this one would be rounding
-        if step <= 1e-9:
+        # Newton squares the error: the next step would be rounding
+        if step <= 3e-8:
             break
     return x
 
@@ -220,15 +229,14 @@ def root_between(coefficients, low, high, value_low):  # type: ignore[no-untyped
 def weights_to(x, values, partial):  # type: ignore[no-untyped-def]
     """Weights that interpolate at x, and that integrate from -1 to x."""
     for i in range(N):
-        values[i] = 0.5 * WEIGHTS[i]
-        partial[i] = 0.5 * WEIGHTS[i] * (1.0 + x)
+        values[i] = BASIS[0, i]
+        partial[i] = BASIS[0, i] * (1.0 + x)
     before, now = 1.0, x
     for k in range(1, N):
-        after = ((2 * k + 1) * x * now - k * before) / (k + 1)
-        at = 0.5 * (2 * k + 1) * now
-        integral = 0.5 * (after - before)
+        after = UP[k] * x * now - DOWN[k] * before
+        at = (2 * k + 1) * now
+        integral = after - before
         for i in range(N):
-            basis = WEIGHTS[i] * LEGENDRE[k, i]
-            values[i] += at * basis
-            partial[i] += integral * basis
+            values[i] += at * BASIS[k, i]
+            partial[i] += integral * BASIS[k, i]
         before, now = now, after

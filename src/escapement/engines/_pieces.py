@@ -13,6 +13,7 @@ from escapement.engines._panels import (
     ALPHA,
     BETA,
     DG,
+    DOWN,
     ENDS,
     INVERSE,
     MAX_PANELS,
@@ -20,6 +21,7 @@ from escapement.engines._panels import (
     RIGHT,
     ROW,
     TAIL,
+    UP,
     WEIGHTS,
     G,
     N,
@@ -190,7 +192,7 @@ def _integral(coefficients, x):  # type: ignore[no-untyped-def]
     total = coefficients[0] * (1.0 + x)
     value = coefficients[0]
     for k in range(1, N):
-        after = ((2 * k + 1) * x * now - k * before) / (k + 1)
+        after = UP[k] * x * now - DOWN[k] * before
         total += coefficients[k] * (after - before) / (2 * k + 1)
         value += coefficients[k] * now
         before, now = now, after

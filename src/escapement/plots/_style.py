@@ -153,13 +153,13 @@ def _checked_format(target: Path) -> str:
     kind = target.suffix.lower().lstrip(".")
     if kind not in _FORMATS:
         raise _refused(target, "a name ending in .png, .pdf or .svg", "change the suffix")
-    if target.is_dir():
+    if os.path.isdir(target):
         raise _refused(target, "a file, and this is a directory", "add a file name")
-    if not target.parent.exists():
+    if not os.path.exists(target.parent):
         raise _refused(target, "in a folder that exists", f"create {target.parent} first")
-    if not target.parent.is_dir():
+    if not os.path.isdir(target.parent):
         raise _refused(target, "in a folder", f"{target.parent} is a file; give another path")
-    if target.exists() and not os.access(target, os.W_OK):
+    if os.path.exists(target) and not os.access(target, os.W_OK):
         raise _refused(target, "a file that may be replaced", "it is read-only; give another path")
     return kind
 

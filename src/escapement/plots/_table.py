@@ -160,7 +160,7 @@ def printed_name(study: Study, name: str) -> str:
 def _fixed(study: Study, name: str, index: int) -> str:
     values = study.axes[name]
     text = quantity(printed_name(study, name), values[index], study.units.get(name, ""))
-    return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)} values)"
+    return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)})"
 
 
 def _empty(names: Sequence[str]) -> NoResult:

@@ -18,6 +18,7 @@ from escapement.model import FloatArray
 _RAYS = 720  # of the locking disc; twice a multiple of every possible number of pins
 _POSITIONS = 361
 _MARCHES = 40
+_SETTLED = 1e-5
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,9 @@ def locking_disc(wheels: Wheels) -> np.ndarray:
     for _ in range(_MARCHES):
         points = axis[:, None] + turned[:, None] * (radius * rays)
         free = wheels.clearance(points).min(axis=0) - wheels.gap
-        radius = np.clip(radius - side * free, 0.0, edge)
+        before, radius = radius, np.clip(radius - side * free, 0.0, edge)
+        if np.abs(radius - before).max() < _SETTLED:
+            break
     radius = np.concatenate([radius, radius[-2:0:-1]])
     rays = np.concatenate([rays, rays[-2:0:-1].conj()])
     if mechanism.internal:

@@ -16,7 +16,8 @@ from escapement.plots._wheels import Wheels, locking_disc, pose
 _PLATE, _DISC, _PIN = "#dcebf7", "#9cc7e8", "#00466f"
 _FOLLOWER = "#f6d9a8"
 _CHAIN = (0, (9, 2, 2, 2))
-_MARGIN = 0.30
+_MARGIN = 0.30  # room for arrows, in crank radii
+_LARGE = 5.0  # follower radius beyond which the room grows and lines get thinner
 _CONTINUOUS = (3, 4, 6)
 
 
@@ -108,7 +109,12 @@ def _extent(wheels: Wheels) -> tuple[float, float, float, float]:
     c = wheels.mechanism.centre_distance
     half = max(wheels.body, wheels.plate)
     right = max(wheels.body, c + wheels.plate)
-    return -wheels.body - _MARGIN, right + _MARGIN, -half - 1.7 * _MARGIN, half + 0.1
+    room = _MARGIN * _size(wheels)
+    return -wheels.body - room, right + room, -half - 1.7 * room, half + room / 3.0
+
+
+def _size(wheels: Wheels) -> float:
+    return max(1.0, wheels.body / _LARGE)
 
 
 def _draw_follower(ax: Axes, wheels: Wheels, phi: float) -> PathPatch:
@@ -116,7 +122,7 @@ def _draw_follower(ax: Axes, wheels: Wheels, phi: float) -> PathPatch:
     if wheels.mechanism.internal:
         rings.append(wheels.body * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361)))
     path = Path.make_compound_path(*(Path(_points(ring), closed=True) for ring in rings))
-    edge: dict[str, Any] = {"edgecolor": _style.BLACK, "linewidth": 0.9}
+    edge: dict[str, Any] = {"edgecolor": _style.BLACK, "linewidth": 0.9 / _size(wheels)}
     follower = PathPatch(
         path, facecolor=_FOLLOWER, zorder=2, joinstyle="round", gid="follower", **edge
     )
@@ -130,7 +136,7 @@ def _draw_follower(ax: Axes, wheels: Wheels, phi: float) -> PathPatch:
 def _draw_driver(ax: Axes, wheels: Wheels, theta: float, follower: PathPatch) -> None:
     """Crank disc behind the follower, locking disc in its plane, pins in front."""
     mechanism, c = wheels.mechanism, wheels.mechanism.centre_distance
-    edge: dict[str, Any] = {"edgecolor": _style.BLACK, "linewidth": 0.9}
+    edge: dict[str, Any] = {"edgecolor": _style.BLACK, "linewidth": 0.9 / _size(wheels)}
     ax.add_patch(Circle((c, 0), wheels.plate, facecolor=_PLATE, zorder=1, gid="crank-disc", **edge))
     hidden = Circle((c, 0), wheels.plate, fill=False, ec=_style.GREY, lw=0.6, ls=(0, (4, 2.5)))
     ax.add_patch(hidden).set(zorder=2.2, clip_path=follower)
@@ -152,21 +158,17 @@ def _draw_driver(ax: Axes, wheels: Wheels, theta: float, follower: PathPatch) ->
 def _draw_lines(ax: Axes, wheels: Wheels, phi: float) -> None:
     """Line of centres, axes, pin circle and the slots' centre lines."""
     mechanism, c = wheels.mechanism, wheels.mechanism.centre_distance
-    thin: dict[str, Any] = {
-        "color": _style.GREY,
-        "linewidth": 0.5,
-        "linestyle": _CHAIN,
-        "zorder": 2.8,
-    }
-    box = _extent(wheels)
-    ax.plot([box[0] + 0.15, box[1] - 0.15], [0, 0], gid="line-of-centres", **thin)
-    ax.add_patch(Circle((c, 0), 1.0, fill=False, edgecolor=thin.pop("color"), **thin))
+    thin: dict[str, Any] = {"lw": 0.5 / _size(wheels), "linestyle": _CHAIN, "zorder": 2.8}
+    left, right, _, _ = _extent(wheels)
+    across = [left + 0.15, right - 0.15]
+    ax.plot(across, [0, 0], color=_style.GREY, gid="line-of-centres", **thin)
+    ax.add_patch(Circle((c, 0), 1.0, fill=False, edgecolor=_style.GREY, **thin))
     for k in range(mechanism.slots):
         ray = np.exp(1j * (phi + k * mechanism.follower_step))
-        ends = np.array([0.3 * wheels.slot_end, wheels.rim + 0.1])
+        ends = (0.3 * wheels.slot_end, wheels.rim + 0.1)
         if mechanism.internal:
-            ends = np.array([wheels.rim - 0.1, wheels.body - 0.05])
-        line = ends * ray
+            ends = (wheels.rim - 0.1, wheels.body - 0.05)
+        line = np.array(ends) * ray
         ax.plot(line.real, line.imag, color=_style.GREY, gid=f"slot-{k}", **thin)
     ax.plot([0, c], [0, 0], "+", color=_style.BLACK, ms=6, mew=0.8, zorder=4, gid="axes")
 
@@ -174,11 +176,12 @@ def _draw_lines(ax: Axes, wheels: Wheels, phi: float) -> None:
 def _draw_senses(ax: Axes, wheels: Wheels) -> None:
     """Arrows beside the wheels: which way they turn."""
     c = wheels.mechanism.centre_distance
-    follower = (wheels.body + 0.12) * np.exp(1j * np.linspace(np.pi - 0.3, np.pi + 0.3, 21))
+    room = 0.4 * _MARGIN * _size(wheels)
+    follower = (wheels.body + room) * np.exp(1j * np.linspace(np.pi - 0.3, np.pi + 0.3, 21))
     if wheels.mechanism.internal:
         driver = c + 0.25 * np.exp(1j * np.linspace(0.7, 5.0, 41))
     else:
-        driver = c + (wheels.plate + 0.12) * np.exp(1j * np.linspace(0.4, -0.4, 21))
+        driver = c + (wheels.plate + room) * np.exp(1j * np.linspace(0.4, -0.4, 21))
     for arc in (follower, driver):
         arrow = FancyArrowPatch(path=Path(_points(arc)), arrowstyle="-|>", mutation_scale=8)
         ax.add_patch(arrow)
@@ -188,7 +191,7 @@ def _draw_senses(ax: Axes, wheels: Wheels) -> None:
 def _draw_scale(ax: Axes, wheels: Wheels) -> None:
     """A bar one crank radius long, with the radius where it is known."""
     left, _, bottom, _ = _extent(wheels)
-    x, y = left + 0.15, bottom + 0.15
+    x, y = left + 0.15, bottom + 0.5 * _MARGIN * _size(wheels)
     radius = wheels.mechanism.crank_radius
     text = "crank radius" if radius is None else f"crank radius {1e3 * radius:.4g} mm"
     ax.plot([x, x + 1.0], [y, y], "-|", color=_style.BLACK, lw=0.9, ms=6, mew=0.9)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.errors import InputFileError, MissingInput
+from escapement.errors import EscapementError, InputFileError, MissingInput
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Study
 
 
@@ -30,16 +30,15 @@ def read_study(path: str | PathLike[str]) -> Study:
     import h5py
 
     file = Path(path)
-    if not file.exists():
-        raise MissingInput(f"study {path} does not exist; check its name")
-    if not file.is_file():
-        raise InputFileError(f"study {path} must be a file, got a directory; name a file in it")
     try:
+        _check_file(path, file)
         with h5py.File(file, "r") as hdf5:
             _check_schema(path, hdf5)
             return _read(hdf5)
     except PermissionError:
         raise InputFileError(f"study {path} must be readable; check its permissions") from None
+    except EscapementError:
+        raise
     except (OSError, RuntimeError) as error:
         if not h5py.is_hdf5(file):
             raise InputFileError(
@@ -49,6 +48,13 @@ def read_study(path: str | PathLike[str]) -> Study:
         raise _damaged(path, error) from None
     except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise _damaged(path, error) from None
+
+
+def _check_file(path: str | PathLike[str], file: Path) -> None:
+    if not file.exists():
+        raise MissingInput(f"study {path} does not exist; check its name")
+    if not file.is_file():
+        raise InputFileError(f"study {path} must be an ordinary file; name a file, not a folder")
 
 
 def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:

@@ -35,7 +35,7 @@ RESULTS: Mapping[str, Result] = {
 """Results over the grid, in the order of the file."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Study:
     """A study: axes, results over their grid, and what they mean.
 

@@ -161,6 +161,8 @@ def _reported(
         shown = nullcontext(progress)
     done = failed = 0
     with shown as report, closing(evaluate_blocks(plan, workers)) as blocks:
+        if report is not None:
+            report(done, plan.cases, failed)
         for block in blocks:
             yield block
             done += len(block["status"])

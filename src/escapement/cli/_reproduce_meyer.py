@@ -1,0 +1,132 @@
+"""Appendix E of Meyer (1973): table, reasons and figures."""
+
+import csv
+import io
+import re
+from collections.abc import Iterable
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from escapement.cli import _files, _output
+from escapement.published.meyer import INERTIAS, agreement, appendix_e
+from escapement.units import INCH_POUND, unit_name
+
+_COLUMNS = {
+    "printed": "printed",
+    "as_published": "as published",
+    "program_1973": "program 1973",
+    "true": "true mechanism",
+}
+_FIGURES = {"velocity_max": "max", "velocity_min": "min", "rise_time": "rise", "period": "period"}
+_NAME = "meyer_appendix_e"
+
+
+def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
+    """Recompute all 49 rows; print them, and write them with figures to `folder`."""
+    rows = appendix_e(units)
+    counts = {name: agreement(rows, name)._asdict() for name in _COLUMNS if name != "printed"}
+    record = {"rows": rows, "agreement": counts}
+    if folder is not None:
+        _files.write_text(folder / f"{_NAME}.json", _output.as_json(record))
+        _files.write_text(folder / f"{_NAME}.csv", _as_csv(rows))
+        _draw(folder, rows)
+        _output.note(f"tables and figures in {folder}")
+    if as_json:
+        _output.print_json(record)
+        return
+    _print_rows(rows, units)
+    _print_reasons(rows)
+    _print_agreement(counts)
+
+
+def _print_rows(rows: list[dict[str, Any]], units: str) -> None:
+    """One line a row; speeds in rad/s, times in s."""
+    torque = unit_name("torque", units)
+    print("Meyer (1973), Appendix E: driver velocity [rad/s], rise time and period [s]\n")
+    fields = [f"{'':>3} {'slots':>5} {'mu':>4} {'torque':>9}"]
+    fields += [f"{title:^23}" for title in _COLUMNS.values()]
+    print(" | ".join(fields).rstrip())
+    under = " ".join(f"{name:>5}" for name in _FIGURES.values())
+    print(" | ".join([f"{'row':>3} {'':>5} {'':>4} {torque:>9}", *[f"{under:<23}"] * 4]).rstrip())
+    for number, row in enumerate(rows, 1):
+        first = f"{number:>3} {row['slots']:>5} {row['friction']:.2f} {row['torque']:>9.4g}"
+        cells = [_cell(row[name], name == "printed") for name in _COLUMNS]
+        print(" | ".join([first, *cells]))
+
+
+def _cell(figures: dict[str, float | None], printed: bool) -> str:
+    """Four figures with the digits the thesis prints, or one more."""
+    speed, time = ("{:>5.0f}", "{:>5.3f}") if printed else ("{:>5.1f}", "{:>5.4f}")
+    forms = (speed, speed, time, time)
+    shown = [
+        "-".rjust(5) if figures[name] is None else form.format(figures[name])
+        for name, form in zip(_FIGURES, forms, strict=True)
+    ]
+    return f"{' '.join(shown):<23}"
+
+
+def _print_reasons(rows: list[dict[str, Any]]) -> None:
+    """Every kind of disagreement once, with the rows it explains and one in full."""
+    kinds: dict[str, list[tuple[int, str]]] = {}
+    for number, row in enumerate(rows, 1):
+        for reason in row["reasons"]:
+            kind = re.sub(r"\d[\d.e+-]*", "#", reason.partition(":")[0])
+            kinds.setdefault(kind, []).append((number, reason))
+    print("\nWhy printed figures differ, each with one row's numbers (all are in the JSON):")
+    for found in kinds.values():
+        numbers, (first, reason) = [number for number, _ in found], found[0]
+        print(f"  {ranges(numbers)}; in row {first}, {reason}")
+
+
+def ranges(numbers: Iterable[int]) -> str:
+    """Ascending whole numbers as a reader writes them: rows 1-3, 5."""
+    unique = sorted(set(numbers))
+    runs = groupby(enumerate(unique), key=lambda pair: pair[1] - pair[0])
+    spans = [[number for _, number in run] for _, run in runs]
+    text = ", ".join(str(s[0]) if len(s) == 1 else f"{s[0]}-{s[-1]}" for s in spans)
+    return f"row{'s' if len(unique) > 1 else ''} {text}"
+
+
+def _print_agreement(counts: dict[str, dict[str, Any]]) -> None:
+    header = ["of 49 rows", "period", "minimum", "maximum", "worst maximum", "rise time"]
+    below = ["", "1 ms", "0.55 rad/s", "1 rad/s", "", "half a period"]
+    print("\nHow many rows meet the printed figure within")
+    rows = [
+        [
+            _COLUMNS[name], found["periods"], found["minima"], found["maxima"],
+            f"{100.0 * found['worst_maximum']:.1f} %", found["rise_times"],
+        ]
+        for name, found in counts.items()
+    ]  # fmt: skip
+    _output.print_columns([header, below], rows)
+
+
+def _as_csv(rows: list[dict[str, Any]]) -> str:
+    """A line a row; what does not exist is empty."""
+    text = io.StringIO()
+    plain = [name for name in rows[0] if name not in (*_COLUMNS, "reasons")]
+    header = [*plain, *(f"{c}_{f}" for c in _COLUMNS for f in _FIGURES), "reasons"]
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    for row in rows:
+        figures = [row[column][figure] for column in _COLUMNS for figure in _FIGURES]
+        writer.writerow([*(row[name] for name in plain), *figures, "; ".join(row["reasons"])])
+    return text.getvalue()
+
+
+def _draw(folder: Path, rows: list[dict[str, Any]]) -> None:
+    """Figures 8 to 14 of the thesis, recomputed."""
+    from escapement.mechanisms import Geneva
+    from escapement.model import Escapement, Inertia
+    from escapement.plots import plot_configurations, plot_velocities, save
+    from escapement.plots.appendix_e import plot_appendix_e
+    from escapement.simulation import simulate
+
+    driver, follower = (inertia * INCH_POUND for inertia in INERTIAS[4])
+    timer = Escapement(Geneva(4), Inertia(driver, follower), 0.10 * INCH_POUND, 0.35)
+    velocities = plot_velocities(simulate(timer, engagements=5))
+    _files.save_axes(velocities, folder / "meyer_figure_8.png")
+    for number, slots in {9: 6, 10: 4, 11: 3}.items():
+        save(plot_appendix_e(rows, slots), folder / f"meyer_figure_{number}.png")
+    save(plot_configurations(), folder / "meyer_figures_12_to_14.png")

@@ -1,0 +1,72 @@
+"""`escapement plot`: the right figures for what a file holds."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from escapement.cli import _arguments, _files, _output
+from escapement.cli._parser import Parser
+
+if TYPE_CHECKING:
+    from escapement.store import Study
+
+_CONVERTED = ("torque", "inertia", "length", "force")
+
+SUMMARY = "The right figures for what a file holds: a study or a motion."
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="OUT",
+        help=".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)",
+    )
+    _arguments.add_common(
+        parser, units=None, text="units of the axes of a study (default: those of the file)"
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Draw the file."""
+    path = args.file.with_suffix(".png") if args.output is None else args.output
+    _files.check_picture(path)
+    from escapement import plots
+    from escapement.store import read_study
+    from escapement.store_motion import is_motion, read_motion
+
+    if is_motion(args.file):
+        from escapement.plots.motion_sheet import plot_motion
+
+        holds, figure = "motion", plot_motion(read_motion(args.file))
+    else:
+        study = read_study(args.file)
+        holds, figure = "study", plots.plot_study(in_units(study, args.units))
+    plots.save(figure, path)
+    if args.json:
+        _output.print_json({"input": str(args.file), "holds": holds, "output": str(path)})
+    else:
+        _output.note(f"{holds} drawn in {path}")
+    return 0
+
+
+def in_units(study: "Study", system: str | None) -> "Study":
+    """A study with its axes in another unit system; None leaves them."""
+    from dataclasses import replace
+
+    from escapement.units import factor, unit_name
+
+    own = study.configuration.get("units", "SI")
+    if system in (None, own):
+        return study
+    axes, units = dict(study.axes), dict(study.units)
+    for name in axes:
+        for quantity in _CONVERTED:
+            if units[name] == unit_name(quantity, own):
+                axes[name] = axes[name] * (factor(quantity, own) / factor(quantity, system))
+                units[name] = unit_name(quantity, system)
+                break
+    return replace(study, axes=axes, units=units)

@@ -1,0 +1,78 @@
+"""`escapement sweep`: a study from a configuration into a file."""
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from escapement.cli import SOME_FAILED, _arguments, _files, _output, _tables
+from escapement.cli._parser import Parser, whole
+from escapement.units import unit_name
+
+if TYPE_CHECKING:
+    from escapement.configuration import StudyPlan
+
+SUMMARY = "A study on a grid of parameters, to an HDF5 file."
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("config", type=Path, metavar="CONFIG.toml", help="what to compute")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="OUT.h5",
+        help="default: the name of CONFIG with .h5, in the current folder",
+    )
+    parser.add_argument("--force", action="store_true", help="replace OUT.h5 where it exists")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    parser.add_argument(
+        "--workers",
+        type=whole("--workers", 1, "give the number of threads"),
+        metavar="N",
+        help="threads (default: one for each processor)",
+    )
+    _arguments.add_common(
+        parser, units=None, text="units of the axes printed (default: those of the study)"
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Run the study, then show a dozen of its cases."""
+    from escapement.configuration import load_plan
+
+    plan = load_plan(args.config)
+    path = Path(f"{args.config.stem}.h5") if args.output is None else args.output
+    _files.check_output(path, force=args.force)
+    from escapement.sweeping import write_plan
+
+    tally = write_plan(
+        plan,
+        path,
+        force=args.force,
+        progress=not args.quiet,
+        workers=args.workers or os.cpu_count() or 1,
+    )
+    cases = _tables.some_cases(plan, path, args.units)
+    if args.json:
+        sizes = {name: values.size for name, values in plan.axes.items()}
+        record = {"output": str(path), "axes": sizes, "cases": tally.cases, "failed": tally.failed}
+        _output.print_json(record | {"some_cases": cases})
+    else:
+        _print_table(plan, cases, args.units or plan.unit_system)
+        _output.note(f"{tally.cases} cases in {path}")
+    if tally.failed:
+        _output.note(f"{tally.failed} of {tally.cases} cases failed, the file's status says why")
+    return SOME_FAILED if tally.failed else 0
+
+
+def _print_table(plan: "StudyPlan", cases: list[dict[str, Any]], units: str) -> None:
+    named = {name: unit_name(plan.parameters[name].quantity, units) for name in plan.axes}
+    named |= {
+        name: "s" if name.endswith(("period", "time")) else "rad s-1" for name in _tables.RESULTS
+    }
+    names = [*cases[0]]
+    header = [_output.words(name) for name in names]
+    below = ["" if named.get(name) in (None, "1") else named[name] for name in names]
+    _output.print_columns([header, below], ([case[name] for name in names] for case in cases))

@@ -1,0 +1,406 @@
+"""Command line: what each command prints, writes and returns."""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import escapement as esc
+from escapement import cli
+from escapement.cli import main
+from escapement.cli._output import plain
+from escapement.cli._tables import spread
+from escapement.simulation import DEFAULT_RTOL, ENGINES, METHODS
+from escapement.store import read_study
+from escapement.store_motion import read_motion
+from escapement.units import INCH_POUND
+
+MEYER = [
+    *("--torque", ".10", "--driver-inertia", "3e-6", "--follower-inertia", "50e-6"),
+    *("--units", "in-lbf-s"),
+]
+TIMER = esc.Escapement(
+    esc.Geneva(4), esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.10 * INCH_POUND, 0.35
+)
+STUDY = """
+units = "in-lbf-s"
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-6
+follower = 50e-6
+[sweep]
+friction = {friction}
+torque = [0.08, 0.10, 0.12, 0.14]
+"""
+RUN_KEYS = {
+    *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
+    *("rise_time", "settling_time", "critical_friction", "handoff_times", "handoff_velocities"),
+    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
+    *("status", "message", "engine"),
+}
+SOURCES = str(Path(esc.__file__).parents[1])
+
+
+@pytest.fixture
+def command(capsys, monkeypatch, tmp_path):
+    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*argv):
+        code = main([str(word) for word in argv])
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def study(tmp_path):
+    """Writes a study configuration with the given frictions."""
+
+    def write(friction="[0.20, 0.35]"):
+        path = tmp_path / "four.toml"
+        path.write_text(STUDY.format(friction=friction))
+        return path
+
+    return write
+
+
+def python(code, **options):
+    environment = os.environ | {"PYTHONPATH": SOURCES}
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, **options
+    )
+
+
+@pytest.mark.parametrize("name", ["", *cli.COMMANDS])
+def test_help_loads_nothing_heavy(name):
+    arguments = [*([name] if name else []), "--help"]
+    code = (
+        f"import sys; from escapement.cli import main; code = main({arguments});"
+        "heavy = {'numpy', 'scipy', 'numba', 'matplotlib', 'h5py'} & set(sys.modules);"
+        "sys.exit(f'{heavy}' if heavy else code)"
+    )
+    done = python(code)
+    assert done.stderr == ""
+    assert done.returncode == 0
+    assert done.stdout.startswith("usage: escapement")
+
+
+def test_version(command):
+    assert command("--version") == (0, f"escapement {esc.__version__}\n", "")
+
+
+def test_module_runs_as_the_script_does():
+    done = python("import runpy, sys; sys.argv[1:] = ['--version']; runpy.run_module('escapement')")
+    assert done.stdout == f"escapement {esc.__version__}\n"
+
+
+def test_help_names_what_the_solver_knows(command):
+    words = command("run", "--help")[1].replace("(", " ").replace(",", " ").split()
+    assert {*ENGINES, *METHODS} <= set(words)
+    assert {f"{rtol:g}" for rtol in DEFAULT_RTOL.values()} <= {w.strip(")") for w in words}
+
+
+def test_run_json_is_one_object_with_the_promised_keys(command):
+    code, out, err = command("run", "--friction", ".35", *MEYER, "--json")
+    record = json.loads(out)
+    assert (code, err) == (0, "")
+    assert set(record) == RUN_KEYS
+    figures = esc.terminal(TIMER).as_dict()
+    for name in ("velocity_max", "period", "rise_time", "settling_time", "acceleration_max"):
+        assert record[name] == pytest.approx(figures[name], rel=1e-12)
+    assert record["contact_moment_max"] == pytest.approx(
+        figures["contact_moment_max"] / INCH_POUND, rel=1e-12
+    )
+    assert len(record["handoff_times"]) == 20
+    assert record["handoff_times"][-1] == pytest.approx(0.881247098654620, rel=1e-9)
+    assert record["handoff_velocities"][-1] == pytest.approx(74.6834608876848, rel=1e-9)
+    assert abs(record["energy_residual"]) < 1e-9
+    assert (record["status"], record["engine"]) == ("ok", "energy")
+
+
+def test_run_gives_the_same_motion_in_either_system(command):
+    inches = json.loads(command("run", "--friction", ".3", *MEYER, "--json")[1])
+    options = {"--torque": 0.1, "--driver-inertia": 3e-6, "--follower-inertia": 50e-6}
+    metric = [word for name, value in options.items() for word in (name, value * INCH_POUND)]
+    si = json.loads(command("run", "--friction", ".3", *metric, "--json")[1])
+    assert si["period"] == pytest.approx(inches["period"], rel=1e-12)
+    assert si["contact_moment_max"] == pytest.approx(
+        inches["contact_moment_max"] * INCH_POUND, rel=1e-9
+    )
+
+
+def test_run_table_says_the_same_as_the_json(command):
+    code, out, err = command("run", "--friction", ".35", *MEYER)
+    rows = dict(line.split("  ", 1) for line in out.splitlines())
+    assert (code, err) == (0, "")
+    assert rows["velocity max"].split() == ["117.071", "rad", "s-1"]
+    assert rows["contact moment max"].split() == ["1.90259", "in", "lbf"]
+    assert rows["status"].split() == ["ok"]
+
+
+@pytest.mark.parametrize("extra", [["--engagements", "3"], ["--duration", "0.15"]])
+def test_run_length(command, extra):
+    record = json.loads(command("run", "--friction", ".35", *MEYER, *extra, "--json")[1])
+    assert len(record["handoff_times"]) == 3
+    assert record["velocity_max"] == pytest.approx(117.0714983, rel=1e-8)
+
+
+def test_run_with_the_reference_engine(command):
+    extra = ["--engine", "ivp", "--rtol", "1e-8", "--method", "RK45", "--max-step", "1e-3"]
+    record = json.loads(command("run", "--friction", ".35", *MEYER, *extra, "--json")[1])
+    assert record["engine"] == "ivp"
+    assert record["handoff_times"][-1] == pytest.approx(0.881247098654620, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("extra", "code", "status", "said"),
+    [
+        ([], 0, "no_terminal", "no terminal velocity"),
+        (["--friction", "0.5"], 3, "painleve", "0.406079"),
+        (["--friction", "0.3", "--load-torque", "0.09"], 3, "stall", "degrees"),
+    ],
+)
+def test_run_without_a_terminal_cycle(command, extra, code, status, said):
+    found, out, err = command("run", *MEYER, *extra, "--json")
+    record = json.loads(out)
+    assert (found, record["status"]) == (code, status)
+    assert record["velocity_max"] is record["rise_time"] is None
+    assert said in record["message"]
+    assert err == f"escapement: {record['message']}\n"
+
+
+def test_painleve_leaves_no_files(command, tmp_path):
+    command("run", *MEYER, "--friction", ".5", "-o", "m.h5", "--plot", "m.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_run_writes_the_motion(command):
+    assert command("run", "--friction", ".35", *MEYER, "--crank-radius", ".2", "-o", "m.h5")[0] == 0
+    motion = esc.simulate(TIMER)
+    with xarray.open_dataset("m.h5", engine="h5netcdf") as data:
+        assert {"theta_ddot", "phi_dot", "contact_force", "handoff_velocities"} <= set(data)
+        assert all({"units", "long_name"} <= set(data[name].attrs) for name in data)
+        assert data["contact_force"].attrs["units"] == "lbf"
+        assert data.attrs["content"] == "motion"
+        np.testing.assert_allclose(data["handoff_times"], motion.handoff_times, rtol=1e-15)
+        state = motion.at(data["t"].values)
+        np.testing.assert_allclose(data["phi_ddot"], state.phi_ddot, rtol=1e-12)
+        moments = state.contact_moment / INCH_POUND
+        np.testing.assert_allclose(data["contact_moment"], moments, rtol=1e-12)
+
+
+def test_motion_file_reads_back_as_the_motion(command):
+    command("run", "--slots", "5", "--friction", ".35", *MEYER, "--engagements", "4", "-o", "m.h5")
+    found = read_motion("m.h5")
+    motion = esc.simulate(found.escapement, engagements=4)
+    np.testing.assert_array_equal(found.handoff_velocities, motion.handoff_velocities)
+    np.testing.assert_array_equal(found.extrema.theta_dot, motion.extrema.theta_dot)
+    times = np.linspace(0.0, motion.end_time, 5000)
+    mine, own = found.at(times), motion.at(times)
+    for name in ("theta", "theta_dot", "phi_dot"):
+        scale = np.abs(getattr(own, name)).max()
+        np.testing.assert_allclose(getattr(mine, name), getattr(own, name), atol=2e-3 * scale)
+    assert found.ledger.residual == pytest.approx(motion.ledger.residual, abs=1e-12)
+
+
+def test_existing_motion_is_kept_unless_forced(command, tmp_path):
+    arguments = ["run", "--friction", ".35", *MEYER, "-o", "m.h5"]
+    (tmp_path / "m.h5").write_text("mine")
+    assert command(*arguments)[0] == 73
+    assert (tmp_path / "m.h5").read_text() == "mine"
+    assert command(*arguments, "--force")[0] == 0
+    assert read_motion("m.h5").handoff_times.size == 20
+
+
+def test_picture_is_replaced(command, tmp_path):
+    (tmp_path / "v.png").write_text("older")
+    assert command("run", "--friction", ".35", *MEYER, "--plot", "v.png")[0] == 0
+    assert (tmp_path / "v.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("slots", "pins"), [(3, 6), (4, 4), (6, 3)])
+def test_mechanism_of_the_continuous_pairs(command, slots, pins):
+    code, out, _ = command("mechanism", "geneva", "--slots", slots, "--json")
+    record = json.loads(out)
+    assert code == 0
+    assert (record["stations"], record["slots"], record["pins"]) == (slots, slots, pins)
+    assert record["continuous"] is True
+    assert record["motion_ratio"] == 1.0
+    assert record["cell_angle_deg"] == pytest.approx(360.0 / pins)
+    assert record["follower_step_deg"] == pytest.approx(360.0 / slots)
+
+
+def test_mechanism_with_inertias_and_lengths(command):
+    inertias = ["--driver-inertia", "3e-6", "--follower-inertia", "50e-6"]
+    extra = ["--crank-radius", "2", "--units", "in-lbf-s", "--json"]
+    record = json.loads(command("mechanism", *inertias, *extra)[1])
+    assert record["critical_friction"] == pytest.approx(0.406079, abs=5e-7)
+    assert record["centre_distance"] == pytest.approx(2.0 * math.sqrt(2.0))
+
+
+def test_mechanism_drawing(command, tmp_path):
+    assert command("mechanism", "--slots", "5", "--plot", "five.svg", "--angle", "-20")[0] == 0
+    assert b"<svg" in (tmp_path / "five.svg").read_bytes()
+
+
+def test_sweep_writes_beside_and_shows_a_table(command, study, tmp_path):
+    code, out, _err = command("sweep", study())
+    assert code == 0
+    found = read_study(tmp_path / "four.h5")
+    lines = out.splitlines()
+    assert len(lines) == 2 + 8
+    assert lines[0].split()[:2] == ["friction", "torque"]
+    first = lines[2].split()
+    assert first[:2] == ["0.2", "0.08"]
+    assert float(first[2]) == pytest.approx(found.results["velocity_max"][0, 0], rel=1e-5)
+
+
+def test_sweep_json_and_units(command, study):
+    code, out, err = command("sweep", study(), "-o", "x.h5", "--quiet", "--json", "--units", "SI")
+    record = json.loads(out)
+    assert (code, err) == (0, "")
+    assert record["output"] == "x.h5"
+    assert (record["cases"], record["failed"]) == (8, 0)
+    assert record["axes"] == {"friction": 2, "torque": 4}
+    assert record["some_cases"][0]["torque"] == pytest.approx(0.08 * INCH_POUND)
+    assert read_study("x.h5").axes["torque"][0] == 0.08
+
+
+def test_sweep_with_failed_cases(command, study):
+    code, out, err = command("sweep", study("[0.35, 0.5]"), "--workers", "1", "--json")
+    record = json.loads(out)
+    assert code == 3
+    assert record["failed"] == 4
+    assert "4 of 8 cases failed" in err
+    assert [case["status"] for case in record["some_cases"]] == ["ok"] * 4 + ["painleve"] * 4
+    assert record["some_cases"][-1]["period"] is None
+
+
+def test_sweep_keeps_an_existing_file_unless_forced(command, study, tmp_path):
+    (tmp_path / "four.h5").write_text("mine")
+    assert command("sweep", study())[0] == 73
+    assert (tmp_path / "four.h5").read_text() == "mine"
+    assert command("sweep", study(), "--force")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("shape", "cases"), [((1,), 1), ((7,), 7), ((40,), 12), ((4, 25), 12), ((9, 9, 9), 12)]
+)
+def test_spread_covers_both_ends(shape, cases):
+    places = spread(shape, 12)
+    assert len(places) == cases
+    assert len(set(places)) == cases
+    assert tuple(0 for _ in shape) in places
+    assert tuple(size - 1 for size in shape) in places
+
+
+def test_plot_of_a_study(command, study, tmp_path):
+    command("sweep", study())
+    assert command("plot", "four.h5")[0] == 0
+    assert (tmp_path / "four.png").read_bytes().startswith(b"\x89PNG")
+    record = json.loads(command("plot", "four.h5", "-o", "x.pdf", "--units", "SI", "--json")[1])
+    assert record == {"input": "four.h5", "holds": "study", "output": "x.pdf"}
+    assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_plot_of_a_motion(command):
+    command("run", "--friction", ".35", *MEYER, "--engagements", "3", "-o", "m.h5")
+    record = json.loads(command("plot", "m.h5", "--json")[1])
+    assert record == {"input": "m.h5", "holds": "motion", "output": "m.png"}
+
+
+def test_reproduce_meyer(command, tmp_path):
+    code, out, _ = command("reproduce", "meyer", "-o", "meyer", "--json", "--units", "in-lbf-s")
+    rows = json.loads(out)["rows"]
+    assert code == 0
+    assert len(rows) == 49
+    columns = ("printed", "as_published", "program_1973", "true")
+    figures = {"velocity_max", "velocity_min", "rise_time", "period"}
+    assert all(set(row[column]) == figures for row in rows for column in columns)
+    assert {"slots", "friction", "torque_inlbf"} <= set(rows[0])
+    written = {path.name for path in (tmp_path / "meyer").iterdir()}
+    assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
+    assert json.loads((tmp_path / "meyer" / "meyer_appendix_e.json").read_text())["rows"] == rows
+    table = (tmp_path / "meyer" / "meyer_appendix_e.csv").read_text().splitlines()
+    assert len(table) == 50
+
+
+def test_reproduce_meyer_prints_rows_reasons_and_counts(command):
+    code, out, err = command("reproduce", "meyer")
+    lines = out.splitlines()
+    assert (code, err) == (0, "")
+    assert sum(line.count("|") == 4 for line in lines) == 2 + 49
+    assert "the heading swaps the inertias" in out
+    assert "the program hard-codes a 90-degree cell" in out
+    assert lines[-3].split() == ["as", "published", "49", "49", "44", "2.7", "%", "47"]
+
+
+def test_json_knows_no_nan():
+    values = {
+        "a": math.nan,
+        "b": [np.float64(math.inf), np.int64(3)],
+        "c": np.array([1.0, math.nan]),
+    }
+    assert plain(values) == {"a": None, "b": [None, 3], "c": [1.0, None]}
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (KeyboardInterrupt(), 130),
+        (OSError(5, "Input/output error"), 74),
+        (MemoryError(), 74),
+        (OverflowError("Result too large"), 2),
+    ],
+)
+def test_what_strikes_from_outside_is_one_line(command, monkeypatch, error, code):
+    def strike(_path):
+        raise error
+
+    monkeypatch.setattr("escapement.configuration.load_plan", strike)
+    found, out, err = command("sweep", "x.toml")
+    assert (found, out) == (code, "")
+    assert err.startswith("escapement: error: ")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes")
+def test_reader_that_leaves_early_is_no_error():
+    reader, writer = os.pipe()
+    os.close(reader)
+    environment = os.environ | {"PYTHONPATH": SOURCES}
+    arguments = [sys.executable, "-m", "escapement", "mechanism"]
+    with os.fdopen(writer, "wb") as pipe:
+        done = subprocess.run(arguments, stdout=pipe, stderr=subprocess.PIPE, env=environment)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_interrupted_sweep_leaves_nothing(tmp_path):
+    frictions = "{ start = 0.01, stop = 0.4, num = 10000 }"
+    text = STUDY.format(friction=frictions) + '[solver]\nengine = "ivp"\n'
+    (tmp_path / "long.toml").write_text(text)
+    arguments = [sys.executable, "-m", "escapement", "sweep", "long.toml", "--quiet"]
+    environment = os.environ | {"PYTHONPATH": SOURCES}
+    with subprocess.Popen(
+        arguments, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True
+    ) as process:
+        deadline = time.monotonic() + 60.0
+        while len(list(tmp_path.iterdir())) == 1 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60.0)
+    assert process.returncode == 130
+    assert err == "escapement: error: interrupted\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["long.toml"]

@@ -1,0 +1,190 @@
+"""Command line: whatever a user gets wrong is one line, the right exit code, and no file."""
+
+import pytest
+
+from escapement.cli import main
+
+BASE = {
+    "--torque": ".10",
+    "--driver-inertia": "3e-6",
+    "--follower-inertia": "50e-6",
+    "--units": "in-lbf-s",
+}
+STUDY = """
+units = "in-lbf-s"
+friction = 0.3
+torque = 0.1
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-6
+follower = 50e-6
+[sweep]
+load_torque = [0.0, 0.01]
+"""
+
+
+def run(*extra, without=()):
+    """A `run` that is right but for `extra` and for what it lacks."""
+    given = {name: value for name, value in BASE.items() if name not in without}
+    return ["run", *(word for pair in given.items() for word in pair), *extra]
+
+
+NUMBERS = [
+    *("torque", "driver-inertia", "follower-inertia", "friction", "load-torque"),
+    *("initial-speed", "crank-radius", "duration", "max-step", "atol", "rtol"),
+]
+NOT_FINITE = ["nan", "-nan", "-inf", "1e400", "-1e400", "abc", "", "1,5", "-3,5", "0x10"]
+NEGATIVE = ["-3e-6", "-.5", "-1", "-2.5E+3"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """A folder with a good study, bad ones, and things that are no study."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "good.toml").write_text(STUDY)
+    (tmp_path / "broken.toml").write_text("units = \n")
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "text.h5").write_text("no HDF5")
+    (tmp_path / "there.h5").write_text("mine")
+    (tmp_path / "folder.h5").mkdir()
+    return tmp_path
+
+
+def check(capsys, folder, argv, code, *said):
+    """One line on stderr that says all of `said`, nothing on stdout, no file touched."""
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    found = main([str(word) for word in argv])
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("escapement: error: ")
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+    for text in said:
+        assert text in err
+    assert found == code
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
+
+
+@pytest.mark.parametrize("value", NOT_FINITE)
+@pytest.mark.parametrize("name", NUMBERS)
+def test_what_is_no_number(capsys, folder, name, value):
+    rule = "must be a finite number"
+    check(capsys, folder, run(f"--{name}", value), 2, f"--{name} {rule}, got {value!r}; ")
+
+
+@pytest.mark.parametrize("value", NEGATIVE)
+@pytest.mark.parametrize("name", NUMBERS)
+def test_negative_numbers_reach_their_rule(capsys, folder, name, value):
+    check(capsys, folder, run(f"--{name}", value), 2, name, f"got {float(value)!r}")
+
+
+USAGE = {
+    "nothing": ([], "no command", "run, sweep, plot", "--help"),
+    "unknown command": (["rnu"], "COMMAND", "'rnu'", "did you mean 'run'?"),
+    "options before the command": (["--units", "SI", "run"], "unknown option '--units'"),
+    "misspelt version": (["--verison"], "did you mean '--version'?"),
+    "misspelt option": (run("--frictoin", ".3"), "'--frictoin'", "did you mean '--friction'?"),
+    "abbreviated option": (run("--fric", ".3"), "'--fric'", "did you mean '--friction'?"),
+    "misspelt before missing": (["run", "--torqe", "1"], "did you mean '--torque'?"),
+    "unknown short option": (run("-x"), "unknown option '-x'"),
+    "missing torque": (run(without=["--torque"]), "required: --torque", "run --help"),
+    "missing inertia": (run(without=["--driver-inertia"]), "required: --driver-inertia"),
+    "option without value": (["run", "--torque"], "--torque", "expected one argument"),
+    "flag with value": (run("--json=3"), "--json", "'3'"),
+    "two kinds": (run("geneva", "geneva"), "unexpected argument 'geneva'"),
+    "unknown kind": (run("genva"), "KIND", "'genva'", "did you mean 'geneva'?"),
+    "unknown units": (run("--units", "in-lb-s"), "--units", "SI, in-lbf-s", "'in-lbf-s'?"),
+    "unknown engine": (run("--engine", "ivpp"), "engine", "'ivpp'", "did you mean 'ivp'?"),
+    "unknown method": (run("--engine", "ivp", "--method", "RK54"), "method", "'RK45'?"),
+    "method of another engine": (run("--method", "RK45"), "method", "'RK45'", "ivp"),
+    "step of another engine": (run("--max-step", "1e-3"), "max_step", "ivp"),
+    "two slots": (run("--slots", "2"), "--slots", "at least 3", "got 2"),
+    "half a slot": (run("--slots", "4.5"), "--slots", "whole number", "'4.5'"),
+    "slots in words": (run("--slots", "four"), "--slots", "whole number", "'four'"),
+    "negative slots": (run("--slots", "-4"), "--slots", "got -4"),
+    "no pin": (run("--pins", "0"), "--pins", "at least 1", "got 0"),
+    "too many pins": (run("--slots", "4", "--pins", "5"), "pins", "at most 4", "got 5"),
+    "internal pins": (run("--internal", "--pins", "2"), "pins", "at most 1", "internal"),
+    "no torque": (run("--torque", "0"), "--torque", "greater than 0", "got 0.0"),
+    "no inertia": (run("--driver-inertia", "0"), "--driver-inertia", "greater than 0"),
+    "no crank": (run("--crank-radius", "0"), "--crank-radius", "greater than 0"),
+    "no duration": (run("--duration", "0"), "--duration", "greater than 0"),
+    "no engagement": (run("--engagements", "0"), "--engagements", "at least 1", "got 0"),
+    "part of an engagement": (run("--engagements", "1e3"), "--engagements", "'1e3'"),
+    "two lengths": (run("--engagements", "3", "--duration", "1"), "both", "3", "1.0"),
+    "rtol 0": (run("--rtol", "0"), "rtol", "1e-13", "got 0.0"),
+    "rtol 1": (run("--rtol", "1"), "rtol", "below 1", "got 1.0"),
+    "rtol too small": (run("--rtol", "1e-14"), "rtol", "1e-13", "got 1e-14"),
+    "force without output": (run("--force"), "--force", "--output"),
+    "ratio out of range": (run("--torque", "1e-320"), "torque and follower_inertia", "ratio"),
+    "one inertia": (["mechanism", "--driver-inertia", "1"], "--follower-inertia", "--driver"),
+    "other inertia": (["mechanism", "--follower-inertia", "1"], "--driver-inertia must"),
+    "angle without drawing": (["mechanism", "--angle", "3"], "--angle", "--plot"),
+    "endless angle": (["mechanism", "--angle", "inf", "--plot", "x.png"], "--angle", "'inf'"),
+    "negative word": (["mechanism", "--", "-5"], "KIND", "'-5'"),
+    "no study": (["sweep"], "CONFIG.toml", "sweep --help"),
+    "no workers": (["sweep", "good.toml", "--workers", "0"], "--workers", "at least 1"),
+    "later option": (["sweep", "good.toml", "--resume"], "unknown option '--resume'"),
+    "no file": (["plot"], "FILE.h5", "plot --help"),
+    "no source": (["reproduce"], "SOURCE"),
+    "unknown source": (["reproduce", "meier"], "SOURCE", "'meier'", "did you mean 'meyer'?"),
+}
+
+
+@pytest.mark.parametrize(("argv", "said"), [(a, s) for a, *s in USAGE.values()], ids=USAGE)
+def test_wrong_usage(capsys, folder, argv, said):
+    check(capsys, folder, argv, 2, *said)
+
+
+FILES = {
+    "missing study": (["sweep", "none.toml"], 66, "none.toml", "does not exist"),
+    "study is a folder": (["sweep", "folder.h5"], 65, "folder.h5", "directory"),
+    "study is not TOML": (["sweep", "broken.toml"], 65, "broken.toml", "line 1"),
+    "study is not text": (["sweep", "binary.toml"], 65, "binary.toml", "UTF-8"),
+    "missing result": (["plot", "none.h5"], 66, "none.h5", "does not exist"),
+    "result is a folder": (["plot", "folder.h5", "-o", "x.png"], 65, "folder.h5", "not a folder"),
+    "result is not HDF5": (["plot", "text.h5"], 65, "text.h5", "HDF5"),
+    "motion there": (run("-o", "there.h5"), 73, "there.h5", "existing", "--force"),
+    "motion into a folder": (run("-o", "folder.h5"), 73, "folder.h5", "directory"),
+    "motion nowhere": (run("-o", "none/m.h5"), 73, "none", "create it first"),
+    "motion under a file": (run("-o", "text.h5/m.h5"), 73, "text.h5"),
+    "study there": (["sweep", "good.toml", "-o", "there.h5"], 73, "there.h5", "--force"),
+    "study into a folder": (["sweep", "good.toml", "-o", "folder.h5"], 73, "folder.h5"),
+    "study nowhere": (["sweep", "good.toml", "-o", "none/x.h5"], 73, "none"),
+    "name too long": (run("-o", "x" * 300 + ".h5"), 73, "name too long"),
+    "picture of no format": (run("--plot", "v.txt"), 73, "v.txt", ".png, .pdf, .svg"),
+    "picture without suffix": (run("--plot", "v"), 73, ".png, .pdf, .svg", "change the suffix"),
+    "picture nowhere": (run("--plot", "none/v.png"), 73, "none"),
+    "drawing nowhere": (["mechanism", "--plot", "none/v.png"], 73, "none"),
+    "figure over its data": (["plot", "text.h5", "-o", "text.h5"], 73, "text.h5", "suffix"),
+    "folder is a file": (["reproduce", "meyer", "-o", "text.h5"], 73, "text.h5", "a file"),
+    "folder nowhere": (["reproduce", "meyer", "-o", "none/there"], 73, "none/there"),
+}
+
+
+@pytest.mark.parametrize(
+    ("argv", "code", "said"), [(a, c, s) for a, c, *s in FILES.values()], ids=FILES
+)
+def test_wrong_file(capsys, folder, argv, code, said):
+    check(capsys, folder, argv, code, *said)
+
+
+STUDIES = {
+    "unknown key": (("friction = 0.3", "frictoin = 0.3"), "frictoin", "friction"),
+    "unknown axis": (("load_torque =", "load_torqe ="), "load_torqe", "load_torque"),
+    "two slots": (("slots = 4", "slots = 2"), "slots", "got 2"),
+    "negative inertia": (("driver = 3e-6", "driver = -3e-6"), "driver", "-3e-06"),
+    "not a number": (("torque = 0.1", "torque = nan"), "torque", "nan"),
+    "text for a number": (("torque = 0.1", "torque = '0.1'"), "torque", "'0.1'"),
+    "empty axis": (("[0.0, 0.01]", "[]"), "load_torque", "at least one value"),
+    "missing torque": (("torque = 0.1", ""), "torque"),
+    "unknown units": (("in-lbf-s", "furlongs"), "units", "furlongs"),
+    "nothing swept": (("load_torque = [0.0, 0.01]", ""), "sweep"),
+}
+
+
+@pytest.mark.parametrize(("change", "said"), [(c, s) for c, *s in STUDIES.values()], ids=STUDIES)
+def test_wrong_study(capsys, folder, change, said):
+    (folder / "bad.toml").write_text(STUDY.replace(*change))
+    check(capsys, folder, ["sweep", "bad.toml"], 2, "bad.toml", *said)
