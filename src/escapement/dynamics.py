@@ -134,6 +134,20 @@ def painleve_limit(path, rho, entry, exit_):  # type: ignore[no-untyped-def]
     return limit, angle
 
 
+@jit
+def beyond_painleve(path, rho, mu, entry, exit_):  # type: ignore[no-untyped-def]
+    """Whether `mu` is at or above the Painleve limit.
+
+    (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| at most the radius of the
+    circle that (g, u) runs on: most scenes need no more than this bound.
+    """
+    first = path[3] / path[1]
+    second = (path[3] + path[4]) / (path[1] + path[2])
+    if mu * abs(first - second) < 4.0 * np.sqrt(rho):
+        return False
+    return mu >= painleve_limit(path, rho, entry, exit_)[0]
+
+
 def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
     """Painleve limit: least friction at which J_s reaches zero [-].
 

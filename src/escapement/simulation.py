@@ -88,6 +88,11 @@ def simulate(
     return run(escapement, engagements=engagements, duration=duration, **settings)
 
 
+def rtol_of(solver: Any) -> float:
+    """Relative error a study's solver settings ask for."""
+    return DEFAULT_RTOL[solver.engine] if solver.rtol is None else solver.rtol
+
+
 def _engine(name: str) -> Any:
     """An engine's module, loaded when first asked for."""
     return import_module(f"escapement.engines._{name}")

@@ -13,12 +13,24 @@ from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, SCRATCH, STA
 from escapement.engines._panels import ENDS, MAX_PANELS, ROW
 from escapement.mechanisms._slotted import transmission_at
 
-NO_TERMINAL = 1
-FIGURES = 8
-(V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION, SOLVES) = range(FIGURES)
+NO_TERMINAL, NOT_CONVERGED = 1, 4
+FIGURES = 7
+V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION = range(FIGURES)
+SEEN = 128  # extrema of a transient that are kept
 RISE_BAND, SETTLING_BAND = 0.02, 0.01
 MAX_ENGAGEMENTS = 1_000_000
-_EVENTS_PER_ENGAGEMENT = 16
+EVENTS_OF_ONE = 16
+
+
+@jit
+def workspace():  # type: ignore[no-untyped-def]
+    """Panel store, events of an engagement, extrema seen and scratch, for `figures`."""
+    return (
+        np.empty((MAX_PANELS, ROW)),
+        np.empty((EVENTS_OF_ONE, EVENTS)),
+        np.empty((SEEN, EVENTS)),
+        np.empty(SCRATCH),
+    )
 
 
 @jit
@@ -57,9 +69,9 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, times, squares)
     """
     loose, strict = tolerances(rtol)
     store = np.empty((MAX_PANELS, ROW))
-    events = np.empty((_EVENTS_PER_ENGAGEMENT, EVENTS))
+    events = np.empty((EVENTS_OF_ONE, EVENTS))
     scratch = np.empty(SCRATCH)
-    count = lay_out(store, breaks, path, rho)
+    count = lay_out(store, breaks, path, rho, loose)
     time = 0.0
     for k in range(times.size):
         status, out, length, exponent, _s, _side, _r, count, _u = march(
@@ -89,148 +101,167 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, times, squares)
 
 
 @jit
-def fixed_point(store, count, path, exit_, dwell, rho, mu, load, w, rtol, events, scratch):  # type: ignore[no-untyped-def]
-    """Terminal squared handoff speed by Newton's method.
+def _closer(w, out, exponent, source, rho, ends):  # type: ignore[no-untyped-def]
+    """Fixed point of the affine map an engagement went by, and its contraction.
 
-    Returns
-    -------
-    status, w, contraction, count, marches
+    E_out = exp(-exponent) E_in + source with w = E/(rho + g^2) at either end;
+    `ends` holds g at entry, g at exit and what a dwell adds to w. The gap
+    1 - shrink keeps its relative accuracy when next to nothing is lost.
     """
-    loose, strict = tolerances(rtol)
-    previous = w
-    free = 2.0 * dwell / rho
-    g_in = store[0, ENDS]
-    g_out = transmission_at(path, exit_)[0]
+    g_in, g_out, free = ends
     leave = rho + g_out * g_out
     unequal = (g_out - g_in) * (g_out + g_in) / leave
-    marches = 0
-    plain = 0
-    for _ in range(MAX_ENGAGEMENTS):
-        status, out, _t, exponent, source, _side, _r, count, _u = march(
-            store, count, path, rho, mu, load, w, 0.0, 0.0, loose, strict, False, events, scratch
-        )
-        marches += 1
-        if status == STALL and plain == 0 and marches > 1:
-            # Newton overshot into a stop: follow the motion itself for a while
-            w = previous
-            plain = 20
-            continue
-        if status != OK:
-            return status, out, 0.0, count, marches
-        # E_out = exp(-exponent) E_in + source, w = E/(rho + g^2) at either end; the gap
-        # 1 - shrink keeps its relative accuracy when next to nothing is lost
-        shrink = np.exp(-exponent) * (1.0 - unequal)
-        gap = -np.expm1(-exponent) + np.exp(-exponent) * unequal
-        previous = out + free
-        if plain == 0 and gap <= 1e-14 and previous > w:
-            # too slow for a pin reversal, friction only borrows: go where it takes
-            w = 4.0 * previous
-            continue
-        better = (source / leave + free) / gap
-        if plain > 0 or not better > 0.0:
-            w = previous
-            plain = max(plain - 1, 0)
-            continue
-        change = abs(better - w)
-        w = better
-        if change <= 1e-7 * np.sqrt(rtol / 1e-13) * w:
-            return OK, w, shrink, count, marches
-    return 4, w, 0.0, count, marches
+    shrink = np.exp(-exponent) * (1.0 - unequal)
+    gap = -np.expm1(-exponent) + np.exp(-exponent) * unequal
+    following = out + free
+    if gap <= 1e-14:
+        # too slow for a pin reversal, friction only borrows: go where it takes
+        return (4.0 * following if following > w else following), shrink, gap
+    return (source / leave + free) / gap, shrink, gap
 
 
 @jit
-def figures(path, breaks, dwell, rho, mu, load, w_start, rtol, store, events, scratch, out):  # type: ignore[no-untyped-def]
+def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events, scratch, out):  # type: ignore[no-untyped-def]
+    """Terminal cycle by Newton's method from w; fills out, events hold its extrema.
+
+    Returns
+    -------
+    status, count
+    """
+    loose, strict = tolerances(rtol)
+    ends = (store[0, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    last_good = w
+    plain = 0
+    near = False
+    for k in range(MAX_ENGAGEMENTS):
+        status, exit_w, length, exponent, source, _side, _r, count, used = march(
+            store, count, path, rho, mu, load, w, 0.0, 0.0, loose, strict, near, events, scratch
+        )
+        if status == STALL and plain == 0 and k > 0:
+            # Newton overshot into a stop: follow the motion itself for a while
+            w, plain, near = last_good, 20, False
+            continue
+        if status != OK:
+            out[0], out[1] = exit_w, k
+            return status, count
+        better, shrink, gap = _closer(w, exit_w, exponent, source, rho, ends)
+        last_good = exit_w + ends[2]
+        change = abs(better - w)
+        if near and change <= 0.2 * rtol * w:
+            break
+        # the next change is about the square of this one
+        near = gap > 1e-14 and change <= np.sqrt(0.02 * rtol) * w
+        if plain > 0 or not better > 0.0:
+            better = last_good
+            near = False
+            plain = max(plain - 1, 0)
+        w = better
+    else:
+        return NOT_CONVERGED, count
+    fast, slow = max(w, exit_w), min(w, exit_w)
+    for i in range(used):
+        if events[i, 0] == MAXIMUM or events[i, 0] == MINIMUM:
+            fast, slow = max(fast, events[i, 3]), min(slow, events[i, 3])
+    out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
+    out[PERIOD] = length + free_turn(exit_w, dwell, rho)[1]
+    out[W_HANDOFF], out[CONTRACTION] = better, shrink
+    return OK, count
+
+
+@jit
+def _judge(kind, time, w, leading, out):  # type: ignore[no-untyped-def]
+    """Let one extremum of the transient decide on rise and settling time.
+
+    Only the greatest and the least speed of an engagement tend to the terminal
+    ones, so only they can unsettle a motion.
+    """
+    error = abs(np.sqrt(w) / (out[V_MAX] if kind == MAXIMUM else out[V_MIN]) - 1.0)
+    if np.isnan(out[RISE]) and error <= RISE_BAND:
+        out[RISE] = time
+    if leading:
+        if error > SETTLING_BAND:
+            out[SETTLING] = np.nan
+        elif np.isnan(out[SETTLING]):
+            out[SETTLING] = time
+
+
+@jit
+def _leads(events, used, i):  # type: ignore[no-untyped-def]
+    """Whether no other extremum of its kind in the engagement goes further."""
+    for j in range(used):
+        if events[j, 0] == events[i, 0]:
+            if events[i, 0] == MAXIMUM and events[j, 3] > events[i, 3]:
+                return False
+            if events[i, 0] == MINIMUM and events[j, 3] < events[i, 3]:
+                return False
+    return True
+
+
+@jit
+def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, scratch, out):  # type: ignore[no-untyped-def]
     """Figures of merit of one case into out (natural units); returns the status.
 
-    On a stall out[0:2] holds its angle and the engagement.
+    The motion is followed from its start until it has nearly settled, its
+    extrema kept in `seen`; Newton's method finds the terminal cycle from there;
+    only a motion that settles slowly is followed again. On a stall out[0:2]
+    holds its angle and the engagement.
     """
     for i in range(FIGURES):
         out[i] = np.nan
     if mu == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
-    count = lay_out(store, breaks, path, rho)
-    # the first engagements settle most of the way: a good start for Newton
-    status, w, _t, _x, _s, _side, _r, count, _u = march(
-        store, count, path, rho, mu, load, w_start, 0.0, 0.0, loose, strict, False, events, scratch
-    )
-    if status != OK:
-        out[0], out[1] = w, 0.0
-        return status
-    w, _free = free_turn(w, dwell, rho)
-    status, w, shrink, count, marches = fixed_point(
-        store, count, path, breaks[-1], dwell, rho, mu, load, w, rtol, events, scratch
-    )
-    if status != OK:
-        out[0], out[1] = w, marches
-        return status
-    status, exit_w, length, _x, _s, side, rising, count, used = march(
-        store, count, path, rho, mu, load, w, 0.0, 0.0, loose, strict, True, events, scratch
-    )
-    if status != OK:
-        return status
-    fast = max(w, exit_w)
-    slow = min(w, exit_w)
-    for i in range(used):
-        if events[i, 0] == MAXIMUM or events[i, 0] == MINIMUM:
-            fast = max(fast, events[i, 3])
-            slow = min(slow, events[i, 3])
-    _w, free = free_turn(exit_w, dwell, rho)
-    out[V_MAX] = np.sqrt(fast)
-    out[V_MIN] = np.sqrt(slow)
-    out[PERIOD] = length + free
-    out[W_HANDOFF] = w
-    out[CONTRACTION] = shrink
-    out[SOLVES] = marches
-    _transient(path, dwell, rho, mu, load, w_start, loose, strict, store, count, events, scratch, out)
-    return OK
-
-
-@jit
-def _transient(path, dwell, rho, mu, load, w, loose, strict, store, count, events, scratch, out):  # type: ignore[no-untyped-def]
-    """Rise and settling time: follow the extrema from the start.
-
-    The greatest and least speed of each engagement tend monotonically to the
-    terminal ones, so the motion is settled with the first engagement whose
-    extremes are within the band and whose handoffs are converging.
-    """
-    time = 0.0
-    rising = 0.0
-    side = 0.0
-    settled = np.nan
-    for _ in range(MAX_ENGAGEMENTS):
-        status, exit_w, length, _x, _s, side, rising, count, used = march(
+    count = lay_out(store, breaks, path, rho, loose)
+    ends = (store[0, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    time, rising = 0.0, 0.0
+    filled = 0
+    found = False
+    for k in range(MAX_ENGAGEMENTS):
+        status, exit_w, length, exponent, source, _s, rising, count, used = march(
             store, count, path, rho, mu, load, w, 0.0, rising, loose, strict, True, events, scratch
         )
         if status != OK:
-            return
+            for i in range(FIGURES):
+                out[i] = np.nan
+            out[0], out[1] = exit_w, k
+            return status
         if dwell > 0.0:
-            if rising < 0.0 and used < events.shape[0]:
+            if rising < 0.0:
                 events[used, 0], events[used, 2], events[used, 3] = MINIMUM, length, exit_w
                 used += 1
             rising = 1.0
-        best, least = -1, -1
         for i in range(used):
-            if events[i, 0] == MAXIMUM and (best < 0 or events[i, 3] > events[best, 3]):
-                best = i
-            if events[i, 0] == MINIMUM and (least < 0 or events[i, 3] < events[least, 3]):
-                least = i
-        for i in range(used):
-            if events[i, 0] != MAXIMUM and events[i, 0] != MINIMUM:
+            kind = events[i, 0]
+            if kind != MAXIMUM and kind != MINIMUM:
                 continue
-            target = out[V_MAX] if events[i, 0] == MAXIMUM else out[V_MIN]
-            error = abs(np.sqrt(events[i, 3]) / target - 1.0)
-            if np.isnan(out[RISE]) and error <= RISE_BAND:
-                out[RISE] = time + events[i, 2]
-            if i == best or i == least:
-                if error > SETTLING_BAND:
-                    settled = np.nan
-                elif np.isnan(settled):
-                    settled = time + events[i, 2]
-        out_w, free = free_turn(exit_w, dwell, rho)
+            leading = _leads(events, used, i)
+            if found:
+                _judge(kind, time + events[i, 2], events[i, 3], leading, out)
+            else:
+                seen[filled, 0], seen[filled, 1] = kind, time + events[i, 2]
+                seen[filled, 2], seen[filled, 3] = events[i, 3], leading
+                filled += 1
+        following, free = free_turn(exit_w, dwell, rho)
         time += length + free
-        w = out_w
-        near = abs(w / out[W_HANDOFF] - 1.0)
-        if near <= 0.1 * SETTLING_BAND and not np.isnan(settled):
-            break
-    out[SETTLING] = settled
+        if not found:
+            better, _shrink, gap = _closer(w, exit_w, exponent, source, rho, ends)
+            settled = gap > 1e-14 and abs(better - following) <= 0.1 * SETTLING_BAND * following
+            if settled or filled + events.shape[0] > seen.shape[0]:
+                start = better if better > 0.0 else following
+                status, count = _terminal(
+                    store, count, path, breaks, dwell, rho, mu, load, start, rtol,
+                    events, scratch, out,
+                )  # fmt: skip
+                if status != OK:
+                    return status
+                found = True
+                for i in range(filled):
+                    _judge(seen[i, 0], seen[i, 1], seen[i, 2], seen[i, 3] > 0.0, out)
+        w = following
+        near = found and abs(w / out[W_HANDOFF] - 1.0) <= 0.1 * SETTLING_BAND
+        if near and not np.isnan(out[SETTLING]):
+            return OK
+    if found:
+        # beyond the limit a time is not given
+        out[SETTLING] = np.nan
+    return OK

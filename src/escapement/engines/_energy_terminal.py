@@ -15,9 +15,8 @@ from escapement.engines._cycle import (
     V_MIN,
     W_HANDOFF,
     figures,
+    workspace,
 )
-from escapement.engines._march import EVENTS, SCRATCH
-from escapement.engines._panels import MAX_PANELS, ROW
 from escapement.metrics import Figures, read_cycle
 from escapement.model import Escapement
 from escapement.motion import stall_message
@@ -31,8 +30,7 @@ def terminal(
     clock = escapement.time_unit
     start = (initial_speed * clock) ** 2
     out = np.empty(FIGURES)
-    scratch = np.empty((MAX_PANELS, ROW)), np.empty((16, EVENTS)), np.empty(SCRATCH)
-    code = figures(*_energy.scene_of(escapement), start, rtol, *scratch, out)
+    code = figures(*_energy.scene_of(escapement), start, rtol, *workspace(), out)
     status = Status(code)
     if status is Status.STALL:
         message = stall_message(out[0], int(out[1]))

@@ -44,7 +44,7 @@ from escapement.engines._panels import (
     tail_of,
     weights_to,
 )
-from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms._slotted import singularities, transmission_at
 
 OK, STALL, GAVE_UP = 0, 2, 4
 NEARLY_STOPPED = 1e-9  # half width of a panel in which a stop is taken as even braking
@@ -58,13 +58,49 @@ _BOTH = 2 * SIDES + BLOCK  # a side's block plus the other side's
 
 
 @jit
-def lay_out(store, breaks, path, rho):  # type: ignore[no-untyped-def]
-    """One panel between each pair of neighbouring breaks; returns their number."""
-    count = breaks.size - 1
-    for k in range(count):
-        survey(store[k], path, rho, breaks[k], breaks[k + 1])
-        store[k, NEXT] = k + 1.0 if k + 1 < count else -1.0
-        store[k, KINK] = 1.0 if k > 0 else 0.0
+def _fits(left, right, re, im, reach):  # type: ignore[no-untyped-def]
+    """Whether +-re + i im lies outside the Bernstein ellipse with half axis `reach`."""
+    middle = 0.5 * (left + right)
+    half = 0.5 * (right - left)
+    for place in (re, -re):
+        near = np.hypot(place - right, im) + np.hypot(place - left, im)
+        if near < 2.0 * half * reach and (place != 0.0 or middle != 0.0):
+            return False
+    return True
+
+
+@jit
+def lay_out(store, breaks, path, rho, loose):  # type: ignore[no-untyped-def]
+    """First panels of an engagement; returns their number.
+
+    Between two breaks the interval is halved until no singularity of the
+    coefficients is so near that the Legendre series would miss `loose`.
+    """
+    re_c, im_c, re_d, im_d = singularities(path, rho)
+    rate = (0.3 * loose) ** (-1.0 / (N - 1))
+    reach = 0.5 * (rate + 1.0 / rate)
+    count = 0
+    for k in range(breaks.size - 1):
+        left, end = breaks[k], breaks[k + 1]
+        first = True
+        while left < end:
+            right = end
+            # the dyadic panel at `left` that fits: halved from the whole interval
+            while (
+                not (
+                    _fits(left, right, re_c, im_c, reach) and _fits(left, right, re_d, im_d, reach)
+                )
+                and right - left > 1e-6
+                and count < MAX_PANELS // 8
+            ):
+                right = 0.5 * (left + right)
+            survey(store[count], path, rho, left, right)
+            store[count, NEXT] = count + 1.0
+            store[count, KINK] = 1.0 if first and k > 0 else 0.0
+            first = False
+            left = right
+            count += 1
+    store[count - 1, NEXT] = -1.0
     return count
 
 
@@ -253,13 +289,18 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
             rising = np.sign(previous) if previous != 0.0 else rising
             last = N if reversal < 0 else reversal
             changes = 0
-            for i in range(last):
+            slower = 0
+            for i in range(N):
                 a = _rate(row, i, side, scratch[_W + i], mu, load)
                 scratch[_A + i] = a
-                if a * previous < 0.0:
-                    changes += 1
-                    extremum = i
-                previous = a if a != 0.0 else previous
+                slower += a <= 0.0
+            if last < N or (0 < slower < N) or (slower == 0) != (previous > 0.0):
+                for i in range(last):
+                    a = scratch[_A + i]
+                    if a * previous < 0.0:
+                        changes += 1
+                        extremum = i
+                    previous = a if a != 0.0 else previous
             # on a reversal the driver turns free of the follower and gains speed
             a = _rate_at_end(row, 1, side, w_right, mu, load) if reversal < 0 else 1.0
             if a * previous < 0.0:

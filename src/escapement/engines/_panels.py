@@ -17,7 +17,7 @@ coefficients and is halved when what is asked of it needs better.
 import numpy as np
 
 from escapement._jit import jit
-from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms._slotted import transmission_at, transmission_on
 
 N = 16
 
@@ -75,12 +75,9 @@ def survey(row, path, rho, left, right):  # type: ignore[no-untyped-def]
     middle = 0.5 * (right + left)
     row[LEFT] = left
     row[HALF] = half
+    transmission_on(path, middle, half, POINTS, row[G : G + N], row[U : U + N], row[DG : DG + N])
     for i in range(N):
-        g, u, dg = transmission_at(path, middle + half * POINTS[i])
-        row[G + i] = g
-        row[U + i] = abs(u)
-        row[DG + i] = dg
-        row[INVERSE + i] = 1.0 / (rho + g * g)
+        row[INVERSE + i] = 1.0 / (rho + row[G + i] * row[G + i])
     for k in range(2):
         g, u, dg = transmission_at(path, left if k == 0 else right)
         row[ENDS + 3 * k] = g

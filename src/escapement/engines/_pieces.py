@@ -64,7 +64,7 @@ def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):  # typ
     store = np.empty((MAX_PANELS, ROW))
     events = np.empty((_MOST, EVENTS))
     scratch = np.empty(SCRATCH)
-    count = lay_out(store, breaks, path, rho)
+    count = lay_out(store, breaks, path, rho, loose)
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
     filled = 0
     rising = 0.0

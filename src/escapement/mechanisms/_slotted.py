@@ -39,6 +39,61 @@ def transmission_at(path, theta):  # type: ignore[no-untyped-def]
 
 
 @jit
+def transmission_on(path, middle, half, points, g, u, dg):  # type: ignore[no-untyped-def]
+    """Transmission at middle + half * points, all of them small steps apart.
+
+    The sine and cosine of the steps come from their power series, accurate to
+    rounding for half angles of up to 0.75; those of the sums from the addition
+    theorem. The arrays g, u, dg are filled; u without its sign.
+    """
+    step = path[0] * half
+    if abs(step) > 0.75:
+        for i in range(points.size):
+            g[i], u[i], dg[i] = transmission_at(path, middle + half * points[i])
+            u[i] = abs(u[i])
+        return
+    sine_m, cosine_m = np.sin(path[0] * middle), np.cos(path[0] * middle)
+    for i in range(points.size):
+        d = step * points[i]
+        z = d * d
+        odd = 1.0 - z / 210.0 * (1.0 - z / 272.0 * (1.0 - z / 342.0))
+        odd = 1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0 * odd))
+        odd = d * (1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * odd)))
+        even = 1.0 - z / 182.0 * (1.0 - z / 240.0 * (1.0 - z / 306.0))
+        even = 1.0 - z / 56.0 * (1.0 - z / 90.0 * (1.0 - z / 132.0 * even))
+        even = 1.0 - z / 2.0 * (1.0 - z / 12.0 * (1.0 - z / 30.0 * even))
+        sine = sine_m * even + cosine_m * odd
+        cosine = cosine_m * even - sine_m * odd
+        square = sine * sine
+        inverse = 1.0 / (path[1] + path[2] * square)
+        ratio = (path[3] + path[4] * square) * inverse
+        slide = path[5] * sine * cosine * inverse
+        g[i] = ratio
+        dg[i] = slide * (path[6] - 2.0 * ratio)
+        u[i] = abs(slide)
+
+
+@jit
+def singularities(path, rho):  # type: ignore[no-untyped-def]
+    """Complex driver angles where the motion's coefficients are singular.
+
+    Where the pin path's complex continuation meets the follower's axis
+    (|C| = 0), and where rho + g^2 = 0. Panels are made short near them.
+
+    Returns
+    -------
+    re_c, im_c, re_d, im_d : angles with positive parts [rad]; mirror images and
+        conjugates are singular as well.
+    """
+    x = -path[1] / path[2]
+    c = np.arcsin(np.sqrt(complex(x, 0.0)))
+    g = complex(0.0, np.sqrt(rho))
+    d = np.arcsin(np.sqrt((g * path[1] - path[3]) / (path[4] - g * path[2])))
+    half = abs(path[0])
+    return abs(c.real) / half, abs(c.imag) / half, abs(d.real) / half, abs(d.imag) / half
+
+
+@jit
 def _tabulate(path, theta, g, u, dg):  # type: ignore[no-untyped-def]
     for i in range(theta.size):
         g[i], u[i], dg[i] = transmission_at(path, theta[i])

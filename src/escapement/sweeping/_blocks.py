@@ -4,19 +4,11 @@ import time
 from collections import deque
 from collections.abc import Generator
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from escapement import simulation
 from escapement.configuration import StudyPlan
-from escapement.errors import InvalidValue
-from escapement.status import Status
-from escapement.store import RESULTS
-
-Columns = dict[str, NDArray[Any]]
-"""One array per result, over consecutive cases."""
+from escapement.sweeping._evaluate import Columns, evaluate
 
 _BLOCK_TIME = 0.25  # s: Ctrl-C and progress wait no longer than this, if a case does not
 _LARGEST_BLOCK = 1 << 18
@@ -47,34 +39,4 @@ def evaluate_blocks(plan: StudyPlan, workers: int) -> Generator[Columns, None, N
 
 def _timed(plan: StudyPlan, start: int, stop: int) -> tuple[Columns, float]:
     begin = time.perf_counter()
-    return _evaluate(plan, start, stop), time.perf_counter() - begin
-
-
-def _evaluate(plan: StudyPlan, start: int, stop: int) -> Columns:
-    """Results of the cases start <= case < stop: a bad one never ends the sweep."""
-    block: Columns = {
-        name: np.full(stop - start, np.nan if name != "status" else 0, result.dtype)
-        for name, result in RESULTS.items()
-    }
-    for row, case in enumerate(range(start, stop)):
-        _fill(block, row, plan, case)
-    return block
-
-
-def _fill(block: Columns, row: int, plan: StudyPlan, case: int) -> None:
-    try:
-        figures = simulation.terminal(
-            plan.escapement(case),
-            initial_speed=plan.values(case)["initial_speed"],
-            **plan.solver.given,
-        )
-    except InvalidValue:
-        block["status"][row] = Status.INVALID
-        return
-    except (ArithmeticError, ValueError, RuntimeError):
-        block["status"][row] = Status.NOT_CONVERGED
-        return
-    for name, column in block.items():
-        value = getattr(figures, name)
-        if value is not None:
-            column[row] = value
+    return evaluate(plan, start, stop), time.perf_counter() - begin

@@ -1,0 +1,64 @@
+"""Figures of merit of many scenes of one mechanism, without a single trajectory."""
+
+import numpy as np
+
+from escapement._jit import jit
+from escapement.dynamics import beyond_painleve
+from escapement.engines._cycle import FIGURES, figures, workspace
+from escapement.model import FloatArray, Mechanism
+
+_PAINLEVE, _OK = 3, 0
+
+
+@jit
+def solve_scenes(path, breaks, dwell, rho, mu, load, w, rtol, table, status):  # type: ignore[no-untyped-def]
+    """Fill table[i] and status[i] for every scene i; natural units."""
+    store, events, seen, scratch = workspace()
+    for i in range(rho.size):
+        if beyond_painleve(path, rho[i], mu[i], breaks[0], breaks[-1]):
+            status[i] = _PAINLEVE
+        else:
+            status[i] = figures(
+                path, breaks, dwell, rho[i], mu[i], load[i], w[i], rtol,
+                store, events, seen, scratch, table[i],
+            )  # fmt: skip
+        if status[i] != _OK:
+            for k in range(FIGURES):
+                table[i, k] = np.nan
+
+
+def solve(
+    mechanism: Mechanism,
+    rho: FloatArray,
+    mu: FloatArray,
+    load: FloatArray,
+    w: FloatArray,
+    rtol: float,
+) -> tuple[FloatArray, np.ndarray]:
+    """Figures of merit of scenes given by their dimensionless numbers.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Shared by all scenes.
+    rho, mu, load : ndarray, shape (n,)
+        Inertia ratio, friction, load over driving torque [-].
+    w : ndarray, shape (n,)
+        Squared driver speed at the first entry in units of torque / I_f [-].
+    rtol : float
+        Relative error asked for.
+
+    Returns
+    -------
+    table : ndarray, shape (n, 7)
+        Columns as in `_cycle`; NaN where there is none.
+    status : ndarray, shape (n,)
+        Values of `Status`.
+    """
+    table = np.empty((rho.size, FIGURES))
+    status = np.empty(rho.size, dtype=np.uint8)
+    breaks = np.array(mechanism.breaks)
+    dwell = mechanism.cell_angle - (breaks[-1] - breaks[0])
+    dwell = dwell if dwell > 1e-12 else 0.0
+    solve_scenes(mechanism.path, breaks, dwell, rho, mu, load, w, rtol, table, status)
+    return table, status
