@@ -386,6 +386,19 @@ def test_reader_that_leaves_early_is_no_error():
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_output_that_cannot_be_written():
+    environment = os.environ | {"PYTHONPATH": SOURCES}
+    arguments = [sys.executable, "-m", "escapement", "mechanism"]
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(
+            arguments, stdout=full, stderr=subprocess.PIPE, env=environment, text=True
+        )
+    assert done.returncode == 74
+    assert done.stderr.startswith("escapement: error: ")
+    assert done.stderr.count("\n") == 1
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_interrupted_sweep_leaves_nothing(tmp_path):
     frictions = "{ start = 0.01, stop = 0.4, num = 10000 }"

@@ -158,6 +158,14 @@ FILES = {
     "picture nowhere": (run("--plot", "none/v.png"), 73, "none"),
     "drawing nowhere": (["mechanism", "--plot", "none/v.png"], 73, "none"),
     "figure over its data": (["plot", "text.h5", "-o", "text.h5"], 73, "text.h5", "suffix"),
+    "picture over the motion": (run("-o", "a.png", "--plot", "./a.png"), 73, "own"),
+    "study over its configuration": (
+        ["sweep", "good.toml", "-o", "good.toml", "--force"],
+        73,
+        "good.toml",
+        "own",
+    ),
+    "figure in the place of its data": (["plot", "data.png"], 73, "data.png", "own"),
     "folder is a file": (["reproduce", "meyer", "-o", "text.h5"], 73, "text.h5", "a file"),
     "folder nowhere": (["reproduce", "meyer", "-o", "none/there"], 73, "none/there"),
 }

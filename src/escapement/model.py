@@ -1,6 +1,7 @@
 """The problem as plain values: a mechanism, two inertias, losses and a drive."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -10,6 +11,9 @@ from escapement import _validate
 from escapement.errors import InvalidValue
 
 FloatArray = NDArray[np.float64]
+
+Scene = tuple[FloatArray, FloatArray, float, float, float, float]
+"""Path, breaks, dwell angle [rad], inertia ratio, friction and load ratio [-]."""
 
 
 @runtime_checkable
@@ -116,6 +120,22 @@ class Escapement:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
+    @cached_property
+    def scene(self) -> Scene:
+        """The escapement as kernels see it: a tuple of flat numbers."""
+        breaks = np.array(self.mechanism.breaks)
+        dwell = self.mechanism.cell_angle - (breaks[-1] - breaks[0])
+        # a dwell of one rounding error is none
+        dwell = float(dwell) if dwell > 1e-12 else 0.0
+        return (
+            self.mechanism.path,
+            breaks,
+            dwell,
+            self.inertia_ratio,
+            self.friction,
+            self.load_ratio,
+        )
+
     @property
     def inertia_ratio(self) -> float:
         """Driver over follower inertia [-]."""
@@ -126,7 +146,7 @@ class Escapement:
         """Load torque over driving torque [-]."""
         return self.load_torque / self.torque
 
-    @property
+    @cached_property
     def time_unit(self) -> float:
         """Natural unit of time, sqrt(I_f / torque) [s].
 

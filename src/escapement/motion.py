@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.dynamics import tabulate
+from escapement.dynamics import painleve_message, tabulate
 from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import radius
 from escapement.model import Escapement, FloatArray
@@ -307,3 +307,10 @@ class Motion:
         scale = max(work, float(energies[0]))
         residual = (work - kinetic - load - friction) / scale if scale > 0.0 else 0.0
         return Ledger(float(work), kinetic, float(load), friction, float(residual))
+
+
+def no_motion(escapement: Escapement, engine: str, rtol: float) -> Motion:
+    """What is returned at or above the Painleve limit."""
+    message = painleve_message(escapement.mechanism, escapement.inertia, escapement.friction)
+    none, status = np.empty(0), Status.PAINLEVE
+    return Motion(escapement, engine, rtol, Nothing(), 0.0, none, none, status, message or "")

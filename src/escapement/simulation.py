@@ -2,17 +2,16 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 from importlib import import_module
 from typing import Any
-
-import numpy as np
 
 from escapement import _validate
 from escapement.dynamics import critical_friction, painleve_message
 from escapement.errors import InvalidValue
 from escapement.metrics import Figures
 from escapement.model import Escapement
-from escapement.motion import Motion, Nothing
+from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
 
 ENGINES = ("energy", "ivp")
@@ -77,13 +76,6 @@ def simulate(
         engagements = _validate.integer("engagements", count, 1, "give how many to run")
     else:
         duration = _validate.positive("duration", duration, "give the time to run in s")
-    message = painleve_message(escapement.mechanism, escapement.inertia, escapement.friction)
-    if message is not None:
-        none = np.empty(0)
-        status = Status.PAINLEVE
-        return Motion(
-            escapement, engine, settings["rtol"], Nothing(), 0.0, none, none, status, message
-        )
     run = _engine(engine).simulate
     return run(escapement, engagements=engagements, duration=duration, **settings)
 
@@ -93,6 +85,7 @@ def rtol_of(solver: Any) -> float:
     return DEFAULT_RTOL[solver.engine] if solver.rtol is None else solver.rtol
 
 
+@cache
 def _engine(name: str) -> Any:
     """An engine's module, loaded when first asked for."""
     return import_module(f"escapement.engines._{name}")

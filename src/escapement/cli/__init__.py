@@ -48,16 +48,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.showwarning = _warn
             code = _dispatch(sys.argv[1:] if argv is None else list(argv))
-        sys.stdout.flush()
-        return code
+            print(end="", flush=True)
+            return code
     except EscapementError as error:
         return _complain(str(error), error.exit_code)
     except KeyboardInterrupt:
         return _complain("interrupted", INTERRUPTED)
     except BrokenPipeError:
-        _discard_output()  # the reader has seen enough, as in `escapement ... | head`
-        return 0
+        _discard_output()
+        return 0  # the reader has seen enough, as in `escapement ... | head`
     except OSError as error:
+        _discard_output()
         return _complain(str(error), StorageError.exit_code)
     except MemoryError:
         message = "not enough memory; ask for a shorter motion or fewer cases"
@@ -94,7 +95,10 @@ def _complain(message: str, code: int) -> int:
 
 
 def _discard_output() -> None:
-    """Send what is still buffered nowhere, or the interpreter complains at exit."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
-    os.close(nowhere)
+    """Drop what cannot be written, or the interpreter complains of it at exit."""
+    try:
+        print(end="", flush=True)
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)

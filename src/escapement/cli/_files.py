@@ -14,7 +14,7 @@ PICTURES = (".png", ".pdf", ".svg")
 """What a figure's name may end in."""
 
 
-def check_output(path: Path, *, force: bool = False) -> None:
+def check_output(path: Path, *, force: bool = False, beside: Path | None = None) -> None:
     """Raise CannotCreate unless a file can be put at `path`.
 
     Parameters
@@ -23,20 +23,24 @@ def check_output(path: Path, *, force: bool = False) -> None:
         Where the file is to be.
     force : bool
         Whether an existing file may be replaced.
+    beside : Path, optional
+        An input or another output, which it must not be.
     """
     from escapement.store import check_target
 
+    if beside is not None and path.resolve() == beside.resolve():
+        raise CannotCreate(f"output {path} must not be {beside} too; give it a name of its own")
     _try_writing(path, check_target(path, force).parent)
 
 
-def check_picture(path: Path) -> None:
+def check_picture(path: Path, *, beside: Path | None = None) -> None:
     """As `check_output`. Pictures are made from data: an existing one is replaced."""
     if path.suffix.lower() not in PICTURES:
         raise CannotCreate(
             f"output {path} must end in {', '.join(PICTURES)}, got {path.suffix!r}; "
             "change the suffix"
         )
-    check_output(path, force=True)
+    check_output(path, force=True, beside=beside)
 
 
 def make_folder(path: Path) -> None:

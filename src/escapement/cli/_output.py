@@ -16,7 +16,7 @@ def as_json(record: dict[str, Any]) -> str:
 
 def print_json(record: dict[str, Any]) -> None:
     """One object on stdout."""
-    sys.stdout.write(as_json(record))
+    print(as_json(record), end="")
 
 
 def plain(value: Any) -> Any:

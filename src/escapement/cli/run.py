@@ -127,7 +127,7 @@ def _check_outputs(args: argparse.Namespace) -> None:
     elif args.force:
         raise UsageError("--force must come with --output FILE.h5, got none; leave it out")
     if args.plot is not None:
-        _files.check_picture(args.plot)
+        _files.check_picture(args.plot, beside=args.output)
 
 
 def _write(motion: "Motion", args: argparse.Namespace) -> None:

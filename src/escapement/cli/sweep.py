@@ -44,7 +44,7 @@ def execute(args: argparse.Namespace) -> int:
 
     plan = load_plan(args.config)
     path = Path(f"{args.config.stem}.h5") if args.output is None else args.output
-    _files.check_output(path, force=args.force)
+    _files.check_output(path, force=args.force, beside=args.config)
     from escapement.sweeping import write_plan
 
     tally = write_plan(

@@ -9,11 +9,12 @@ reversals found: it converges quadratically, and its contraction is exact.
 import numpy as np
 
 from escapement._jit import jit
+from escapement.dynamics import beyond_painleve
 from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, SCRATCH, STALL, lay_out, march
 from escapement.engines._panels import ENDS, MAX_PANELS, ROW
 from escapement.mechanisms._slotted import transmission_at
 
-NO_TERMINAL, NOT_CONVERGED = 1, 4
+NO_TERMINAL, PAINLEVE, NOT_CONVERGED = 1, 3, 4
 FIGURES = 7
 V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION = range(FIGURES)
 SEEN = 128  # extrema of a transient that are kept
@@ -51,22 +52,24 @@ def free_turn(w, angle, rho):  # type: ignore[no-untyped-def]
 
 
 @jit
-def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, times, squares):  # type: ignore[no-untyped-def]
+def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds):  # type: ignore[no-untyped-def]
     """March engagements until `times` is full, `limit` is passed or a stall.
 
     Parameters
     ----------
     dwell : driver angle between exit and handoff.
-    w : squared driver speed at the first entry.
-    limit : time after which to stop.
-    times, squares : arrays to fill with handoff times and squared speeds.
+    w, limit : squared driver speed at the first entry, time after which to
+        stop; natural units.
+    clock : unit of time of the results.
+    times, speeds : arrays to fill with handoff times and driver speeds.
 
     Returns
     -------
-    status, done, angle, w_last
-        Engagements completed and w at the last handoff; on a stall its angle and
-        w at the entry before it, its time being in times[done].
+    status, done, angle
+        Engagements completed; on a stall its angle, its time being in times[done].
     """
+    if beyond_painleve(path, rho, mu, breaks[0], breaks[-1]):
+        return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
     store = np.empty((MAX_PANELS, ROW))
     events = np.empty((EVENTS_OF_ONE, EVENTS))
@@ -78,26 +81,27 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, times, squares)
             store, count, path, rho, mu, load, w, 0.0, 0.0, loose, strict, False, events, scratch
         )
         if status != OK:
-            times[k] = time + length
-            return status, k, out, w
+            times[k] = (time + length) * clock
+            return status, k, out
         out, free = free_turn(out, dwell, rho)
         length += free
         time += length
-        times[k] = time
-        squares[k] = out
+        times[k] = time * clock
+        speeds[k] = np.sqrt(out) / clock
         if time >= limit:
-            return OK, k + 1, 0.0, out
+            return OK, k + 1, 0.0
         # what is left to converge, and what it can still do to the sum of times
         gap = -np.expm1(-exponent)
         if abs(out - w) <= 0.05 * rtol * gap * gap * w:
             for j in range(k + 1, times.size):
-                times[j] = time + (j - k) * length
-                squares[j] = out
-                if times[j] >= limit:
-                    return OK, j + 1, 0.0, out
-            return OK, times.size, 0.0, out
+                passed = time + (j - k) * length
+                times[j] = passed * clock
+                speeds[j] = speeds[k]
+                if passed >= limit:
+                    return OK, j + 1, 0.0
+            return OK, times.size, 0.0
         w = out
-    return OK, times.size, 0.0, w
+    return OK, times.size, 0.0
 
 
 @jit

@@ -9,11 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
-from escapement.engines._cycle import handoffs
-from escapement.engines._march import BREAK, MAXIMUM, REVERSAL, STALL
+from escapement.engines._cycle import PAINLEVE, handoffs
+from escapement.engines._march import BREAK, MAXIMUM, OK, REVERSAL
 from escapement.engines._pieces import events_of, states_in
 from escapement.model import Escapement, FloatArray
-from escapement.motion import Events, Extrema, Motion, stall_message
+from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
 
 _ENTRY, _EXIT = -1.0, 4.0
@@ -21,45 +21,29 @@ _NOWHERE = np.empty(0)
 _START = np.zeros(1)
 
 
-Scene = tuple[FloatArray, FloatArray, float, float, float, float]
-"""path, breaks, dwell angle, inertia ratio, friction, load ratio."""
-
-
-def scene_of(escapement: Escapement) -> Scene:
-    """An escapement as the kernels see it."""
-    mechanism = escapement.mechanism
-    breaks = np.array(mechanism.breaks)
-    dwell = mechanism.cell_angle - (breaks[-1] - breaks[0])
-    # an exact zero: a dwell of one rounding error is none
-    dwell = dwell if dwell > 1e-12 else 0.0
-    numbers = (escapement.inertia_ratio, escapement.friction, escapement.load_ratio)
-    return mechanism.path, breaks, float(dwell), *numbers
-
-
 @dataclass
 class EnergyTrajectory:
-    """Handoffs of a motion in natural units, and what follows from them.
+    """Handoffs of a motion, and what follows from them; natural units inside.
 
-    starts, squares : entry time and squared entry speed of each engagement,
-        the one in which the motion ends included.
+    initial_speed : at the first entry [rad/s].
+    times, speeds : of every handoff but the last if the motion ends with it [s, rad/s].
+    end_time : [s].
     """
 
     escapement: Escapement
     rtol: float
-    starts: FloatArray
-    squares: FloatArray
-    end: float
-
-    @cached_property
-    def _scene(self) -> Scene:
-        return scene_of(self.escapement)
+    initial_speed: float
+    times: FloatArray
+    speeds: FloatArray
+    end_time: float
 
     @cached_property
     def _events(self) -> FloatArray:
-        if self.starts.size == 0:
-            return np.empty((0, 5))
-        table = events_of(*self._scene, self.starts, self.squares, self.rtol)
-        return table[table[:, 3] <= self.end]
+        clock = self.escapement.time_unit
+        starts = np.concatenate([_START, self.times]) / clock
+        squares = (np.concatenate([[self.initial_speed], self.speeds]) * clock) ** 2
+        table = events_of(*self.escapement.scene, starts, squares, self.rtol)
+        return table[table[:, 3] <= self.end_time / clock]
 
     @cached_property
     def _pieces(self) -> FloatArray:
@@ -98,14 +82,15 @@ class EnergyTrajectory:
     @cached_property
     def friction_loss(self) -> FloatArray:
         """Work lost in friction over each piece [J]."""
-        path, _breaks, _dwell, *losses = self._scene
+        path, _breaks, _dwell, *losses = self.escapement.scene
         lost = []
+        end_time = self.end_time / self.escapement.time_unit
         for piece, (start, _, sign, angle, end, w) in enumerate(self._pieces.T):
             if sign == 0.0:
                 lost.append(0.0)
                 continue
             if piece + 1 == self._pieces.shape[1]:
-                end = self._solve(piece, np.array([self.end - start]))[0][0]
+                end = self._solve(piece, np.array([end_time - start]))[0][0]
             none = (_NOWHERE, _NOWHERE, _NOWHERE)
             lost.append(states_in(path, angle, end, w, sign, *losses, self.rtol, *none)[0])
         return np.array(lost) * self.escapement.torque
@@ -131,7 +116,7 @@ class EnergyTrajectory:
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angles and squared speeds at times since the piece's start."""
         _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
-        path, _breaks, _dwell, rho, mu, load = self._scene
+        path, _breaks, _dwell, rho, mu, load = self.escapement.scene
         theta, squares = np.empty_like(times), np.empty_like(times)
         if sign == 0.0:
             speed = np.sqrt(w)
@@ -159,38 +144,31 @@ def simulate(
 ) -> Motion:
     """Motion in the driver-angle domain; arguments are validated by `escapement.simulate`."""
     clock = escapement.time_unit
-    scene = scene_of(escapement)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64
     while True:
-        times, squares = np.empty(size), np.empty(size)
-        code, done, angle, _w = handoffs(*scene, w, horizon, rtol, times, squares)
-        if engagements or code or done < size or times[-1] >= horizon:
+        times, speeds = np.empty(size), np.empty(size)
+        code, done, angle = handoffs(
+            *escapement.scene, w, horizon, rtol, clock, times, speeds
+        )
+        if code != OK or duration is None or done < size:
             break
         size *= 8
-    status, message, end = Status.OK, MESSAGES[Status.OK], times[done - 1]
-    running = done
-    if code == STALL:
-        status, end, running = Status.STALL, times[done], done + 1
+    if code == PAINLEVE:
+        return no_motion(escapement, "energy", rtol)
+    # the engagement in which the motion ends, and when
+    last = done - 1 if code == OK else done
+    end = float(times[last])
+    status, message = Status(code), MESSAGES[Status(code)]
+    if status is Status.STALL:
         message = stall_message(angle, done)
-    elif code:
-        status, message = Status.NOT_CONVERGED, MESSAGES[Status.NOT_CONVERGED]
-        end = times[done - 1] if done else 0.0
-    if end > horizon:
-        done, end, status, message = done - 1, horizon, Status.OK, MESSAGES[Status.OK]
-        while done and times[done - 1] > horizon:
-            done -= 1
-    starts = np.concatenate([_START, times[: running - 1]])
-    entries = np.concatenate([[w], squares[: running - 1]])
+    if duration is not None and end >= duration:
+        done = done if end == duration else last
+        end, status, message = duration, Status.OK, MESSAGES[Status.OK]
+    trajectory = EnergyTrajectory(
+        escapement, rtol, initial_speed, times[:last], speeds[:last], end
+    )
     return Motion(
-        escapement,
-        "energy",
-        rtol,
-        EnergyTrajectory(escapement, rtol, starts, entries, end),
-        end * clock,
-        times[:done] * clock,
-        np.sqrt(squares[:done]) / clock,
-        status,
-        message,
+        escapement, "energy", rtol, trajectory, end, times[:done], speeds[:done], status, message
     )

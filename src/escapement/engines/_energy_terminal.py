@@ -30,7 +30,7 @@ def terminal(
     clock = escapement.time_unit
     start = (initial_speed * clock) ** 2
     out = np.empty(FIGURES)
-    code = figures(*_energy.scene_of(escapement), start, rtol, *workspace(), out)
+    code = figures(*escapement.scene, start, rtol, *workspace(), out)
     status = Status(code)
     if status is Status.STALL:
         message = stall_message(out[0], int(out[1]))

@@ -22,12 +22,13 @@ from escapement.dynamics import (
     acceleration,
     contact,
     contact_moment,
+    critical_friction,
     side_at,
 )
 from escapement.dynamics import tabulate as tabulate_motion
 from escapement.mechanisms._slotted import transmission_at
 from escapement.model import Escapement, FloatArray
-from escapement.motion import Events, Extrema, Motion, stall_message
+from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
 
 _PER_STEP = 8  # looks per solver step when searching the dense output for crossings
@@ -247,9 +248,11 @@ def simulate(
     method: str,
     max_step: float,
 ) -> Motion:
-    """Motion by solve_ivp; arguments are validated by `escapement.simulate`, friction below the limit."""
+    """Motion by solve_ivp; arguments are validated by `escapement.simulate`."""
     mechanism, clock = escapement.mechanism, escapement.time_unit
     rho = escapement.inertia_ratio
+    if escapement.friction >= critical_friction(mechanism, escapement.inertia):
+        return no_motion(escapement, "ivp", rtol)
     pieces = _Pieces(clock, escapement.torque)
     entry, end = mechanism.breaks[0], mechanism.breaks[0] + mechanism.cell_angle
     local = max(rtol * _TIGHTER, _FLOOR)
