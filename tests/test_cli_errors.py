@@ -81,6 +81,7 @@ def test_negative_numbers_reach_their_rule(capsys, folder, name, value):
 
 USAGE = {
     "nothing": ([], "no command", "run, sweep, plot", "--help"),
+    "nothing after all": (["--", "run"], "unexpected argument '--'"),
     "unknown command": (["rnu"], "COMMAND", "'rnu'", "did you mean 'run'?"),
     "options before the command": (["--units", "SI", "run"], "unknown option '--units'"),
     "misspelt version": (["--verison"], "did you mean '--version'?"),

@@ -41,7 +41,7 @@ def tolerances(rtol):  # type: ignore[no-untyped-def]
     Measured on random scenes the error is at most a hundredth of the square of
     the first and a twentieth of the second.
     """
-    return 3.0 * np.sqrt(rtol), max(5.0 * rtol, 1e-14)
+    return 3.0 * np.sqrt(rtol), max(15.0 * rtol, 1e-14)
 
 
 @jit

@@ -43,6 +43,7 @@ from escapement.engines._panels import (
     survey,
     tail_of,
     weights_to,
+    whole,
 )
 from escapement.mechanisms._slotted import singularities, transmission_at
 
@@ -395,10 +396,7 @@ def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, rec
                     z = _distance_to_rest(scratch, z)
                 time += _time_from_low_speed(row, energy, scratch, z)
             else:
-                elapsed = 0.0
-                for i in range(N):
-                    elapsed += WEIGHTS[i] * scratch[_F + i]
-                time += half * elapsed
+                time += half * whole(scratch, _F)
             exponent += row[block + RIGHT + 2]
             source = row[block + RIGHT] * source + row[block + RIGHT + 1]
 

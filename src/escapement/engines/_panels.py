@@ -90,58 +90,119 @@ def survey(row, path, rho, left, right):  # type: ignore[no-untyped-def]
 @jit
 def tail_of(values, offset):  # type: ignore[no-untyped-def]
     """Size of the last two Legendre coefficients of N values from `offset`."""
-    last = 0.0
-    other = 0.0
+    a = b = c = d = 0.0
+    for i in range(0, N, 2):
+        a += LAST[i] * values[offset + i]
+        b += LAST_BUT_ONE[i] * values[offset + i]
+        c += LAST[i + 1] * values[offset + i + 1]
+        d += LAST_BUT_ONE[i + 1] * values[offset + i + 1]
+    return abs(a + c) + abs(b + d)
+
+
+@jit
+def whole(values, offset):  # type: ignore[no-untyped-def]
+    """Integral over [-1, 1] of N values from `offset`."""
+    a = b = c = d = 0.0
+    for i in range(0, N, 4):
+        a += WEIGHTS[i] * values[offset + i]
+        b += WEIGHTS[i + 1] * values[offset + i + 1]
+        c += WEIGHTS[i + 2] * values[offset + i + 2]
+        d += WEIGHTS[i + 3] * values[offset + i + 3]
+    return (a + b) + (c + d)
+
+
+@jit
+def _cumulate(values, out):  # type: ignore[no-untyped-def]
+    """Integrals from -1 to each point; eight running sums at a time stay in registers."""
+    for j in range(0, N, 8):
+        s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
+        for k in range(N):
+            value = values[k]
+            s0 += CUMULATE[k, j] * value
+            s1 += CUMULATE[k, j + 1] * value
+            s2 += CUMULATE[k, j + 2] * value
+            s3 += CUMULATE[k, j + 3] * value
+            s4 += CUMULATE[k, j + 4] * value
+            s5 += CUMULATE[k, j + 5] * value
+            s6 += CUMULATE[k, j + 6] * value
+            s7 += CUMULATE[k, j + 7] * value
+        out[j] = s0
+        out[j + 1] = s1
+        out[j + 2] = s2
+        out[j + 3] = s3
+        out[j + 4] = s4
+        out[j + 5] = s5
+        out[j + 6] = s6
+        out[j + 7] = s7
+
+
+@jit
+def _decay(exponents, out):  # type: ignore[no-untyped-def]
+    """exp(-b): by its series, which vectorises, where every b is small."""
+    large = 0
     for i in range(N):
-        last += LAST[i] * values[offset + i]
-        other += LAST_BUT_ONE[i] * values[offset + i]
-    return abs(last) + abs(other)
+        large += abs(exponents[i]) > 0.7
+    if large > 0:
+        for i in range(N):
+            out[i] = np.exp(-exponents[i])
+        return
+    for i in range(N):
+        x = -exponents[i]
+        y = 1.0 + x * (1.0 / 16.0)
+        y = 1.0 + x * (1.0 / 15.0) * y
+        y = 1.0 + x * (1.0 / 14.0) * y
+        y = 1.0 + x * (1.0 / 13.0) * y
+        y = 1.0 + x * (1.0 / 12.0) * y
+        y = 1.0 + x * (1.0 / 11.0) * y
+        y = 1.0 + x * (1.0 / 10.0) * y
+        y = 1.0 + x * (1.0 / 9.0) * y
+        y = 1.0 + x * (1.0 / 8.0) * y
+        y = 1.0 + x * (1.0 / 7.0) * y
+        y = 1.0 + x * (1.0 / 6.0) * y
+        y = 1.0 + x * (1.0 / 5.0) * y
+        y = 1.0 + x * (1.0 / 4.0) * y
+        y = 1.0 + x * (1.0 / 3.0) * y
+        y = 1.0 + x * (1.0 / 2.0) * y
+        out[i] = 1.0 + x * y
 
 
 @jit
 def solve_side(row, side, rho, mu, load, scratch):  # type: ignore[no-untyped-def]
     """Solve the energy equation on a panel for one side of the slot."""
     block = block_of(side)
-    half = row[HALF]
-    total = 0.0
-    cancelled = 1.0
-    for i in range(N):
-        scratch[i] = 0.0
+    twice = 2.0 * row[HALF]
+    exponents = row[block + B : block + B + N]
+    alphas = row[block + ALPHA : block + ALPHA + N]
+    betas = row[block + BETA : block + BETA + N]
+    rates, sources = scratch[:N], scratch[N : 2 * N]
     for k in range(N):
         g = row[G + k]
         c = side * mu * row[U + k]
-        inverse_j = 1.0 / (1.0 / row[INVERSE + k] + g * c)
-        cancelled = max(cancelled, inverse_j / row[INVERSE + k])
-        rate = half * 2.0 * c * rho * row[DG + k] * inverse_j * row[INVERSE + k]
-        scratch[N + k] = half * 2.0 * ((1.0 - g * load) - c * (rho * load + g) * inverse_j)
-        total += WEIGHTS[k] * rate
-        for i in range(N):
-            scratch[i] += CUMULATE[k, i] * rate
-    source = 0.0
+        share = 1.0 / (1.0 + g * c * row[INVERSE + k])  # (rho + g^2) / J
+        inverse_j = share * row[INVERSE + k]
+        rates[k] = twice * c * rho * row[DG + k] * inverse_j * row[INVERSE + k]
+        sources[k] = twice * ((1.0 - g * load) - c * (rho * load + g) * inverse_j)
+        alphas[k] = share
+    # J is a difference near the Painleve limit: finer panels cannot help below this
+    noise = 1e-15 * (1.0 + whole(alphas, 0))
+    _cumulate(rates, exponents)
+    total = whole(rates, 0)
+    _decay(exponents, alphas)
     for i in range(N):
-        row[block + B + i] = scratch[i]
-        alpha = np.exp(-scratch[i])
-        row[block + ALPHA + i] = alpha
-        row[block + BETA + i] = 0.0
-        scratch[N + i] /= alpha
-        source += WEIGHTS[i] * scratch[N + i]
-    for k in range(N):
-        value = scratch[N + k]
-        for i in range(N):
-            row[block + BETA + i] += CUMULATE[k, i] * value
-    largest = 0.0
+        sources[i] /= alphas[i]
+    _cumulate(sources, betas)
+    source = whole(sources, 0)
     for i in range(N):
-        row[block + BETA + i] *= row[block + ALPHA + i]
-        largest = max(largest, abs(row[block + BETA + i]))
+        betas[i] *= alphas[i]
+    largest = max(abs(betas[N - 1]), abs(betas[N // 2]))
     alpha = np.exp(-total)
     row[block + RIGHT] = alpha
     row[block + RIGHT + 1] = alpha * source
     row[block + RIGHT + 2] = total
-    tail = tail_of(row, block + ALPHA) / max(1.0, alpha)
-    tail = max(tail, tail_of(row, block + BETA) / max(largest, 1e-300))
+    tail = tail_of(alphas, 0) / max(1.0, alpha)
+    tail = max(tail, tail_of(betas, 0) / max(largest, 1e-300))
     tail = max(tail, tail_of(row, INVERSE) / max(row[INVERSE], row[INVERSE + N - 1]))
-    # J is a difference near the Painleve limit: finer panels cannot help below this
-    noise = 1e-15 * cancelled * max(1.0, abs(total))
+    noise *= max(1.0, abs(total))
     row[block + NOISE] = noise
     if tail < noise:
         tail = 0.0

@@ -44,6 +44,8 @@ def write_motion(
         When the file may not be created.
     StorageError
         When the disk is full or fails.
+    InvalidValue
+        For a motion without length.
     """
     import h5py
 
@@ -82,7 +84,13 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
         created=datetime.now(UTC).isoformat(timespec="seconds"),
     )
     scene = motion.escapement
-    study = plan_from(scene, {"torque": [scene.torque]}, engine=motion.engine, rtol=motion.rtol)
+    study = plan_from(
+        scene,
+        {"torque": [scene.torque]},
+        initial_speed=float(motion.at(0.0).theta_dot),
+        engine=motion.engine,
+        rtol=motion.rtol,
+    )
     text = json.dumps(study.configuration, allow_nan=False)
     configuration = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
     configuration.attrs.update(units="1", long_name="the escapement as a study of one case, JSON")

@@ -1,0 +1,87 @@
+"""Command line as a process: what it loads, and what strikes from outside."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import escapement as esc
+from escapement import cli
+
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(esc.__file__).parents[1])}
+PROGRAM = [sys.executable, "-m", "escapement"]
+LONG_STUDY = """
+torque = 0.01
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-7
+follower = 6e-6
+[sweep]
+friction = { start = 0.01, stop = 0.3, num = 10000 }
+[solver]
+engine = "ivp"
+"""
+
+
+@pytest.mark.parametrize("name", ["", *cli.COMMANDS])
+def test_help_loads_nothing_heavy(name):
+    arguments = [*([name] if name else []), "--help"]
+    code = (
+        f"import sys; from escapement.cli import main; code = main({arguments});"
+        "heavy = {'numpy', 'scipy', 'numba', 'matplotlib', 'h5py'} & set(sys.modules);"
+        "sys.exit(f'{heavy}' if heavy else code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=ENVIRONMENT
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("usage: escapement")
+
+
+def test_module_runs_as_the_script_does():
+    done = subprocess.run([*PROGRAM, "--version"], capture_output=True, text=True, env=ENVIRONMENT)
+    assert done.stdout == f"escapement {esc.__version__}\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes")
+def test_reader_that_leaves_early_is_no_error():
+    reader, writer = os.pipe()
+    os.close(reader)
+    arguments = [*PROGRAM, "mechanism"]
+    with os.fdopen(writer, "wb") as pipe:
+        done = subprocess.run(arguments, stdout=pipe, stderr=subprocess.PIPE, env=ENVIRONMENT)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_output_that_cannot_be_written():
+    arguments = [*PROGRAM, "mechanism"]
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(
+            arguments, stdout=full, stderr=subprocess.PIPE, env=ENVIRONMENT, text=True
+        )
+    assert done.returncode == 74
+    assert done.stderr.startswith("escapement: error: ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_interrupted_sweep_leaves_nothing(tmp_path):
+    (tmp_path / "long.toml").write_text(LONG_STUDY)
+    arguments = [*PROGRAM, "sweep", "long.toml", "--quiet"]
+    with subprocess.Popen(
+        arguments, cwd=tmp_path, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True
+    ) as process:
+        deadline = time.monotonic() + 60.0
+        while len(list(tmp_path.iterdir())) == 1 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60.0)
+    assert process.returncode == 130
+    assert err == "escapement: error: interrupted\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["long.toml"]
