@@ -5,18 +5,16 @@ callee in another file would leave a stale copy behind. The cache therefore
 lives in a directory named after a digest of every kernel source of the package.
 """
 
+import contextlib
 import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numba
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def kernel_digest(package: Path) -> str:
@@ -66,29 +64,29 @@ def _tolerate_full_disk(dispatcher: Any) -> None:
     save = store.save_overload
 
     def save_or_skip(signature: Any, data: Any) -> None:
-        try:
+        # a cache is a convenience: the kernel itself is ready
+        with contextlib.suppress(OSError):
             save(signature, data)
-        except OSError:
-            pass  # a cache is a convenience: the kernel itself is ready
 
     store.save_overload = save_or_skip
 
 
-def jit(function: Function) -> Function:
+def jit(function: Any) -> Any:
     """Compile on first call, cached on disk, GIL released, no fast-math.
 
     Division by zero follows IEEE 754 (`error_model="numpy"`): kernels report
     through a status code and never raise.
     """
     folder = _cache_directory()
-    options = {"nogil": True, "error_model": "numpy"}
-    if folder is None or numba.config.DISABLE_JIT:
+    config: Any = numba.config
+    options: Any = {"nogil": True, "error_model": "numpy"}
+    if folder is None or config.DISABLE_JIT:
         return numba.njit(**options)(function)
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = folder
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = folder
     try:
         dispatcher = numba.njit(cache=True, **options)(function)
     finally:
-        numba.config.CACHE_DIR = previous
+        config.CACHE_DIR = previous
     _tolerate_full_disk(dispatcher)
     return dispatcher

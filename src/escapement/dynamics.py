@@ -23,7 +23,7 @@ from escapement.model import Inertia, Mechanism
 
 
 @jit
-def contact(g, dg, w, rho, load):  # type: ignore[no-untyped-def]
+def contact(g, dg, w, rho, load):
     """N R (rho + g p): its sign is the side of the slot that carries the force.
 
     Neither friction nor the side itself enters, so the side is explicit and
@@ -33,26 +33,26 @@ def contact(g, dg, w, rho, load):  # type: ignore[no-untyped-def]
 
 
 @jit
-def effective_ratio(g, u, sign, mu):  # type: ignore[no-untyped-def]
+def effective_ratio(g, u, sign, mu):
     """Transmission function as friction bends it, p = g + s mu |u|."""
     return g + sign * mu * abs(u)
 
 
 @jit
-def acceleration(g, u, dg, w, sign, rho, mu, load):  # type: ignore[no-untyped-def]
+def acceleration(g, u, dg, w, sign, rho, mu, load):
     """Driver acceleration in units of torque / I_f."""
     p = effective_ratio(g, u, sign, mu)
     return (1.0 - p * (dg * w + load)) / (rho + g * p)
 
 
 @jit
-def contact_moment(g, u, dg, w, sign, rho, mu, load):  # type: ignore[no-untyped-def]
+def contact_moment(g, u, dg, w, sign, rho, mu, load):
     """Moment N R on the follower in units of the driving torque."""
     return contact(g, dg, w, rho, load) / (rho + g * effective_ratio(g, u, sign, mu))
 
 
 @jit
-def side_at(g, dg, w, rho, load, slope_dg):  # type: ignore[no-untyped-def]
+def side_at(g, dg, w, rho, load, slope_dg):
     """Side that carries the force: +1 or -1.
 
     On the reversal itself the contact function's change with driver angle
@@ -65,7 +65,7 @@ def side_at(g, dg, w, rho, load, slope_dg):  # type: ignore[no-untyped-def]
 
 
 @jit
-def tabulate(path, theta, w, sign, rho, mu, load, out):  # type: ignore[no-untyped-def]
+def tabulate(path, theta, w, sign, rho, mu, load, out):
     """Fill out[0:4] with g, g', theta_ddot and contact moment at each angle."""
     for i in range(theta.size):
         g, u, dg = transmission_at(path, theta[i])
@@ -76,7 +76,7 @@ def tabulate(path, theta, w, sign, rho, mu, load, out):  # type: ignore[no-untyp
 
 
 @jit
-def painleve_ratio(path, theta, rho):  # type: ignore[no-untyped-def]
+def painleve_ratio(path, theta, rho):
     """Friction at which the reduced inertia vanishes at `theta`, or inf."""
     g, u, _dg = transmission_at(path, theta)
     product = abs(g * u)
@@ -84,7 +84,7 @@ def painleve_ratio(path, theta, rho):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _stationary(first, second, rho, end):  # type: ignore[no-untyped-def]
+def _stationary(first, second, rho, end):
     """Root between 0 and `end` of the cubic for stationary painleve_ratio.
 
     The cubic is negative at 0 and positive at both ends of the circle that
@@ -111,7 +111,7 @@ def _stationary(first, second, rho, end):  # type: ignore[no-untyped-def]
 
 
 @jit
-def painleve_limit(path, rho, entry, exit_):  # type: ignore[no-untyped-def]
+def painleve_limit(path, rho, entry, exit_):
     """Least painleve_ratio over the engagement, and a driver angle that has it."""
     limit, angle = painleve_ratio(path, entry, rho), entry
     at_exit = painleve_ratio(path, exit_, rho)
@@ -135,7 +135,7 @@ def painleve_limit(path, rho, entry, exit_):  # type: ignore[no-untyped-def]
 
 
 @jit
-def beyond_painleve(path, rho, mu, entry, exit_):  # type: ignore[no-untyped-def]
+def beyond_painleve(path, rho, mu, entry, exit_):
     """Whether `mu` is at or above the Painleve limit.
 
     (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| at most the radius of the

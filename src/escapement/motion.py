@@ -8,6 +8,7 @@ stored before it is asked for.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -237,17 +238,14 @@ class Motion:
         force = None
         if crank is not None:
             force = np.where(np.isnan(values[7]), 0.0, values[6] / (crank * values[7]))
-        return State(times, *values[:7], contact_force=force)
+        theta, speed, rate, phi, phi_speed, phi_rate, moment = values[:7]
+        return State(times, theta, speed, rate, phi, phi_speed, phi_rate, moment, force)
 
     @cached_property
     def t(self) -> FloatArray:
         """Default grid of times [s]: even within each engagement, handoffs included."""
         ends = np.concatenate([[0.0], self.handoff_times, [self.end_time]])
-        spans = [
-            np.linspace(a, b, _SAMPLES, endpoint=False)
-            for a, b in zip(ends[:-1], ends[1:], strict=True)
-            if b > a
-        ]
+        spans = [np.linspace(a, b, _SAMPLES, endpoint=False) for a, b in pairwise(ends) if b > a]
         return np.concatenate([*spans, [self.end_time]]) if spans else np.empty(0)
 
     @cached_property

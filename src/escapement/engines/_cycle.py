@@ -24,7 +24,7 @@ EVENTS_OF_ONE = 16
 
 
 @jit
-def workspace():  # type: ignore[no-untyped-def]
+def workspace():
     """Panel store, events of an engagement, extrema seen and scratch, for `figures`."""
     return (
         np.empty((MAX_PANELS, ROW)),
@@ -35,7 +35,7 @@ def workspace():  # type: ignore[no-untyped-def]
 
 
 @jit
-def tolerances(rtol):  # type: ignore[no-untyped-def]
+def tolerances(rtol):
     """Tails allowed in panels for a relative error: whole panel, and inside.
 
     Measured on random scenes the error is at most a hundredth of the square of
@@ -45,14 +45,14 @@ def tolerances(rtol):  # type: ignore[no-untyped-def]
 
 
 @jit
-def free_turn(w, angle, rho):  # type: ignore[no-untyped-def]
+def free_turn(w, angle, rho):
     """Squared speed after a dwell of the follower, and the time it takes."""
     after = w + 2.0 * angle / rho
     return after, 2.0 * angle / (np.sqrt(w) + np.sqrt(after)) if angle > 0.0 else 0.0
 
 
 @jit
-def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds):  # type: ignore[no-untyped-def]
+def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds):
     """March engagements until `times` is full, `limit` is passed or a stall.
 
     Parameters
@@ -105,7 +105,7 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
 
 
 @jit
-def _closer(w, out, exponent, source, rho, ends):  # type: ignore[no-untyped-def]
+def _closer(w, out, exponent, source, rho, ends):
     """Fixed point of the affine map an engagement went by, and its contraction.
 
     E_out = exp(-exponent) E_in + source with w = E/(rho + g^2) at either end;
@@ -125,7 +125,7 @@ def _closer(w, out, exponent, source, rho, ends):  # type: ignore[no-untyped-def
 
 
 @jit
-def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events, scratch, out):  # type: ignore[no-untyped-def]
+def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events, scratch, out):
     """Terminal cycle by Newton's method from w; fills out, events hold its extrema.
 
     Returns
@@ -173,7 +173,7 @@ def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events,
 
 
 @jit
-def _judge(kind, time, w, leading, out):  # type: ignore[no-untyped-def]
+def _judge(kind, time, w, leading, out):
     """Let one extremum of the transient decide on rise and settling time.
 
     Only the greatest and the least speed of an engagement tend to the terminal
@@ -190,7 +190,7 @@ def _judge(kind, time, w, leading, out):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _leads(events, used, i):  # type: ignore[no-untyped-def]
+def _leads(events, used, i):
     """Whether no other extremum of its kind in the engagement goes further."""
     for j in range(used):
         if events[j, 0] == events[i, 0]:
@@ -202,7 +202,7 @@ def _leads(events, used, i):  # type: ignore[no-untyped-def]
 
 
 @jit
-def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, scratch, out):  # type: ignore[no-untyped-def]
+def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, scratch, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, its

@@ -48,7 +48,8 @@ class EnergyTrajectory:
     @cached_property
     def _pieces(self) -> FloatArray:
         """Start time, engagement, sign, start angle, end angle, w; shape (6, pieces)."""
-        rows, sign = [], 0.0
+        rows: list[list[float]] = []
+        sign = 0.0
         exit_ = self.escapement.mechanism.breaks[-1]
         for engagement, kind, angle, time, w in self._events:
             if kind == _ENTRY:
@@ -149,9 +150,7 @@ def simulate(
     size = engagements or 64
     while True:
         times, speeds = np.empty(size), np.empty(size)
-        code, done, angle = handoffs(
-            *escapement.scene, w, horizon, rtol, clock, times, speeds
-        )
+        code, done, angle = handoffs(*escapement.scene, w, horizon, rtol, clock, times, speeds)
         if code != OK or duration is None or done < size:
             break
         size *= 8
@@ -166,9 +165,7 @@ def simulate(
     if duration is not None and end >= duration:
         done = done if end == duration else last
         end, status, message = duration, Status.OK, MESSAGES[Status.OK]
-    trajectory = EnergyTrajectory(
-        escapement, rtol, initial_speed, times[:last], speeds[:last], end
-    )
+    trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times[:last], speeds[:last], end)
     return Motion(
         escapement, "energy", rtol, trajectory, end, times[:done], speeds[:done], status, message
     )

@@ -11,7 +11,7 @@ _PAINLEVE, _OK = 3, 0
 
 
 @jit
-def solve_scenes(path, breaks, dwell, rho, mu, load, w, rtol, table, status):  # type: ignore[no-untyped-def]
+def solve_scenes(path, breaks, dwell, rho, mu, load, w, rtol, table, status):
     """Fill table[i] and status[i] for every scene i; natural units."""
     store, events, seen, scratch = workspace()
     for i in range(rho.size):

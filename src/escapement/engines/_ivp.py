@@ -37,7 +37,7 @@ _FLOOR = 2.3e-14  # solve_ivp clips a smaller rtol with a warning
 
 
 @jit
-def _derivative(x, y, path, sign, rho, mu, load):  # type: ignore[no-untyped-def]
+def _derivative(x, y, path, sign, rho, mu, load):
     """Right-hand side for y = (theta, theta_dot, friction loss) in natural units."""
     out = np.empty(3)
     g, u, dg = transmission_at(path, y[0])
@@ -322,7 +322,8 @@ def _assemble(
     times, speeds = np.array(handoffs, dtype=float).reshape(-1, 2).T
     peaks = columns(extrema, 5)
     pieces.reversals = Events(*columns(reversals, 4))
-    pieces.extrema = Extrema(*peaks[:4], maximum=peaks[4].astype(bool))
+    index, time, theta, speed, maximum = peaks
+    pieces.extrema = Extrema(index, time, theta, speed, maximum.astype(bool))
     return Motion(
         escapement,
         "ivp",

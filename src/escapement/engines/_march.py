@@ -59,7 +59,7 @@ _BOTH = 2 * SIDES + BLOCK  # a side's block plus the other side's
 
 
 @jit
-def _fits(left, right, re, im, reach):  # type: ignore[no-untyped-def]
+def _fits(left, right, re, im, reach):
     """Whether +-re + i im lies outside the Bernstein ellipse with half axis `reach`."""
     middle = 0.5 * (left + right)
     half = 0.5 * (right - left)
@@ -71,7 +71,7 @@ def _fits(left, right, re, im, reach):  # type: ignore[no-untyped-def]
 
 
 @jit
-def lay_out(store, breaks, path, rho, loose):  # type: ignore[no-untyped-def]
+def lay_out(store, breaks, path, rho, loose):
     """First panels of an engagement; returns their number.
 
     Between two breaks the interval is halved until no singularity of the
@@ -106,25 +106,25 @@ def lay_out(store, breaks, path, rho, loose):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _rate(row, i, side, w, mu, load):  # type: ignore[no-untyped-def]
+def _rate(row, i, side, w, mu, load):
     """J theta_ddot at a point: the sign of the driver's acceleration."""
     return 1.0 - (row[G + i] + side * mu * row[U + i]) * (row[DG + i] * w + load)
 
 
 @jit
-def _rate_at_end(row, end, side, w, mu, load):  # type: ignore[no-untyped-def]
+def _rate_at_end(row, end, side, w, mu, load):
     at = ENDS + 3 * end
     return 1.0 - (row[at] + side * mu * row[at + 1]) * (row[at + 2] * w + load)
 
 
 @jit
-def _contact_at_end(row, end, w, rho, load):  # type: ignore[no-untyped-def]
+def _contact_at_end(row, end, w, rho, load):
     at = ENDS + 3 * end
     return rho * (row[at + 2] * w + load) + row[at]
 
 
 @jit
-def _time_from_low_speed(row, energy, scratch, z):  # type: ignore[no-untyped-def]
+def _time_from_low_speed(row, energy, scratch, z):
     """Time over a panel whose speed vanishes at x = -z, just before its left end.
 
     1/sqrt(w) is a smooth function over sqrt(x + z); the generating function of
@@ -148,7 +148,7 @@ def _time_from_low_speed(row, energy, scratch, z):  # type: ignore[no-untyped-de
 
 
 @jit
-def _distance_to_rest(scratch, z):  # type: ignore[no-untyped-def]
+def _distance_to_rest(scratch, z):
     """Refine the place x = -z where the energy's extension vanishes."""
     series(scratch, _E, scratch[_K : _K + N])
     x = -z
@@ -159,7 +159,7 @@ def _distance_to_rest(scratch, z):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _dips(scratch):  # type: ignore[no-untyped-def]
+def _dips(scratch):
     """Whether the contact nearly vanishes between points: a pair of reversals may hide."""
     for i in range(1, N - 1):
         c = scratch[_C + i]
@@ -170,7 +170,7 @@ def _dips(scratch):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _note(events, used, kind, angle, time, w):  # type: ignore[no-untyped-def]
+def _note(events, used, kind, angle, time, w):
     if used < events.shape[0]:
         events[used, 0] = kind
         events[used, 1] = angle
@@ -181,7 +181,9 @@ def _note(events, used, kind, angle, time, w):  # type: ignore[no-untyped-def]
 
 
 @jit
-def march(store, count, path, rho, mu, load, w, side, rising, loose, strict, record, events, scratch):  # type: ignore[no-untyped-def]  # noqa: E501
+def march(
+    store, count, path, rho, mu, load, w, side, rising, loose, strict, record, events, scratch
+):
     """Advance from entry to exit of one engagement.
 
     Parameters

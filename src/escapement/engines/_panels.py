@@ -63,13 +63,13 @@ SMALLEST = 1e-13  # of a radian: no panel is halved below this
 
 
 @jit
-def block_of(side):  # type: ignore[no-untyped-def]
+def block_of(side):
     """Offset of a side's block in a panel's row."""
     return SIDES if side > 0.0 else SIDES + BLOCK
 
 
 @jit
-def survey(row, path, rho, left, right):  # type: ignore[no-untyped-def]
+def survey(row, path, rho, left, right):
     """Fill a panel's geometry and mark both sides as not yet solved."""
     half = 0.5 * (right - left)
     middle = 0.5 * (right + left)
@@ -88,7 +88,7 @@ def survey(row, path, rho, left, right):  # type: ignore[no-untyped-def]
 
 
 @jit
-def tail_of(values, offset):  # type: ignore[no-untyped-def]
+def tail_of(values, offset):
     """Size of the last two Legendre coefficients of N values from `offset`."""
     a = b = c = d = 0.0
     for i in range(0, N, 2):
@@ -100,7 +100,7 @@ def tail_of(values, offset):  # type: ignore[no-untyped-def]
 
 
 @jit
-def whole(values, offset):  # type: ignore[no-untyped-def]
+def whole(values, offset):
     """Integral over [-1, 1] of N values from `offset`."""
     a = b = c = d = 0.0
     for i in range(0, N, 4):
@@ -112,7 +112,7 @@ def whole(values, offset):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _cumulate(values, out):  # type: ignore[no-untyped-def]
+def _cumulate(values, out):
     """Integrals from -1 to each point; eight running sums at a time stay in registers."""
     for j in range(0, N, 8):
         s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
@@ -137,7 +137,7 @@ def _cumulate(values, out):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _decay(exponents, out):  # type: ignore[no-untyped-def]
+def _decay(exponents, out):
     """exp(-b): by its series, which vectorises, where every b is small."""
     large = 0
     for i in range(N):
@@ -167,7 +167,7 @@ def _decay(exponents, out):  # type: ignore[no-untyped-def]
 
 
 @jit
-def solve_side(row, side, rho, mu, load, scratch):  # type: ignore[no-untyped-def]
+def solve_side(row, side, rho, mu, load, scratch):
     """Solve the energy equation on a panel for one side of the slot."""
     block = block_of(side)
     twice = 2.0 * row[HALF]
@@ -212,7 +212,7 @@ def solve_side(row, side, rho, mu, load, scratch):  # type: ignore[no-untyped-de
 
 
 @jit
-def halve(store, panel, path, rho, count):  # type: ignore[no-untyped-def]
+def halve(store, panel, path, rho, count):
     """Split a panel in two; returns the new number of panels.
 
     The left half keeps the row, the right half gets row `count` and the place
@@ -235,7 +235,7 @@ def halve(store, panel, path, rho, count):  # type: ignore[no-untyped-def]
 
 
 @jit
-def series(values, offset, out):  # type: ignore[no-untyped-def]
+def series(values, offset, out):
     """Legendre coefficients of N values from `offset` into out."""
     for k in range(N):
         out[k] = 0.0
@@ -246,7 +246,7 @@ def series(values, offset, out):  # type: ignore[no-untyped-def]
 
 
 @jit
-def evaluate(coefficients, x):  # type: ignore[no-untyped-def]
+def evaluate(coefficients, x):
     """A Legendre series and its derivative at x in [-1, 1]."""
     before, now = 1.0, x
     before_slope, slope = 0.0, 1.0
@@ -263,7 +263,7 @@ def evaluate(coefficients, x):  # type: ignore[no-untyped-def]
 
 
 @jit
-def root_between(coefficients, low, high, value_low, value_high):  # type: ignore[no-untyped-def]
+def root_between(coefficients, low, high, value_low, value_high):
     """Root of a Legendre series in a bracket: Newton, kept in by bisection."""
     x = low + (high - low) * value_low / (value_low - value_high)
     for _ in range(60):
@@ -284,7 +284,7 @@ def root_between(coefficients, low, high, value_low, value_high):  # type: ignor
 
 
 @jit
-def weights_to(x, values, partial):  # type: ignore[no-untyped-def]
+def weights_to(x, values, partial):
     """Weights that interpolate at x, and that integrate from -1 to x."""
     for i in range(N):
         values[i] = BASIS[0, i]

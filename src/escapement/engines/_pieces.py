@@ -41,7 +41,7 @@ _EVEN = 1e-12  # width below which the acceleration is constant [rad]
 
 
 @jit
-def _put(table, filled, engagement, kind, angle, time, w):  # type: ignore[no-untyped-def]
+def _put(table, filled, engagement, kind, angle, time, w):
     table[filled, 0] = engagement
     table[filled, 1] = kind
     table[filled, 2] = angle
@@ -51,7 +51,7 @@ def _put(table, filled, engagement, kind, angle, time, w):  # type: ignore[no-un
 
 
 @jit
-def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):  # type: ignore[no-untyped-def]
+def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     """All events of the engagements that start at `starts` with `squares`.
 
     Returns
@@ -96,7 +96,7 @@ def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):  # typ
 
 
 @jit
-def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squares):  # type: ignore[no-untyped-def]
+def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squares):
     """Angles and squared speeds at times since the start of one piece.
 
     Parameters
@@ -144,9 +144,7 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
             waiting += 1
             right = middle
             continue
-        next_w = (row[block + RIGHT] * energy + row[block + RIGHT + 1]) / (
-            rho + row[ENDS + 3] ** 2
-        )
+        next_w = (row[block + RIGHT] * energy + row[block + RIGHT + 1]) / (rho + row[ENDS + 3] ** 2)
         next_w = max(next_w, 0.0)
         length = 0.0
         for i in range(N):
@@ -186,7 +184,7 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
 
 
 @jit
-def _integral(coefficients, x):  # type: ignore[no-untyped-def]
+def _integral(coefficients, x):
     """Integral of a Legendre series from -1 to x, and its value at x."""
     before, now = 1.0, x
     total = coefficients[0] * (1.0 + x)
@@ -200,7 +198,7 @@ def _integral(coefficients, x):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _invert(coefficients, target, whole):  # type: ignore[no-untyped-def]
+def _invert(coefficients, target, whole):
     """x in [-1, 1] where the integral of a positive series reaches a target."""
     x = 2.0 * target / whole - 1.0
     low, high = -1.0, 1.0

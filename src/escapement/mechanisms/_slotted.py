@@ -8,9 +8,10 @@ turn with arg C while the pin slides along R = |C|; with q = C'/C
     u  = Re q        relative sliding speed R'/R
     g' = u (a+b-2g)  second-order transmission function   (Meyer 1-8, Filemon 3)
 
-C'/C is a Moebius function of exp(2ih), so (g, u) runs on a circle between g1 at
-sin(h) = 0 and g2 at cos(h) = 0: u^2 = (g1 - g)(g - g2). All three depend on the half angle h = (a-b) theta/2 alone. Writing them in
-sin(h)^2 keeps full relative accuracy where |C| is small.
+All three depend on the half angle h = (a-b) theta/2 alone. Writing them in
+sin(h)^2 keeps full relative accuracy where |C| is small. C'/C is a Moebius
+function of exp(2ih), so (g, u) runs on a circle between g1 at sin(h) = 0 and g2
+at cos(h) = 0: u^2 = (g1 - g)(g - g2).
 """
 
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from escapement.model import FloatArray
 
 
 @jit
-def transmission_at(path, theta):  # type: ignore[no-untyped-def]
+def transmission_at(path, theta):
     """Transmission (g, u, g') at one driver angle, from a path's flat numbers.
 
     path = (h/theta, L0, L1, G0, G1, U1, s) with L = |C|^2 = L0 + L1 sin^2 h,
@@ -39,7 +40,7 @@ def transmission_at(path, theta):  # type: ignore[no-untyped-def]
 
 
 @jit
-def transmission_on(path, middle, half, points, g, u, dg):  # type: ignore[no-untyped-def]
+def transmission_on(path, middle, half, points, g, u, dg):
     """Transmission at middle + half * points, all of them small steps apart.
 
     The sine and cosine of the steps come from their power series, accurate to
@@ -74,7 +75,7 @@ def transmission_on(path, middle, half, points, g, u, dg):  # type: ignore[no-un
 
 
 @jit
-def singularities(path, rho):  # type: ignore[no-untyped-def]
+def singularities(path, rho):
     """Complex driver angles where the motion's coefficients are singular.
 
     Where the pin path's complex continuation meets the follower's axis
@@ -94,7 +95,7 @@ def singularities(path, rho):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _tabulate(path, theta, g, u, dg):  # type: ignore[no-untyped-def]
+def _tabulate(path, theta, g, u, dg):
     for i in range(theta.size):
         g[i], u[i], dg[i] = transmission_at(path, theta[i])
 

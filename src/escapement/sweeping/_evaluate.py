@@ -132,14 +132,12 @@ def _solve(mechanism: Any, values: Columns, scenes: NDArray[np.int64], rtol: flo
     driver, follower = values["driver_inertia"], values["follower_inertia"]
     torque = values["torque"]
     clock = np.sqrt(follower / torque)
-    numbers = (
-        driver / follower,
-        values["friction"].astype(float),
-        values["load_torque"] / torque,
-        (values["initial_speed"] * clock) ** 2,
-    )
+    ratio = driver / follower
+    load = values["load_torque"] / torque
+    start = (values["initial_speed"] * clock) ** 2
+    friction = values["friction"].astype(float)
     table, status = _energy_batch.solve(
-        mechanism, *(np.ascontiguousarray(number[first]) for number in numbers), rtol
+        mechanism, ratio[first], friction[first], load[first], start[first], rtol
     )
     columns = table[scene_of_case].T
     period = columns[_cycle.PERIOD] * clock
