@@ -11,7 +11,7 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve
 from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, SCRATCH, STALL, lay_out, march
-from escapement.engines._panels import ENDS, MAX_PANELS, ROW
+from escapement.engines._panels import COLUMNS, ENDS, GEOMETRY, MAX_PANELS
 from escapement.mechanisms._slotted import transmission_at
 
 NO_TERMINAL, PAINLEVE, NOT_CONVERGED = 1, 3, 4
@@ -27,7 +27,7 @@ EVENTS_OF_ONE = 16
 def workspace():
     """Panel store, events of an engagement, extrema seen and scratch, for `figures`."""
     return (
-        np.empty((MAX_PANELS, ROW)),
+        np.empty((MAX_PANELS, 3, COLUMNS)),
         np.empty((EVENTS_OF_ONE, EVENTS)),
         np.empty((SEEN, EVENTS)),
         np.empty(SCRATCH),
@@ -71,7 +71,7 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
     if beyond_painleve(path, rho, mu, breaks[0], breaks[-1]):
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
-    store = np.empty((MAX_PANELS, ROW))
+    store = np.empty((MAX_PANELS, 3, COLUMNS))
     events = np.empty((EVENTS_OF_ONE, EVENTS))
     scratch = np.empty(SCRATCH)
     count = lay_out(store, breaks, path, rho, loose)
@@ -133,7 +133,7 @@ def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events,
     status, count
     """
     loose, strict = tolerances(rtol)
-    ends = (store[0, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    ends = (store[0, GEOMETRY, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     last_good = w
     plain = 0
     near = False
@@ -216,7 +216,7 @@ def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, sc
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     count = lay_out(store, breaks, path, rho, loose)
-    ends = (store[0, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    ends = (store[0, GEOMETRY, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     time, rising = 0.0, 0.0
     filled = 0
     found = False

@@ -11,10 +11,10 @@ from escapement._jit import jit
 from escapement.engines._panels import (
     ALPHA,
     BETA,
-    BLOCK,
     DG,
     DOWN,
     ENDS,
+    GEOMETRY,
     HALF,
     INVERSE,
     KINK,
@@ -24,8 +24,8 @@ from escapement.engines._panels import (
     NOISE,
     POINTS,
     RIGHT,
-    SIDES,
     SMALLEST,
+    SPREAD,
     TAIL,
     UNBUILT,
     UP,
@@ -34,11 +34,11 @@ from escapement.engines._panels import (
     G,
     N,
     U,
-    block_of,
+    combine,
     evaluate,
     halve,
+    part_of,
     root_between,
-    series,
     solve_side,
     survey,
     tail_of,
@@ -55,17 +55,16 @@ EVENTS = 4  # columns of an event: kind, angle from dead centre, time, w
 # scratch: two blocks for solve_side, then W or E, 1/sqrt(w), contact, rate, coefficients, weights
 _W, _F, _C, _A, _K, _V, _Q, _E = (2 * N + N * i for i in range(8))
 SCRATCH = 10 * N
-_BOTH = 2 * SIDES + BLOCK  # a side's block plus the other side's
 
 
 @jit
 def _fits(left, right, re, im, reach):
     """Whether +-re + i im lies outside the Bernstein ellipse with half axis `reach`."""
-    middle = 0.5 * (left + right)
-    half = 0.5 * (right - left)
+    most = (right - left) * reach
     for place in (re, -re):
-        near = np.hypot(place - right, im) + np.hypot(place - left, im)
-        if near < 2.0 * half * reach and (place != 0.0 or middle != 0.0):
+        behind, ahead = place - left, place - right
+        near = np.sqrt(behind * behind + im * im) + np.sqrt(ahead * ahead + im * im)
+        if near < most:
             return False
     return True
 
@@ -96,12 +95,12 @@ def lay_out(store, breaks, path, rho, loose):
             ):
                 right = 0.5 * (left + right)
             survey(store[count], path, rho, left, right)
-            store[count, NEXT] = count + 1.0
-            store[count, KINK] = 1.0 if first and k > 0 else 0.0
+            store[count, GEOMETRY, NEXT] = count + 1.0
+            store[count, GEOMETRY, KINK] = 1.0 if first and k > 0 else 0.0
             first = False
             left = right
             count += 1
-    store[count - 1, NEXT] = -1.0
+    store[count - 1, GEOMETRY, NEXT] = -1.0
     return count
 
 
@@ -150,10 +149,10 @@ def _time_from_low_speed(row, energy, scratch, z):
 @jit
 def _distance_to_rest(scratch, z):
     """Refine the place x = -z where the energy's extension vanishes."""
-    series(scratch, _E, scratch[_K : _K + N])
+    combine(SPREAD, scratch, _E, scratch, _K)
     x = -z
     for _ in range(6):
-        value, slope = evaluate(scratch[_K : _K + N], x)
+        value, slope = evaluate(scratch, _K, x)
         x -= value / slope
     return max(1.0, -x)
 
@@ -161,6 +160,10 @@ def _distance_to_rest(scratch, z):
 @jit
 def _dips(scratch):
     """Whether the contact nearly vanishes between points: a pair of reversals may hide."""
+    # a parabola that touches zero is small at one of three points
+    first, middle, last = scratch[_C], scratch[_C + N // 2], scratch[_C + N - 1]
+    if min(first, min(middle, last)) > 0.2 * max(first, max(middle, last)):
+        return False
     for i in range(1, N - 1):
         c = scratch[_C + i]
         if c <= scratch[_C + i - 1] and c < scratch[_C + i + 1]:
@@ -210,7 +213,7 @@ def march(
     panel = 0
     noted = False
     a = a_left = c_left = c_right = 0.0
-    row = store[0]
+    row = store[0, GEOMETRY]
     energy = w * (rho + row[ENDS] ** 2)
     if side == 0.0:
         value = _contact_at_end(row, 0, w, rho, load)
@@ -218,19 +221,20 @@ def march(
     if w == 0.0 and _rate_at_end(row, 0, side, 0.0, mu, load) <= 0.0:
         return STALL, row[LEFT], time, exponent, source, side, rising, count, used
     while panel >= 0:
-        row = store[panel]
-        block = block_of(side)
-        if row[block + TAIL] == UNBUILT:
-            solve_side(row, side, rho, mu, load, scratch)
-        tail = row[block + TAIL]
+        row = store[panel, GEOMETRY]
+        solution = store[panel, part_of(side)]
+        if solution[TAIL] == UNBUILT:
+            solve_side(row, solution, side, rho, mu, load, scratch)
+        tail = solution[TAIL]
         split = tail > loose
         half = row[HALF]
         reversal = -1
         if not split:
             # speeds, times and contact at the points
             against = 0
+            stopped = 0
             for i in range(N):
-                e = row[block + ALPHA + i] * energy + row[block + BETA + i]
+                e = solution[ALPHA + i] * energy + solution[BETA + i]
                 v = e * row[INVERSE + i]
                 c = side * (rho * (row[DG + i] * v + load) + row[G + i])
                 scratch[_E + i] = e
@@ -238,13 +242,11 @@ def march(
                 scratch[_C + i] = c
                 scratch[_F + i] = 1.0 / np.sqrt(v)
                 against += c <= 0.0
-            e_right = row[block + RIGHT] * energy + row[block + RIGHT + 1]
+                stopped += not v > 0.0
+            e_right = solution[RIGHT] * energy + solution[RIGHT + 1]
             w_right = e_right / (rho + row[ENDS + 3] ** 2)
             c_left = side * _contact_at_end(row, 0, w, rho, load)
             c_right = side * _contact_at_end(row, 1, w_right, rho, load)
-            stopped = 0
-            for i in range(N):
-                stopped += not scratch[_W + i] > 0.0
             if stopped > 0 or not w_right > 0.0:
                 if against > 0 or half > NEARLY_STOPPED:
                     split = True
@@ -277,7 +279,7 @@ def march(
             if z < 1.6 and (z > 1.05 or tail > strict or reversal >= 0):
                 split = True
         if not split and z >= 1.6:
-            limit = max(strict if reversal >= 0 else loose, row[block + NOISE])
+            limit = max(strict if reversal >= 0 else loose, solution[NOISE])
             split = tail_of(scratch, _F) > limit * scratch[_F + N // 2]
 
         # extrema of the speed
@@ -311,20 +313,21 @@ def march(
                 extremum = last
             split = changes > 1 or (changes == 1 and (tail > strict or reversal >= 0 or z < 1.6))
 
-        other = _BOTH - block
+        other = solution
         if reversal >= 0 and not split:
-            if row[other + TAIL] == UNBUILT:
-                solve_side(row, -side, rho, mu, load, scratch)
-            split = tail > strict or row[other + TAIL] > strict
+            other = store[panel, part_of(-side)]
+            if other[TAIL] == UNBUILT:
+                solve_side(row, other, -side, rho, mu, load, scratch)
+            split = tail > strict or other[TAIL] > strict
 
         if not split and reversal >= 0:
-            series(scratch, _C, scratch[_K : _K + N])
+            combine(SPREAD, scratch, _C, scratch, _K)
             low_x = POINTS[reversal - 1] if reversal > 0 else -1.0
             high_x = POINTS[reversal] if reversal < N else 1.0
             low_c = scratch[_C + reversal - 1] if reversal > 0 else c_left
             high_c = scratch[_C + reversal] if reversal < N else c_right
-            x = root_between(scratch[_K : _K + N], low_x, high_x, low_c, high_c)
-            weights_to(x, scratch[_V : _V + N], scratch[_Q : _Q + N])
+            x = root_between(scratch, _K, low_x, high_x, low_c, high_c)
+            weights_to(x, scratch, 0, _V, _Q)
             e = 0.0
             elapsed = 0.0
             alpha = 0.0
@@ -337,17 +340,17 @@ def march(
                 v = scratch[_V + i]
                 e += v * scratch[_E + i]
                 elapsed += scratch[_Q + i] * scratch[_F + i]
-                alpha += v * row[block + ALPHA + i]
-                beta += v * row[block + BETA + i]
-                b += v * row[block + B + i]
-                alpha_other += v * row[other + ALPHA + i]
-                beta_other += v * row[other + BETA + i]
-                b_other += v * row[other + B + i]
+                alpha += v * solution[ALPHA + i]
+                beta += v * solution[BETA + i]
+                b += v * solution[B + i]
+                alpha_other += v * other[ALPHA + i]
+                beta_other += v * other[BETA + i]
+                b_other += v * other[B + i]
             fictive = (e - beta_other) / alpha_other
             after = 0.0
             bad = 0
             for i in range(N):
-                v = (row[other + ALPHA + i] * fictive + row[other + BETA + i]) * row[INVERSE + i]
+                v = (other[ALPHA + i] * fictive + other[BETA + i]) * row[INVERSE + i]
                 scratch[_W + i] = v
                 scratch[_F + i] = 1.0 / np.sqrt(v)
                 after += (WEIGHTS[i] - scratch[_Q + i]) * scratch[_F + i]
@@ -355,12 +358,12 @@ def march(
                 c = side * (rho * (row[DG + i] * v + load) + row[G + i])
                 bad += i >= reversal and c > 0.0
                 bad += record and i >= reversal and _rate(row, i, -side, v, mu, load) <= 0.0
-            e_right = row[other + RIGHT] * fictive + row[other + RIGHT + 1]
+            e_right = other[RIGHT] * fictive + other[RIGHT + 1]
             w_right = e_right / (rho + row[ENDS + 3] ** 2)
             bad += not w_right > 0.0
             bad += side * _contact_at_end(row, 1, w_right, rho, load) > 0.0
             bad += record and _rate_at_end(row, 1, -side, w_right, mu, load) <= 0.0
-            limit = max(strict, row[other + NOISE])
+            limit = max(strict, other[NOISE])
             split = bad > 0 or tail_of(scratch, _F) > limit * scratch[_F + N // 2]
             if not split:
                 angle = row[LEFT] + half * (1.0 + x)
@@ -369,20 +372,20 @@ def march(
                     events, used, REVERSAL, angle, time + half * elapsed, e / (rho + g * g)
                 )
                 time += half * (elapsed + after)
-                exponent += b - b_other + row[other + RIGHT + 2]
+                exponent += b - b_other + other[RIGHT + 2]
                 source = (alpha * source + beta - beta_other) / alpha_other
-                source = row[other + RIGHT] * source + row[other + RIGHT + 1]
+                source = other[RIGHT] * source + other[RIGHT + 1]
                 side = -side
                 rising = 1.0
         elif not split:
             if extremum >= 0:
-                series(scratch, _A, scratch[_K : _K + N])
+                combine(SPREAD, scratch, _A, scratch, _K)
                 low_x = POINTS[extremum - 1] if extremum > 0 else -1.0
                 high_x = POINTS[extremum] if extremum < N else 1.0
                 low_a = scratch[_A + extremum - 1] if extremum > 0 else a_left
                 high_a = scratch[_A + extremum] if extremum < N else a
-                x = root_between(scratch[_K : _K + N], low_x, high_x, low_a, high_a)
-                weights_to(x, scratch[_V : _V + N], scratch[_Q : _Q + N])
+                x = root_between(scratch, _K, low_x, high_x, low_a, high_a)
+                weights_to(x, scratch, 0, _V, _Q)
                 e = 0.0
                 elapsed = 0.0
                 for i in range(N):
@@ -399,8 +402,8 @@ def march(
                 time += _time_from_low_speed(row, energy, scratch, z)
             else:
                 time += half * whole(scratch, _F)
-            exponent += row[block + RIGHT + 2]
-            source = row[block + RIGHT] * source + row[block + RIGHT + 1]
+            exponent += solution[RIGHT + 2]
+            source = solution[RIGHT] * source + solution[RIGHT + 1]
 
         if split:
             if count >= MAX_PANELS or half < SMALLEST:

@@ -46,36 +46,36 @@ def _integrated(x: np.ndarray) -> np.ndarray:
 CUMULATE = (_integrated(POINTS).T @ TRANSFORM).T.copy()
 """CUMULATE[k, i]: weight of the value at point k in the integral to point i."""
 
-# One row of the panel store. A side's block is: tail, alpha, beta, b = int B at the
-# points, then alpha, beta, b at the right end, and the rounding noise in all of these.
+# The panel store has three rows a panel: its geometry, then a solution for either side
+# of the slot. Fixed columns in every row let the compiler make vector code.
 LEFT, HALF, NEXT, KINK = 0, 1, 2, 3  # KINK: whether the left end is a break of the mechanism
 G, U, DG, INVERSE = 4, 4 + N, 4 + 2 * N, 4 + 3 * N
 ENDS = 4 + 4 * N  # g, |u|, g' at the left end, then at the right end
-SIDES = ENDS + 6
-TAIL, ALPHA, BETA, B, RIGHT = 0, 1, 1 + N, 1 + 2 * N, 1 + 3 * N
-NOISE = RIGHT + 3
-BLOCK = NOISE + 1
-ROW = SIDES + 2 * BLOCK
-
+# a solution: alpha, beta, b = int B at the points, then the three at the right end, the
+# size of the last coefficients (UNBUILT: not solved yet) and the rounding noise in them
+ALPHA, BETA, B, RIGHT, TAIL, NOISE = 0, N, 2 * N, 3 * N, 3 * N + 3, 3 * N + 4
+COLUMNS = ENDS + 6
+GEOMETRY, FORWARD, BACKWARD = 0, 1, 2
 UNBUILT = -1.0
 MAX_PANELS = 2048
 SMALLEST = 1e-13  # of a radian: no panel is halved below this
 
 
 @jit
-def block_of(side):
-    """Offset of a side's block in a panel's row."""
-    return SIDES if side > 0.0 else SIDES + BLOCK
+def part_of(side):
+    """Row of a panel's solution for a side of the slot."""
+    return FORWARD if side > 0.0 else BACKWARD
 
 
 @jit
-def survey(row, path, rho, left, right):
+def survey(panel, path, rho, left, right):
     """Fill a panel's geometry and mark both sides as not yet solved."""
+    row = panel[GEOMETRY]
     half = 0.5 * (right - left)
     middle = 0.5 * (right + left)
     row[LEFT] = left
     row[HALF] = half
-    transmission_on(path, middle, half, POINTS, row[G : G + N], row[U : U + N], row[DG : DG + N])
+    transmission_on(path, middle, half, POINTS, row, G, U, DG)
     for i in range(N):
         row[INVERSE + i] = 1.0 / (rho + row[G + i] * row[G + i])
     for k in range(2):
@@ -83,8 +83,8 @@ def survey(row, path, rho, left, right):
         row[ENDS + 3 * k] = g
         row[ENDS + 3 * k + 1] = abs(u)
         row[ENDS + 3 * k + 2] = dg
-    row[SIDES + TAIL] = UNBUILT
-    row[SIDES + BLOCK + TAIL] = UNBUILT
+    panel[FORWARD, TAIL] = UNBUILT
+    panel[BACKWARD, TAIL] = UNBUILT
 
 
 @jit
@@ -112,42 +112,36 @@ def whole(values, offset):
 
 
 @jit
-def _cumulate(values, out):
-    """Integrals from -1 to each point; eight running sums at a time stay in registers."""
-    for j in range(0, N, 8):
-        s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
-        for k in range(N):
-            value = values[k]
-            s0 += CUMULATE[k, j] * value
-            s1 += CUMULATE[k, j + 1] * value
-            s2 += CUMULATE[k, j + 2] * value
-            s3 += CUMULATE[k, j + 3] * value
-            s4 += CUMULATE[k, j + 4] * value
-            s5 += CUMULATE[k, j + 5] * value
-            s6 += CUMULATE[k, j + 6] * value
-            s7 += CUMULATE[k, j + 7] * value
-        out[j] = s0
-        out[j + 1] = s1
-        out[j + 2] = s2
-        out[j + 3] = s3
-        out[j + 4] = s4
-        out[j + 5] = s5
-        out[j + 6] = s6
-        out[j + 7] = s7
+def combine(m, c, at, out, to):
+    """out[to + i] = sum over k of m[k, i] c[at + k].
+
+    Written out so that it becomes vector code; places instead of slices, which
+    would take as long to make as the sums.
+    """
+    c0, c1, c2, c3 = c[at], c[at + 1], c[at + 2], c[at + 3]
+    c4, c5, c6, c7 = c[at + 4], c[at + 5], c[at + 6], c[at + 7]
+    d0, d1, d2, d3 = c[at + 8], c[at + 9], c[at + 10], c[at + 11]
+    d4, d5, d6, d7 = c[at + 12], c[at + 13], c[at + 14], c[at + 15]
+    for i in range(N):
+        low = (m[0, i] * c0 + m[1, i] * c1) + (m[2, i] * c2 + m[3, i] * c3)
+        low += (m[4, i] * c4 + m[5, i] * c5) + (m[6, i] * c6 + m[7, i] * c7)
+        high = (m[8, i] * d0 + m[9, i] * d1) + (m[10, i] * d2 + m[11, i] * d3)
+        high += (m[12, i] * d4 + m[13, i] * d5) + (m[14, i] * d6 + m[15, i] * d7)
+        out[to + i] = low + high
 
 
 @jit
-def _decay(exponents, out):
+def _decay(row, at, to):
     """exp(-b): by its series, which vectorises, where every b is small."""
     large = 0
     for i in range(N):
-        large += abs(exponents[i]) > 0.7
+        large += abs(row[at + i]) > 0.7
     if large > 0:
         for i in range(N):
-            out[i] = np.exp(-exponents[i])
+            row[to + i] = np.exp(-row[at + i])
         return
     for i in range(N):
-        x = -exponents[i]
+        x = -row[at + i]
         y = 1.0 + x * (1.0 / 16.0)
         y = 1.0 + x * (1.0 / 15.0) * y
         y = 1.0 + x * (1.0 / 14.0) * y
@@ -163,52 +157,47 @@ def _decay(exponents, out):
         y = 1.0 + x * (1.0 / 4.0) * y
         y = 1.0 + x * (1.0 / 3.0) * y
         y = 1.0 + x * (1.0 / 2.0) * y
-        out[i] = 1.0 + x * y
+        row[to + i] = 1.0 + x * y
 
 
 @jit
-def solve_side(row, side, rho, mu, load, scratch):
+def solve_side(row, solution, side, rho, mu, load, scratch):
     """Solve the energy equation on a panel for one side of the slot."""
-    block = block_of(side)
     twice = 2.0 * row[HALF]
-    exponents = row[block + B : block + B + N]
-    alphas = row[block + ALPHA : block + ALPHA + N]
-    betas = row[block + BETA : block + BETA + N]
-    rates, sources = scratch[:N], scratch[N : 2 * N]
     for k in range(N):
         g = row[G + k]
+        inverse = row[INVERSE + k]
         c = side * mu * row[U + k]
-        share = 1.0 / (1.0 + g * c * row[INVERSE + k])  # (rho + g^2) / J
-        inverse_j = share * row[INVERSE + k]
-        rates[k] = twice * c * rho * row[DG + k] * inverse_j * row[INVERSE + k]
-        sources[k] = twice * ((1.0 - g * load) - c * (rho * load + g) * inverse_j)
-        alphas[k] = share
+        share = 1.0 / (1.0 + g * c * inverse)  # (rho + g^2) / J
+        scratch[k] = twice * c * rho * row[DG + k] * share * inverse * inverse
+        scratch[N + k] = twice * ((1.0 - g * load) - c * (rho * load + g) * share * inverse)
+        solution[BETA + k] = share
     # J is a difference near the Painleve limit: finer panels cannot help below this
-    noise = 1e-15 * (1.0 + whole(alphas, 0))
-    _cumulate(rates, exponents)
-    total = whole(rates, 0)
-    _decay(exponents, alphas)
+    noise = 1e-15 * (1.0 + whole(solution, BETA))
+    total = whole(scratch, 0)
+    combine(CUMULATE, scratch, 0, solution, B)
+    _decay(solution, B, ALPHA)
     for i in range(N):
-        sources[i] /= alphas[i]
-    _cumulate(sources, betas)
-    source = whole(sources, 0)
+        scratch[N + i] /= solution[ALPHA + i]
+    source = whole(scratch, N)
+    combine(CUMULATE, scratch, N, solution, BETA)
     for i in range(N):
-        betas[i] *= alphas[i]
-    largest = max(abs(betas[N - 1]), abs(betas[N // 2]))
+        solution[BETA + i] *= solution[ALPHA + i]
+    largest = max(abs(solution[BETA + N - 1]), abs(solution[BETA + N // 2]))
     alpha = np.exp(-total)
-    row[block + RIGHT] = alpha
-    row[block + RIGHT + 1] = alpha * source
-    row[block + RIGHT + 2] = total
-    tail = tail_of(alphas, 0) / max(1.0, alpha)
-    tail = max(tail, tail_of(betas, 0) / max(largest, 1e-300))
+    solution[RIGHT] = alpha
+    solution[RIGHT + 1] = alpha * source
+    solution[RIGHT + 2] = total
+    tail = tail_of(solution, ALPHA) / max(1.0, alpha)
+    tail = max(tail, tail_of(solution, BETA) / max(largest, 1e-300))
     tail = max(tail, tail_of(row, INVERSE) / max(row[INVERSE], row[INVERSE + N - 1]))
     noise *= max(1.0, abs(total))
-    row[block + NOISE] = noise
+    solution[NOISE] = noise
     if tail < noise:
         tail = 0.0
     if not tail < 1.0 or abs(total) > 20.0:
         tail = 1.0
-    row[block + TAIL] = tail
+    solution[TAIL] = tail
 
 
 @jit
@@ -218,56 +207,45 @@ def halve(store, panel, path, rho, count):
     The left half keeps the row, the right half gets row `count` and the place
     behind it in the chain.
     """
-    row = store[panel]
+    row = store[panel, GEOMETRY]
     left = row[LEFT]
     middle = left + row[HALF]
     right = left + 2.0 * row[HALF]
     following = row[NEXT]
     # a break of the mechanism keeps its exact angle
     if following >= 0.0:
-        right = store[int(following), LEFT]
-    survey(row, path, rho, left, middle)
+        right = store[int(following), GEOMETRY, LEFT]
+    survey(store[panel], path, rho, left, middle)
     survey(store[count], path, rho, middle, right)
     row[NEXT] = count
-    store[count, NEXT] = following
-    store[count, KINK] = 0.0
+    store[count, GEOMETRY, NEXT] = following
+    store[count, GEOMETRY, KINK] = 0.0
     return count + 1
 
 
 @jit
-def series(values, offset, out):
-    """Legendre coefficients of N values from `offset` into out."""
-    for k in range(N):
-        out[k] = 0.0
-    for i in range(N):
-        value = values[offset + i]
-        for k in range(N):
-            out[k] += SPREAD[i, k] * value
-
-
-@jit
-def evaluate(coefficients, x):
-    """A Legendre series and its derivative at x in [-1, 1]."""
+def evaluate(c, at, x):
+    """The Legendre series with coefficients c[at:], and its derivative, at x in [-1, 1]."""
     before, now = 1.0, x
     before_slope, slope = 0.0, 1.0
-    value = coefficients[0] + coefficients[1] * x
-    derivative = coefficients[1]
+    value = c[at] + c[at + 1] * x
+    derivative = c[at + 1]
     for k in range(1, N - 1):
         after = UP[k] * x * now - DOWN[k] * before
         after_slope = before_slope + (2 * k + 1) * now
         before, now = now, after
         before_slope, slope = slope, after_slope
-        value += coefficients[k + 1] * now
-        derivative += coefficients[k + 1] * slope
+        value += c[at + k + 1] * now
+        derivative += c[at + k + 1] * slope
     return value, derivative
 
 
 @jit
-def root_between(coefficients, low, high, value_low, value_high):
+def root_between(c, at, low, high, value_low, value_high):
     """Root of a Legendre series in a bracket: Newton, kept in by bisection."""
     x = low + (high - low) * value_low / (value_low - value_high)
     for _ in range(60):
-        value, slope = evaluate(coefficients, x)
+        value, slope = evaluate(c, at, x)
         if value * value_low > 0.0:
             low = x
         else:
@@ -284,17 +262,14 @@ def root_between(coefficients, low, high, value_low, value_high):
 
 
 @jit
-def weights_to(x, values, partial):
-    """Weights that interpolate at x, and that integrate from -1 to x."""
-    for i in range(N):
-        values[i] = BASIS[0, i]
-        partial[i] = BASIS[0, i] * (1.0 + x)
+def weights_to(x, scratch, work, values, partial):
+    """Weights that interpolate at x, and that integrate from -1 to x, at two places."""
+    scratch[work], scratch[work + N] = 1.0, 1.0 + x
     before, now = 1.0, x
     for k in range(1, N):
         after = UP[k] * x * now - DOWN[k] * before
-        at = (2 * k + 1) * now
-        integral = after - before
-        for i in range(N):
-            values[i] += at * BASIS[k, i]
-            partial[i] += integral * BASIS[k, i]
+        scratch[work + k] = (2 * k + 1) * now
+        scratch[work + N + k] = after - before
         before, now = now, after
+    combine(BASIS, scratch, work, scratch, values)
+    combine(BASIS, scratch, work + N, scratch, partial)

@@ -12,23 +12,25 @@ from escapement.engines._march import EVENTS, SCRATCH, lay_out, march
 from escapement.engines._panels import (
     ALPHA,
     BETA,
+    COLUMNS,
     DG,
     DOWN,
     ENDS,
+    GEOMETRY,
     INVERSE,
     MAX_PANELS,
     NOISE,
     RIGHT,
-    ROW,
+    SPREAD,
     TAIL,
     UP,
     WEIGHTS,
     G,
     N,
     U,
-    block_of,
+    combine,
     evaluate,
-    series,
+    part_of,
     solve_side,
     survey,
     tail_of,
@@ -61,7 +63,7 @@ def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         with the side at entry (in the angle's place) comes first.
     """
     loose, strict = tolerances(rtol)
-    store = np.empty((MAX_PANELS, ROW))
+    store = np.empty((MAX_PANELS, 3, COLUMNS))
     events = np.empty((_MOST, EVENTS))
     scratch = np.empty(SCRATCH)
     count = lay_out(store, breaks, path, rho, loose)
@@ -111,7 +113,9 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
     loss, length : work lost in friction over the piece, and its duration.
     """
     _loose, strict = tolerances(rtol)
-    row = np.empty(ROW)
+    panel = np.empty((3, COLUMNS))
+    row = panel[GEOMETRY]
+    solution = panel[part_of(side)]
     scratch = np.empty(2 * N)
     energies = np.empty(N)
     slowness = np.empty(N)
@@ -122,20 +126,19 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
     right = end
     loss = 0.0
     now = 0.0
-    block = block_of(side)
     theta[:] = left
     squares[:] = w
     while left < end:
-        survey(row, path, rho, left, right)
-        solve_side(row, side, rho, mu, load, scratch)
+        survey(panel, path, rho, left, right)
+        solve_side(row, solution, side, rho, mu, load, scratch)
         half = 0.5 * (right - left)
         energy = w * (rho + row[ENDS] ** 2)
-        good = row[block + TAIL] <= strict
+        good = solution[TAIL] <= strict
         for i in range(N):
-            energies[i] = row[block + ALPHA + i] * energy + row[block + BETA + i]
+            energies[i] = solution[ALPHA + i] * energy + solution[BETA + i]
             slowness[i] = 1.0 / np.sqrt(energies[i] * row[INVERSE + i])
             good = good and energies[i] > 0.0
-        limit = max(strict, row[block + NOISE])
+        limit = max(strict, solution[NOISE])
         good = good and tail_of(slowness, 0) <= limit * slowness[N // 2]
         even = right - left <= _EVEN
         middle = 0.5 * (left + right)
@@ -144,7 +147,7 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
             waiting += 1
             right = middle
             continue
-        next_w = (row[block + RIGHT] * energy + row[block + RIGHT + 1]) / (rho + row[ENDS + 3] ** 2)
+        next_w = (solution[RIGHT] * energy + solution[RIGHT + 1]) / (rho + row[ENDS + 3] ** 2)
         next_w = max(next_w, 0.0)
         length = 0.0
         for i in range(N):
@@ -156,8 +159,8 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
         even = even and not good
         if even:
             length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w))
-        series(energies, 0, e_series)
-        series(slowness, 0, s_series)
+        combine(SPREAD, energies, 0, e_series, 0)
+        combine(SPREAD, slowness, 0, s_series, 0)
         for j in range(times.size):
             t = times[j] - now
             if t < 0.0 or (t > length and right < end):
@@ -171,7 +174,7 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
             x = _invert(s_series, t / half, length / half)
             theta[j] = middle + half * x
             g = transmission_at(path, theta[j])[0]
-            squares[j] = evaluate(e_series, x)[0] / (rho + g * g)
+            squares[j] = evaluate(e_series, 0, x)[0] / (rho + g * g)
         now += length
         w = next_w
         left = right

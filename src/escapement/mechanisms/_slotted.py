@@ -40,18 +40,19 @@ def transmission_at(path, theta):
 
 
 @jit
-def transmission_on(path, middle, half, points, g, u, dg):
+def transmission_on(path, middle, half, points, out, at_g, at_u, at_dg):
     """Transmission at middle + half * points, all of them small steps apart.
 
     The sine and cosine of the steps come from their power series, accurate to
     rounding for half angles of up to 0.75; those of the sums from the addition
-    theorem. The arrays g, u, dg are filled; u without its sign.
+    theorem. g, |u| and g' are written to `out` from the given places on (places
+    rather than slices: making a slice takes as long as four points).
     """
     step = path[0] * half
     if abs(step) > 0.75:
         for i in range(points.size):
-            g[i], u[i], dg[i] = transmission_at(path, middle + half * points[i])
-            u[i] = abs(u[i])
+            g, u, dg = transmission_at(path, middle + half * points[i])
+            out[at_g + i], out[at_u + i], out[at_dg + i] = g, abs(u), dg
         return
     sine_m, cosine_m = np.sin(path[0] * middle), np.cos(path[0] * middle)
     for i in range(points.size):
@@ -69,9 +70,9 @@ def transmission_on(path, middle, half, points, g, u, dg):
         inverse = 1.0 / (path[1] + path[2] * square)
         ratio = (path[3] + path[4] * square) * inverse
         slide = path[5] * sine * cosine * inverse
-        g[i] = ratio
-        dg[i] = slide * (path[6] - 2.0 * ratio)
-        u[i] = abs(slide)
+        out[at_g + i] = ratio
+        out[at_dg + i] = slide * (path[6] - 2.0 * ratio)
+        out[at_u + i] = abs(slide)
 
 
 @jit
