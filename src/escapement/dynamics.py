@@ -52,15 +52,15 @@ def contact_moment(g, u, dg, w, sign, rho, mu, load):
 
 
 @jit
-def side_at(g, dg, w, rho, load, slope_dg):
-    """Side that carries the force: +1 or -1.
+def side_at(g, dg, w, rho, load):
+    """Side that carries the force where a piece begins: +1 or -1.
 
-    On the reversal itself the contact function's change with driver angle
-    decides; there theta_ddot = 1/rho whatever the side, `slope_dg` being g''.
+    At pin entry g is zero up to rounding, and at rest nothing else decides: there
+    the side is that of the motion to come, by the sign of g'.
     """
     value = contact(g, dg, w, rho, load)
-    if value == 0.0:
-        value = rho * slope_dg * w + 3.0 * dg
+    if abs(value) <= 1e-15 * (1.0 + abs(rho * dg * w)):
+        value = dg
     return 1.0 if value >= 0.0 else -1.0
 
 

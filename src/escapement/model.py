@@ -1,5 +1,6 @@
 """The problem as plain values: a mechanism, two inertias, losses and a drive."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, runtime_checkable
@@ -8,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from escapement import _validate
-from escapement.errors import InvalidValue
 
 FloatArray = NDArray[np.float64]
 
@@ -119,6 +119,22 @@ class Escapement:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        self._check_ratios()
+
+    def _check_ratios(self) -> None:
+        """Refuse numbers whose ratios a double cannot hold with room to spare."""
+        ratios = {
+            "driver_inertia / follower_inertia": self.inertia_ratio,
+            "follower_inertia / torque": self.inertia.follower / self.torque,
+        }
+        for name, value in ratios.items():
+            if not 1e-100 < value < 1e100:
+                rule = "between 1e-100 and 1e100"
+                raise _validate.fail(name, rule, value, "choose numbers of similar size")
+        if self.load_ratio > 1e100:
+            raise _validate.fail(
+                "load_torque / torque", "below 1e100", self.load_ratio, "give a smaller load"
+            )
 
     @cached_property
     def scene(self) -> Scene:
@@ -153,10 +169,4 @@ class Escapement:
         In it the motion depends on the mechanism, the inertia ratio, the load
         ratio and friction alone: torque is a pure change of clock.
         """
-        ratio = self.inertia.follower / self.torque
-        if not 0.0 < ratio < float("inf"):
-            raise InvalidValue(
-                "torque and follower_inertia must have a ratio a double can hold, got "
-                f"{self.inertia.follower!r} kg m^2 / {self.torque!r} N m; choose other units"
-            )
-        return float(np.sqrt(ratio))
+        return math.sqrt(self.inertia.follower / self.torque)

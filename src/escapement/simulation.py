@@ -19,6 +19,7 @@ METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 DEFAULT_ENGINE = "energy"
 DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10}
 DEFAULT_ENGAGEMENTS = 20
+FASTEST = 1e100  # initial speed in units of sqrt(torque / I_f): its square stays a double
 
 
 def simulate(
@@ -106,12 +107,12 @@ def _settings(
     tolerance = _validate.number("rtol", DEFAULT_RTOL[engine] if rtol is None else rtol)
     if not 1e-13 <= tolerance < 1.0:
         raise _validate.fail("rtol", "at least 1e-13 and below 1", rtol, "1e-10 is a good choice")
-    settings: dict[str, Any] = {
-        "initial_speed": _validate.non_negative(
-            "initial_speed", initial_speed, "give the driver speed at pin entry in rad/s"
-        ),
-        "rtol": tolerance,
-    }
+    remedy = "give the driver speed at pin entry in rad/s"
+    speed = _validate.non_negative("initial_speed", initial_speed, remedy)
+    if speed * escapement.time_unit > FASTEST:
+        most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
+        raise _validate.fail("initial_speed", most, initial_speed, remedy)
+    settings: dict[str, Any] = {"initial_speed": speed, "rtol": tolerance}
     given = {"atol": atol, "method": method, "max_step": max_step}
     if engine != "ivp":
         for name, value in given.items():

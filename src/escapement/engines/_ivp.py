@@ -122,10 +122,7 @@ class _Run:
 
     def side(self) -> float:
         g, _, dg = transmission_at(self.path, self.theta)
-        h = 1e-6
-        slope = transmission_at(self.path, self.theta + h)[2]
-        slope = (slope - transmission_at(self.path, self.theta - h)[2]) / (2.0 * h)
-        return side_at(g, dg, self.speed**2, self.rho, self.load, slope)
+        return side_at(g, dg, self.speed**2, self.rho, self.load)
 
     def engage(self, end: float) -> None:
         """Advance to the break at `end`, through any reversals."""

@@ -8,6 +8,7 @@ of panels is thus made by the scene, and later engagements reuse it.
 import numpy as np
 
 from escapement._jit import jit
+from escapement.dynamics import side_at
 from escapement.engines._panels import (
     ALPHA,
     BETA,
@@ -216,8 +217,7 @@ def march(
     row = store[0, GEOMETRY]
     energy = w * (rho + row[ENDS] ** 2)
     if side == 0.0:
-        value = _contact_at_end(row, 0, w, rho, load)
-        side = 1.0 if value > 0.0 or (value == 0.0 and row[ENDS + 2] >= 0.0) else -1.0
+        side = side_at(row[ENDS], row[ENDS + 2], w, rho, load)
     if w == 0.0 and _rate_at_end(row, 0, side, 0.0, mu, load) <= 0.0:
         return STALL, row[LEFT], time, exponent, source, side, rising, count, used
     while panel >= 0:
