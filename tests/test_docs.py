@@ -1,0 +1,264 @@
+"""Documentation: its code runs, its sessions print what they show, its links lead somewhere."""
+
+import contextlib
+import importlib.util
+import io
+import json
+import math
+import re
+import shlex
+import shutil
+import tomllib
+from collections.abc import Iterator
+from importlib import import_module
+from itertools import zip_longest
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import unquote
+
+import pytest
+
+from escapement.cli import COMMANDS, main
+from escapement.cli._parser import Parser
+from escapement.configuration import parse_plan
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
+LANGUAGES = {"python", "toml", "console", "sh", "text"}
+LARGEST_IMAGE = 150_000
+
+_FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)|<img src=\"([^\"]+)\"")
+_INLINE = re.compile(r"`([^`\n]+)`")
+
+
+class Block(NamedTuple):
+    """A fenced block: its language, its text, and the text right below it."""
+
+    language: str
+    text: str
+    below: str | None
+
+
+def blocks(page: Path) -> Iterator[Block]:
+    text = page.read_text(encoding="utf-8")
+    fences = list(_FENCE.finditer(text))
+    for fence, after in zip_longest(fences, fences[1:]):
+        touching = after is not None and not text[fence.end() : after.start()].strip()
+        below = after[2] if touching and after is not None and after[1] == "text" else None
+        yield Block(fence[1], fence[2], below)
+
+
+def having(language: str) -> list[Path]:
+    return [page for page in PAGES if any(block.language == language for block in blocks(page))]
+
+
+def name_of(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch):
+    """An empty folder with the studies of the repository in it."""
+    shutil.copytree(ROOT / "runs", tmp_path / "runs", ignore=shutil.ignore_patterns("*.h5"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+# --- code and sessions --------------------------------------------------------------------
+
+
+def same_token(shown: str, found: str) -> bool:
+    """Equal, or numbers that agree to the digits a page shows; rounding errors are alike."""
+    if shown == found:
+        return True
+    try:
+        a, b = (float(token.strip('",[]')) for token in (shown, found))
+    except ValueError:
+        return False
+    return math.isclose(a, b, rel_tol=2e-5) or max(abs(a), abs(b)) < 1e-12
+
+
+def same_line(shown: str, found: str) -> bool:
+    a, b = shown.split(), found.split()
+    return len(a) == len(b) and all(map(same_token, a, b))
+
+
+def find(chunk: list[str], lines: list[str], start: int) -> int | None:
+    """Where `chunk` stands in `lines`, from `start` on."""
+    for i in range(start, len(lines) - len(chunk) + 1):
+        if all(map(same_line, chunk, lines[i : i + len(chunk)])):
+            return i
+    return None
+
+
+def compare(shown: str, printed: str) -> None:
+    """Fail unless `printed` is `shown`, in which a line of dots stands for any lines."""
+    chunks: list[list[str]] = [[]]
+    for line in filter(str.strip, shown.splitlines()):
+        if line.strip() == "...":
+            chunks.append([])
+        else:
+            chunks[-1].append(line)
+    lines = list(filter(str.strip, printed.splitlines()))
+    place = 0
+    for i, chunk in enumerate(chunks):
+        last = i == len(chunks) - 1
+        start = len(lines) - len(chunk) if last and chunk else place
+        found = find(chunk, lines, max(start, place))
+        assert found is not None, f"not printed: {chunk}\nprinted:\n{printed}"
+        assert i > 0 or found == 0, f"printed before {chunk[0]}:\n{printed}"
+        place = found + len(chunk)
+    assert not chunks[-1] or place == len(lines)
+
+
+@pytest.mark.parametrize("page", having("python"), ids=name_of)
+def test_python_runs_and_prints_what_is_shown(page, workplace):
+    names: dict[str, object] = {}
+    for block in blocks(page):
+        if block.language != "python":
+            continue
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile(block.text, name_of(page), "exec"), names)
+        if block.below is None:
+            assert printed.getvalue() == ""
+        else:
+            compare(block.below, printed.getvalue())
+
+
+@pytest.mark.parametrize("page", having("console"), ids=name_of)
+def test_sessions_print_what_is_shown(page, workplace, capsys):
+    for block in blocks(page):
+        if block.language != "console":
+            continue
+        assert block.text.startswith("$ ")
+        for session in re.split(r"^\$ ", block.text, flags=re.MULTILINE)[1:]:
+            command, _, shown = session.partition("\n")
+            main(arguments_of(command))
+            out, err = capsys.readouterr()
+            notes = [line for line in shown.splitlines() if line.startswith("escapement: ")]
+            for note in notes:
+                assert note in err.splitlines()
+            compare("\n".join(line for line in shown.splitlines() if line not in notes), out)
+
+
+def arguments_of(command: str) -> list[str]:
+    name, *arguments = shlex.split(command)
+    assert Path(name).name == "escapement"
+    return arguments
+
+
+def commands_of(page: Path) -> Iterator[str]:
+    """Every whole command line of a page, those in a chain of shell commands included."""
+    for block in blocks(page):
+        if block.language in ("sh", "console"):
+            prompt = "$ " if block.language == "console" else ""
+            for line in block.text.splitlines():
+                if line.startswith(prompt):
+                    yield from line.removeprefix(prompt).split("&&")
+
+
+@pytest.mark.parametrize("page", having("sh") + having("console"), ids=name_of)
+def test_command_lines_are_understood(page):
+    for command in commands_of(page):
+        words = shlex.split(command)
+        if Path(words[0]).name != "escapement" or words[1].startswith("-"):
+            continue
+        assert parser_of(words[1]).understand(words[2:]) is not None
+        for word in words:
+            assert not word.endswith(".toml") or (ROOT / word).is_file()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_commands_in_running_text_exist(page):
+    text = _FENCE.sub("", page.read_text(encoding="utf-8"))
+    for span in _INLINE.findall(text):
+        words = span.split()
+        if words[0] != "escapement" or len(words) == 1 or words[1] == "COMMAND":
+            continue
+        assert words[1] in COMMANDS, span
+        options = parser_of(words[1])._option_string_actions
+        assert all(word in options for word in words[2:] if word.startswith("-")), span
+
+
+def parser_of(command: str) -> Parser:
+    parser = Parser(prog=f"escapement {command}")
+    import_module(f"escapement.cli.{command}").configure(parser)
+    return parser
+
+
+@pytest.mark.parametrize("page", having("toml"), ids=name_of)
+def test_studies_are_valid(page):
+    for block in blocks(page):
+        if block.language == "toml":
+            assert parse_plan(tomllib.loads(block.text)).cases > 1
+
+
+# --- links and images ---------------------------------------------------------------------
+
+
+def links(text: str) -> Iterator[str]:
+    plain = _INLINE.sub("", _FENCE.sub("", text))
+    for match in _LINK.finditer(plain):
+        target = match[1] or match[2]
+        if not target.startswith(("http://", "https://", "mailto:")):
+            yield unquote(target)
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors of a page's headings, as repository hosts make them."""
+    text = _FENCE.sub("", page.read_text(encoding="utf-8"))
+    headings = re.findall(r"^#+ (.+)$", text, flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def check_link(target: str, home: Path, page: Path | None) -> None:
+    path, _, anchor = target.partition("#")
+    linked = home / path if path else page
+    assert linked is not None
+    assert linked.exists(), target
+    if anchor:
+        assert anchor in anchors(linked), target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_links_lead_somewhere(page):
+    for target in links(page.read_text(encoding="utf-8")):
+        check_link(target, page.parent, page)
+
+
+def test_links_of_notebooks_lead_somewhere():
+    for path in (ROOT / "notebooks").glob("*.ipynb"):
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+        for cell in cells:
+            if cell["cell_type"] == "markdown":
+                for target in links("".join(cell["source"])):
+                    check_link(target, path.parent, None)
+
+
+def test_every_page_is_on_the_map():
+    listed = {target.partition("#")[0] for target in links((DOCS / "index.md").read_text("utf-8"))}
+    assert {page.name for page in DOCS.glob("*.md")} - {"index.md"} <= listed
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_blocks_have_a_language_and_are_closed(page):
+    assert {block.language for block in blocks(page)} <= LANGUAGES
+    assert page.read_text(encoding="utf-8").count("```") == 2 * len(list(blocks(page)))
+
+
+def test_figures_can_be_drawn_again_and_are_all_shown(tmp_path, monkeypatch):
+    spec = importlib.util.spec_from_file_location("make_figures", DOCS / "make_figures.py")
+    assert spec is not None
+    assert spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    monkeypatch.setattr(script, "DPI", 40)
+    script.main(tmp_path)
+    images = {image.name for image in (DOCS / "images").iterdir()}
+    assert {image.name for image in tmp_path.iterdir()} == images
+    shown = {Path(target).name for page in PAGES for target in links(page.read_text("utf-8"))}
+    assert images <= shown
+    assert all(image.stat().st_size < LARGEST_IMAGE for image in (DOCS / "images").iterdir())
