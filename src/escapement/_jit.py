@@ -10,7 +10,7 @@ import hashlib
 import os
 import sys
 import tempfile
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -71,15 +71,22 @@ def _tolerate_full_disk(dispatcher: Any) -> None:
     store.save_overload = save_or_skip
 
 
-def jit(function: Any) -> Any:
+def jit(function: Any = None, *, inline: bool = False) -> Any:
     """Compile on first call, cached on disk, GIL released, no fast-math.
+
+    `inline` puts a kernel into its callers: worth it for a short one called for
+    every panel, where passing the arrays costs as much as the work.
 
     Division by zero follows IEEE 754 (`error_model="numpy"`): kernels report
     through a status code and never raise.
     """
+    if function is None:
+        return partial(jit, inline=inline)
     folder = _cache_directory()
     config: Any = numba.config
     options: Any = {"nogil": True, "error_model": "numpy"}
+    if inline:
+        options["inline"] = "always"
     if folder is None or config.DISABLE_JIT:
         return numba.njit(**options)(function)
     previous = config.CACHE_DIR

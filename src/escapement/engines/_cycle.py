@@ -10,7 +10,8 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve
-from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, SCRATCH, STALL, lay_out, march
+from escapement.engines._inside import SCRATCH
+from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, STALL, lay_out, march
 from escapement.engines._panels import COLUMNS, ENDS, GEOMETRY, MAX_PANELS
 from escapement.mechanisms._slotted import transmission_at
 

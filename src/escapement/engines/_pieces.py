@@ -8,7 +8,8 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.engines._cycle import tolerances
-from escapement.engines._march import EVENTS, SCRATCH, lay_out, march
+from escapement.engines._inside import SCRATCH
+from escapement.engines._march import EVENTS, lay_out, march
 from escapement.engines._panels import (
     ALPHA,
     BETA,
