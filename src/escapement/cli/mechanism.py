@@ -70,12 +70,13 @@ def describe(mechanism: "Geneva") -> dict[str, Any]:
     """Geometry of a Geneva wheel, by JSON key."""
     import math
 
-    cell = math.degrees(mechanism.cell_angle)
+    # twelve decimals: sixty degrees should read as sixty
+    cell = round(math.degrees(mechanism.cell_angle), 12)
     return {
         "stations": mechanism.slots,
         "motion_ratio": mechanism.motion_ratio,
         "cell_angle_deg": cell,
-        "follower_step_deg": math.degrees(mechanism.follower_step),
+        "follower_step_deg": round(math.degrees(mechanism.follower_step), 12),
         "slots": mechanism.slots,
         "pins": mechanism.pins,
         "continuous": mechanism.continuous,
