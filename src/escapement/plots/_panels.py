@@ -41,11 +41,11 @@ def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D
 def draw_line(ax: Axes, x: FloatArray, y: FloatArray, look: _style.Look, name: str) -> Line2D:
     """One line, its points marked where they are few or stand alone."""
     finite = np.concatenate([[False], np.isfinite(y), [False]])
-    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    marked = np.ones(x.size, bool) if x.size <= _FEW else finite[1:-1] & ~finite[:-2] & ~finite[2:]
     (line,) = ax.plot(
-        x, y, color=look.color, linestyle=look.linestyle, lw=1.2, marker=look.marker, ms=3.5,
-        mfc="white", mew=0.9, label=name or "_",
-        markevery=None if x.size <= _FEW else np.flatnonzero(alone).tolist(),
+        x, y, color=look.color, linestyle=look.linestyle, lw=1.2, ms=3.5, mfc="white", mew=0.9,
+        label=name or "_", marker=look.marker if marked.any() else "",
+        markevery=None if marked.all() else np.flatnonzero(marked).tolist(),
     )  # fmt: skip
     return line
 
