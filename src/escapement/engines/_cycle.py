@@ -11,7 +11,7 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve
 from escapement.engines._inside import SCRATCH
-from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, STALL, lay_out, march
+from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, STALL, lay_out, march, turned
 from escapement.engines._panels import COLUMNS, ENDS, GEOMETRY, MAX_PANELS
 from escapement.mechanisms._slotted import transmission_at
 
@@ -19,6 +19,7 @@ NO_TERMINAL, PAINLEVE, NOT_CONVERGED = 1, 3, 4
 FIGURES = 7
 V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION = range(FIGURES)
 SEEN = 128  # extrema of a transient that are kept
+PATIENCE = 40  # engagements after which the terminal cycle is looked for in any case
 RISE_BAND, SETTLING_BAND = 0.02, 0.01
 MAX_ENGAGEMENTS = 1_000_000
 EVENTS_OF_ONE = 16
@@ -106,12 +107,13 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
 
 
 @jit
-def _closer(w, out, exponent, source, rho, ends):
+def _closer(w, out, exponent, source, rho, ends, reversed_):
     """Fixed point of the affine map an engagement went by, and its contraction.
 
     E_out = exp(-exponent) E_in + source with w = E/(rho + g^2) at either end;
     `ends` holds g at entry, g at exit and what a dwell adds to w. The gap
-    1 - shrink keeps its relative accuracy when next to nothing is lost.
+    1 - shrink keeps its relative accuracy when next to nothing is lost. The third
+    answer is False where the map has no fixed point to be trusted.
     """
     g_in, g_out, free = ends
     leave = rho + g_out * g_out
@@ -119,10 +121,10 @@ def _closer(w, out, exponent, source, rho, ends):
     shrink = np.exp(-exponent) * (1.0 - unequal)
     gap = -np.expm1(-exponent) + np.exp(-exponent) * unequal
     following = out + free
-    if gap <= 1e-14:
+    if gap <= 0.0 or (gap <= 1e-12 and not reversed_):
         # too slow for a pin reversal, friction only borrows: go where it takes
-        return (4.0 * following if following > w else following), shrink, gap
-    return (source / leave + free) / gap, shrink, gap
+        return (4.0 * following if following > w else following), shrink, False
+    return (source / leave + free) / gap, shrink, True
 
 
 @jit
@@ -149,13 +151,14 @@ def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events,
         if status != OK:
             out[0], out[1] = exit_w, k
             return status, count
-        better, shrink, gap = _closer(w, exit_w, exponent, source, rho, ends)
+        turning = turned(events, used)
+        better, shrink, sound = _closer(w, exit_w, exponent, source, rho, ends, turning)
         last_good = exit_w + ends[2]
         change = abs(better - w)
         if near and change <= 0.2 * rtol * w:
             break
         # the next change is about the square of this one
-        near = gap > 1e-14 and change <= np.sqrt(0.02 * rtol) * w
+        near = sound and change <= np.sqrt(0.02 * rtol) * w
         if plain > 0 or not better > 0.0:
             better = last_good
             near = False
@@ -249,9 +252,10 @@ def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, sc
         following, free = free_turn(exit_w, dwell, rho)
         time += length + free
         if not found:
-            better, _shrink, gap = _closer(w, exit_w, exponent, source, rho, ends)
-            settled = gap > 1e-14 and abs(better - following) <= 0.1 * SETTLING_BAND * following
-            if settled or filled + events.shape[0] > seen.shape[0]:
+            turning = turned(events, used)
+            better, _shrink, sound = _closer(w, exit_w, exponent, source, rho, ends, turning)
+            settled = sound and abs(better - following) <= 0.1 * SETTLING_BAND * following
+            if settled or k == PATIENCE or filled + events.shape[0] > seen.shape[0]:
                 start = better if better > 0.0 else following
                 status, count = _terminal(
                     store, count, path, breaks, dwell, rho, mu, load, start, rtol,
@@ -262,6 +266,9 @@ def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, sc
                 found = True
                 for i in range(filled):
                     _judge(seen[i, 0], seen[i, 1], seen[i, 2], seen[i, 3] > 0.0, out)
+                # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) engagements
+                if out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
+                    return OK
         w = following
         near = found and abs(w / out[W_HANDOFF] - 1.0) <= 0.1 * SETTLING_BAND
         if near and not np.isnan(out[SETTLING]):

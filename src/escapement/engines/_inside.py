@@ -239,20 +239,50 @@ def rest_before(row, w, side, rho, mu, load, scratch):
 
 
 @jit
-def time_from_low_speed(row, w, z, scratch):
-    """Time over a panel whose speed vanishes at about x = -z, just before its left end.
+def way_from_rest(row, w, z, rho, scratch):
+    """Distance before the left end, in half widths, at which the energy's extension is 0.
+
+    The time depends on it like its square root, so it must have its own relative
+    accuracy: the series is anchored at the energy of the left end, and very near
+    the end replaced by a parabola through the slope known from z.
+    """
+    if w == 0.0:
+        return 0.0
+    combine(SPREAD, scratch, E, scratch, K)
+    energy = w * (rho + row[ENDS] * row[ENDS])
+    anchor, slope = evaluate(scratch, K, -1.0)
+    way = z - 1.0
+    if way < 1e-5:
+        second = 0.0
+        sign = 1.0
+        for k in range(2, N):
+            second += scratch[K + k] * sign * ((k - 1) * k * (k + 1) * (k + 2)) / 8.0
+            sign = -sign
+        # E(-1 - way) = energy - slope way + second way^2 / 2
+        way = energy / slope
+        return way * (1.0 + 0.5 * second * way / slope)
+    x = -z
+    for _ in range(6):
+        value, slope = evaluate(scratch, K, x)
+        x -= (value - anchor + energy) / slope
+    return max(0.0, -1.0 - x)
+
+
+@jit
+def rough_from_rest(z, limit, scratch):
+    """Whether 1/sqrt(w) over its singular part is less smooth than `limit`."""
+    for i in range(N):
+        scratch[K + i] = np.sqrt(POINTS[i] + z) * scratch[F + i]
+    return tail_of(scratch, K) > limit * scratch[K + N // 2]
+
+
+@jit
+def time_from_low_speed(row, z, scratch):
+    """Time over a panel whose speed vanishes at x = -z, just before its left end.
 
     1/sqrt(w) is a smooth function over sqrt(x + z); the generating function of
     the Legendre polynomials gives the moments of the weight in closed form.
     """
-    if w > 0.0:
-        # where the energy's series, continued, has its root
-        combine(SPREAD, scratch, E, scratch, K)
-        x = -z
-        for _ in range(6):
-            value, slope = evaluate(scratch, K, x)
-            x -= value / slope
-        z = max(1.0, -x)
     t = 1.0 / (z + np.sqrt((z - 1.0) * (z + 1.0)))
     scale = np.sqrt(2.0 * t)
     total = 0.0

@@ -140,6 +140,9 @@ class _Run:
             start = _derivative(0.0, np.array([self.theta, 0.0, 0.0]), *arguments)
             if start[1] <= 0.0:
                 self.stalled = True
+                if not self.pieces.start:
+                    still = _Free(self.x, self.theta, 0.0, np.inf)
+                    self.pieces.add(self.x, self.engagement, sign, 0.0, still)
                 return False
 
         def arrive(x: float, y: FloatArray, *_: Any) -> float:
@@ -156,15 +159,17 @@ class _Run:
         for event, direction in zip(events, (1.0, -sign, -1.0), strict=True):
             event.terminal = True
             event.direction = direction
-        solved = solve_ivp(
-            _derivative,
-            (self.x, self.horizon),
-            [self.theta, self.speed, 0.0],
-            events=events,
-            dense_output=True,
-            args=arguments,
-            **self.options,
-        )
+        # a trial step may leave the domain: its NaN makes the solver take a shorter one
+        with np.errstate(all="ignore"):
+            solved = solve_ivp(
+                _derivative,
+                (self.x, self.horizon),
+                [self.theta, self.speed, 0.0],
+                events=events,
+                dense_output=True,
+                args=arguments,
+                **self.options,
+            )
         if solved.status < 0:
             raise RuntimeError(f"solve_ivp gave up: {solved.message}")
         stopped_by = [times.size > 0 for times in solved.t_events]

@@ -23,10 +23,12 @@ from escapement.engines._inside import (
     rate_at_end,
     rest_before,
     rough,
+    rough_from_rest,
     run_over,
     state_inside,
     time_from_low_speed,
     turn,
+    way_from_rest,
 )
 from escapement.engines._panels import (
     ENDS,
@@ -115,6 +117,15 @@ def _note(events, used, kind, angle, time, w):
 
 
 @jit
+def turned(events, used):
+    """Whether the events of an engagement hold a pin reversal."""
+    count = 0
+    for i in range(used):
+        count += events[i, 0] == REVERSAL
+    return count > 0
+
+
+@jit
 def march(
     store, count, path, rho, mu, load, w, side, rising, loose, strict, record, events, scratch
 ):
@@ -178,8 +189,13 @@ def march(
             z = rest_before(row, w, side, rho, mu, load, scratch)
             if z < SMOOTH:
                 split = z > 1.05 or tail > strict or reversal >= 0
+                if not split:
+                    z = 1.0 + way_from_rest(row, w, z, rho, scratch)
+                    split = rough_from_rest(z, strict, scratch)
             else:
-                split = rough(scratch, max(strict if reversal >= 0 else loose, solution[NOISE]))
+                # near a stop the errors of all panels have one sign, hence the tenth
+                limit = strict if reversal >= 0 else 0.1 * loose
+                split = rough(scratch, max(limit, solution[NOISE]))
         if record and not split:
             if row[KINK] > 0.0 and not noted:
                 used = _note(events, used, BREAK, row[LEFT], time, w)
@@ -225,7 +241,7 @@ def march(
                 used = _note(events, used, kind, angle, time + elapsed, w_top)
                 rising = -rising
             if z < SMOOTH:
-                time += time_from_low_speed(row, w, z, scratch)
+                time += time_from_low_speed(row, z, scratch)
             else:
                 time += row[HALF] * whole(scratch, F)
             exponent += solution[RIGHT + 2]
