@@ -17,6 +17,8 @@ import escapement as esc
 from escapement import plots
 from escapement.configuration import load_plan
 from escapement.plots.appendix_e import plot_appendix_e
+from escapement.plots.filemon_reversals import plot_reversal_curves
+from escapement.plots.nomograms import SHEETS, plot_nomogram
 from escapement.published import meyer
 from escapement.published.program_1973 import program_1973
 from escapement.sweeping import run_plan
@@ -234,6 +236,27 @@ def sampling() -> Figure:
     right.legend(
         frameon=False, ncols=3, fontsize=7, loc="upper center", columnspacing=0.8, handlelength=1.8
     )
+    return figure
+
+
+@drawn
+def drive_torque() -> Figure:
+    """A drive at constant speed whose pin changes sides twice."""
+    drive = esc.drive_torque(esc.Geneva(8), speed=10.0, load_torque=1.0, follower_inertia=0.019)
+    return plots.plot_drive_torque(drive).figure
+
+
+@drawn
+def reversal_curves() -> Figure:
+    """Filemon's figure 10."""
+    return plot_reversal_curves().figure
+
+
+@drawn
+def nomogram() -> Figure:
+    """A sheet to be read by hand."""
+    figure = plot_nomogram(SHEETS["16b"])
+    figure.set_size_inches(9.6, 6.6)
     return figure
 
 

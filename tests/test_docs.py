@@ -185,7 +185,7 @@ def test_commands_in_running_text_exist(page):
 
 def parser_of(command: str) -> Parser:
     parser = Parser(prog=f"escapement {command}")
-    import_module(f"escapement.cli.{command}").configure(parser)
+    import_module(f"escapement.cli.{command.replace('-', '_')}").configure(parser)
     return parser
 
 

@@ -20,6 +20,7 @@ COMMANDS = {
     "sweep": "a study on a grid, to an HDF5 file",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",
+    "drive-torque": "torque and pin reversals at constant driver speed",
     "reproduce": "a source's printed numbers beside computed ones",
 }
 
@@ -75,7 +76,7 @@ def _dispatch(argv: list[str]) -> int:
     name = understand_command(argv, COMMANDS)
     if name is None:
         return 0
-    command = import_module(f"escapement.cli.{name}")
+    command = import_module(f"escapement.cli.{name.replace('-', '_')}")
     parser = Parser(prog=f"escapement {name}", description=command.SUMMARY)
     command.configure(parser)
     args = parser.understand(argv[1:])

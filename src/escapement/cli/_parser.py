@@ -61,7 +61,7 @@ class Parser(argparse.ArgumentParser):
 
 def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str | None:
     """Name of the command; None where help or the version was asked for and given."""
-    listing = "\n".join(f"  {name:<11}{summary}" for name, summary in commands.items())
+    listing = "\n".join(f"  {name:<14}{summary}" for name, summary in commands.items())
     parser = Parser(
         prog="escapement",
         usage="escapement COMMAND [options]",

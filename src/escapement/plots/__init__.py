@@ -6,6 +6,7 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 
 from escapement.plots._style import new_axes, save
 from escapement.plots.drawing import plot_configurations, plot_mechanism
+from escapement.plots.drive_torque import plot_drive_torque
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
 
@@ -13,6 +14,7 @@ __all__ = [
     "new_axes",
     "plot_configurations",
     "plot_contact_moment",
+    "plot_drive_torque",
     "plot_lines",
     "plot_map",
     "plot_mechanism",

@@ -1,0 +1,147 @@
+"""`escapement drive-torque`: torque and pin reversals at constant driver speed."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from escapement import _validate
+from escapement.cli import _arguments, _files, _output
+from escapement.cli._parser import Parser, number
+from escapement.units import unit_name
+
+if TYPE_CHECKING:
+    from escapement.constant_speed import DriveTorque
+
+SUMMARY = "Drive torque, power and pin reversals at constant driver speed."
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    _arguments.add_mechanism(parser)
+    model = parser.add_argument_group("model")
+    model.add_argument(
+        "--speed",
+        type=number("--speed", _validate.positive, "give the driver speed in rad/s"),
+        required=True,
+        metavar="W",
+        help="constant driver speed [rad/s]",
+    )
+    _arguments.add_quantity(model, "load_torque", required=True)
+    _arguments.add_quantity(model, "follower_inertia", required=True)
+    model.add_argument(
+        "--efficiency",
+        type=number("--efficiency", _validate.number, "give a share in (0, 1]"),
+        default=1.0,
+        metavar="E",
+        help="efficiency of the drive, in (0, 1] (default: 1)",
+    )
+    _arguments.add_quantity(model, "friction", default=0.0, note=" (default: 0)")
+    output = parser.add_argument_group("output")
+    output.add_argument(
+        "--plot",
+        type=Path,
+        metavar="FILE",
+        help="draw the torque; .png, .pdf or .svg, replaced where it exists",
+    )
+    _arguments.add_common(parser)
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Print the figures; draw the torque where asked for."""
+    if args.plot is not None:
+        _files.check_picture(args.plot)
+    from escapement.constant_speed import drive_torque
+
+    result = drive_torque(
+        _arguments.read_mechanism(args),
+        args.speed,
+        _arguments.si(args, "load_torque"),
+        _arguments.si(args, "follower_inertia"),
+        args.efficiency,
+        args.friction,
+    )
+    if args.plot is not None:
+        from escapement.plots import plot_drive_torque
+
+        _files.save_axes(plot_drive_torque(result), args.plot)
+    record = summarise(result, args.units)
+    if args.json:
+        _output.print_json(record)
+    else:
+        _print_table(result, record, args.units)
+    if "message" in record:
+        _output.note(record["message"])
+    return 0
+
+
+def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
+    """What `drive-torque` reports, by JSON key, in the user's units.
+
+    What does not exist is NaN or infinite here and null in JSON; only then there
+    is a `message`, which says why.
+    """
+    import math
+
+    from escapement.errors import InvalidValue
+
+    reasons = []
+    try:
+        ratio = result.inertia_ratio
+    except InvalidValue as error:
+        ratio = math.nan
+        reasons.append(f"inertia_ratio: {error}")
+    if not all(map(math.isfinite, result.reversal_limits)):
+        reasons.append(
+            "reversal_limits: the follower's deceleration ends at zero, so no inertia ratio "
+            "lets it drive up to the end"
+        )
+    record = {
+        "inertia_ratio": ratio,
+        "reversal_limits": list(result.reversal_limits),
+        "reversals_deg": [math.degrees(angle) for angle in result.reversals.tolist()],
+        "zone": result.zone,
+        "torque_max": _output.in_units(result.torque_max, "torque", units),
+        "torque_max_deg": math.degrees(result.torque_max_angle),
+        "torque_mean": _output.in_units(result.torque_mean, "torque", units),
+        "power_max": _output.in_units(result.power_max, "torque", units),
+    }
+    return record | ({"message": "; ".join(reasons)} if reasons else {})
+
+
+def _print_table(result: "DriveTorque", record: dict[str, Any], units: str) -> None:
+    from escapement.constant_speed import (
+        greatest_follower_inertia,
+        greatest_speed,
+        least_load_torque,
+    )
+
+    torque, inertia = unit_name("torque", units), unit_name("inertia", units)
+    power = f"{torque} s-1" if units != "SI" else "W"
+    reversals = ", ".join(f"{angle:.6g}" for angle in record["reversals_deg"])
+    limit_12, limit_23 = record["reversal_limits"]
+    mechanism, load = result.mechanism, result.load_torque
+    assert not callable(load)  # the command line gives numbers only
+    given = {"speed": result.speed, "load_torque": load, "inertia": result.follower_inertia}
+    free = {
+        "speed": greatest_speed(mechanism, given["load_torque"], given["inertia"]),
+        "inertia": greatest_follower_inertia(mechanism, given["speed"], given["load_torque"]),
+        "torque": least_load_torque(mechanism, given["speed"], given["inertia"]),
+    }
+    free = {kind: _output.in_units(value, kind, units) for kind, value in free.items()}
+    _output.print_values(
+        [
+            ("inertia ratio F", record["inertia_ratio"], ""),
+            ("reversal limit F12", limit_12, ""),
+            ("reversal limit F23", limit_23, ""),
+            ("zone", record["zone"], ""),
+            ("reversals", reversals or "none", "deg" if reversals else ""),
+            ("torque max", record["torque_max"], torque),
+            ("torque max at", record["torque_max_deg"], "deg"),
+            ("torque mean", record["torque_mean"], torque),
+            ("torque max over mean", result.peak_to_mean, ""),
+            ("power max", record["power_max"], power),
+            ("greatest speed without reversal", free["speed"], "rad s-1"),
+            ("greatest follower inertia without reversal", free["inertia"], inertia),
+            ("least load torque without reversal", free["torque"], torque),
+        ]
+    )

@@ -1,0 +1,93 @@
+"""What is asked of a constant-speed analysis: checked values, and functions of the angle."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement.constant_speed._kernels import tabulate_torque
+from escapement.constant_speed.extrema import checked
+from escapement.errors import InvalidValue
+from escapement.model import FloatArray, Mechanism
+
+Load = float | Callable[[FloatArray], ArrayLike]
+"""Load torque [N m], or a function that gives it at follower angles [rad]."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A mechanism at constant driver speed, see `drive_torque` for the fields."""
+
+    mechanism: Mechanism
+    speed: float
+    load_torque: Load
+    follower_inertia: float
+    efficiency: float
+    friction: float
+
+    def __post_init__(self) -> None:
+        values = {
+            "mechanism": checked(self.mechanism),
+            "speed": _validate.positive("speed", self.speed, "give the driver speed in rad/s"),
+            "load_torque": checked_load(self.load_torque),
+            "follower_inertia": _validate.positive(
+                "follower_inertia", self.follower_inertia, "give the moment of inertia in kg m^2"
+            ),
+            "efficiency": _efficiency(self.efficiency),
+            "friction": _validate.non_negative(
+                "friction", self.friction, "give a coefficient of friction, 0 for none"
+            ),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        if not 0.0 < self.inertial < math.inf:
+            raise InvalidValue(
+                "speed and follower_inertia must give a torque a double can hold, got "
+                f"{self.speed!r} rad/s and {self.follower_inertia!r} kg m^2; choose other units"
+            )
+
+    @property
+    def inertial(self) -> float:
+        """Inertia torque at unit follower acceleration function, I_f omega^2 [N m]."""
+        return self.follower_inertia * self.speed * self.speed
+
+
+def checked_load(value: Load) -> Load:
+    """A load torque that keeps its rule, or the error."""
+    if callable(value):
+        return value
+    return _validate.non_negative(
+        "load_torque", value, "give the opposing torque in N m, 0 for none, or a function"
+    )
+
+
+def _efficiency(value: float) -> float:
+    remedy = "give the share of the drive's work that arrives, 1 for all of it"
+    result = _validate.number("efficiency", value, remedy)
+    if not 0.0 < result <= 1.0:
+        raise _validate.fail("efficiency", "greater than 0 and at most 1", value, remedy)
+    return result
+
+
+def table(case: Case, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Follower angle, load torque, and g, contact moment and torque, at 1-D angles."""
+    phi = np.asarray(case.mechanism.follower_angle(theta), dtype=float)
+    load = load_at(case.load_torque, phi)
+    out = np.empty((3, theta.size))
+    path, friction, efficiency = case.mechanism.path, case.friction, case.efficiency
+    tabulate_torque(path, theta, load, case.inertial, friction, efficiency, out)
+    return phi, load, out
+
+
+def load_at(load: Load, phi: FloatArray) -> FloatArray:
+    """Load torque at follower angles, of their shape [N m]."""
+    values = np.asarray(load(phi) if callable(load) else load, dtype=float)
+    if not np.isfinite(values).all():
+        raise InvalidValue(
+            "load_torque must give a finite torque at every follower angle, got "
+            f"{float(values[~np.isfinite(values)].flat[0])!r}; check the function"
+        )
+    return np.array(np.broadcast_to(values, phi.shape))

@@ -1,0 +1,111 @@
+"""Filemon's question the other way round: how far a drive may go without a reversal.
+
+The pin stays on its side of the slot as long as F = I_f omega^2/M_load does not
+exceed F12 of the mechanism.
+"""
+
+import math
+
+from escapement import _validate
+from escapement.constant_speed import geneva
+from escapement.constant_speed.extrema import transmission_extrema
+from escapement.errors import InvalidValue
+from escapement.model import Mechanism
+
+_MOST_SLOTS = 2**53  # beyond it floats do not tell one number of slots from the next
+
+
+def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
+    """Greatest driver speed without a pin reversal, sqrt(F12 M_load/I_f) [rad/s].
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    load_torque : float
+        Constant torque opposing the follower [N m], >= 0.
+    follower_inertia : float
+        Follower and everything that turns with it [kg m^2], > 0.
+    """
+    load = _validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
+    inertia = _validate.positive(
+        "follower_inertia", follower_inertia, "give the moment of inertia in kg m^2"
+    )
+    return math.sqrt(_limit(mechanism) * load / inertia)
+
+
+def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: float) -> float:
+    """Greatest follower inertia without a pin reversal, F12 M_load/omega^2 [kg m^2].
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    speed : float
+        Driver speed [rad/s], > 0.
+    load_torque : float
+        Constant torque opposing the follower [N m], >= 0.
+    """
+    omega = _validate.positive("speed", speed, "give the driver speed in rad/s")
+    load = _validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
+    return _limit(mechanism) * load / omega / omega
+
+
+def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: float) -> float:
+    """Least constant load without a pin reversal, I_f omega^2/F12 [N m].
+
+    A brake on the follower that adds up to it keeps the pin from knocking.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    speed : float
+        Driver speed [rad/s], > 0.
+    follower_inertia : float
+        Follower and everything that turns with it [kg m^2], > 0.
+    """
+    omega = _validate.positive("speed", speed, "give the driver speed in rad/s")
+    inertia = _validate.positive(
+        "follower_inertia", follower_inertia, "give the moment of inertia in kg m^2"
+    )
+    return inertia * omega * omega / _limit(mechanism)
+
+
+def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
+    """Least number of slots of a Geneva wheel without a pin reversal at F.
+
+    Parameters
+    ----------
+    inertia_ratio : float
+        F = I_f omega^2/M_load [-], >= 0.
+    internal : bool
+        Whether the wheel is an internal one.
+
+    Raises
+    ------
+    InvalidValue
+        When F is below 0, or greater than any wheel's limit a double can tell.
+    """
+    remedy = "give F = I_f omega^2/M_load"
+    ratio = _validate.non_negative("inertia_ratio", inertia_ratio, remedy)
+
+    def free(slots: int) -> bool:
+        return bool(geneva.reversal_limits(slots, internal)[0] >= ratio)
+
+    if not free(_MOST_SLOTS):
+        raise InvalidValue(
+            f"inertia_ratio must be below the limit of any wheel, got {ratio!r}; "
+            "lower the speed or the inertia, or brake the follower"
+        )
+    jammed, enough = 2, 3
+    while not free(enough):
+        jammed, enough = enough, 2 * enough
+    while enough - jammed > 1:
+        middle = (jammed + enough) // 2
+        jammed, enough = (jammed, middle) if free(middle) else (middle, enough)
+    return enough
+
+
+def _limit(mechanism: Mechanism) -> float:
+    return transmission_extrema(mechanism).reversal_limits[0]

@@ -1,0 +1,149 @@
+"""Transmission, acceleration and jerk functions of a mechanism and their extrema."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement.constant_speed import geneva
+from escapement.constant_speed._chebyshev import Function, Piece, extremes, interpolate
+from escapement.constant_speed._kernels import tabulate_jerk
+from escapement.mechanisms import Geneva
+from escapement.mechanisms._slotted import transmission
+from escapement.model import FloatArray, Mechanism
+
+_NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
+
+
+class Extremum(NamedTuple):
+    """A value [-] and the driver angle from dead centre that has it [rad]."""
+
+    value: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class TransmissionExtrema:
+    """Extrema of the transmission functions over one engagement [-].
+
+    ratio_max : of g, follower over driver speed (Filemon's i_omega).
+    acceleration_start, acceleration_exit : g' at pin entry and exit.
+    acceleration_max, acceleration_min : of g', follower acceleration over
+        squared driver speed (Filemon's i_epsilon).
+    jerk_max, jerk_min : of g'', follower jerk over cubed driver speed.
+    """
+
+    ratio_max: Extremum
+    acceleration_start: float
+    acceleration_exit: float
+    acceleration_max: Extremum
+    acceleration_min: Extremum
+    jerk_max: Extremum
+    jerk_min: Extremum
+
+    @property
+    def reversal_limits(self) -> tuple[float, float]:
+        """F12 and F23, Filemon's (8) and (9) for any mechanism [-].
+
+        From F = I_f omega^2/M_load = F12 on the pin changes sides; from F23 on
+        it leaves on the side where the follower drives. Infinite where there is
+        no such F.
+        """
+        deepest, last = self.acceleration_min.value, self.acceleration_exit
+        return (
+            -1.0 / deepest if deepest < 0.0 else math.inf,
+            -1.0 / last if last < _NOTHING * deepest else math.inf,
+        )
+
+
+def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
+    """Extrema of g, g' and g'' over one engagement, and where they are.
+
+    For a Geneva wheel, external or internal, g and g' by Filemon's closed forms;
+    every other extremum as a root of the next derivative.
+
+    Raises
+    ------
+    InvalidValue
+        When `mechanism` is none.
+
+    Source: Filemon (1960), eqs. 2 to 5 and Table I.
+    """
+    checked(mechanism)
+    jerk = _extrema(lambda x: jerk_function(mechanism, x), _jerk_pieces(mechanism))
+    if isinstance(mechanism, Geneva):
+        return TransmissionExtrema(*_closed_forms(mechanism), *jerk)
+    points = mechanism.breaks
+    speed, rate = _reader(mechanism, "g"), _reader(mechanism, "dg")
+    ratio, _ = _extrema(speed, interpolate(speed, points))
+    start, exit_ = (float(value) for value in rate(np.array([points[0], points[-1]])))
+    return TransmissionExtrema(
+        ratio, start, exit_, *_extrema(rate, interpolate(rate, points)), *jerk
+    )
+
+
+def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
+    """g'' at driver angles from dead centre, pin engaged [-].
+
+    A closed form for a Geneva wheel (d^3 alpha/d beta^3 of Filemon, before his
+    eq. 5, whose 1 - c^2 must read 1 + c^2), else the derivative of an
+    interpolant of g'.
+    """
+    angles = np.asarray(theta, dtype=float)
+    flat = np.ascontiguousarray(angles).reshape(-1)
+    out = np.empty_like(flat)
+    if isinstance(mechanism, Geneva):
+        tabulate_jerk(mechanism.path, flat, out)
+    else:
+        slopes = [piece.derivative() for piece in _rate_pieces(mechanism)]
+        inside = np.array([piece.low for piece in slopes[1:]])
+        place = np.searchsorted(inside, flat, side="right")
+        for k in np.unique(place):
+            out[place == k] = slopes[k].values(flat[place == k])
+    return out.reshape(angles.shape)
+
+
+def checked(mechanism: Mechanism) -> Mechanism:
+    """`mechanism`, or the error that it is none."""
+    if not isinstance(mechanism, Mechanism):
+        raise _validate.fail(
+            "mechanism", "a mechanism", mechanism, "give for example Geneva(slots=4)"
+        )
+    return mechanism
+
+
+def _closed_forms(wheel: Geneva) -> tuple[Extremum, float, float, Extremum, Extremum]:
+    n, internal = wheel.slots, wheel.internal
+    start = float(geneva.acceleration_start(n))
+    top = float(geneva.acceleration_max(n, internal))
+    angle = float(geneva.acceleration_max_angle(n, internal))
+    return (
+        Extremum(float(geneva.ratio_max(n, internal)), 0.0),
+        start,
+        -start,
+        Extremum(top, -angle),
+        Extremum(-top, angle),
+    )
+
+
+def _reader(mechanism: Mechanism, name: str) -> Function:
+    path = mechanism.path
+    return lambda theta: getattr(transmission(path, theta), name)
+
+
+def _rate_pieces(mechanism: Mechanism) -> list[Piece]:
+    return interpolate(_reader(mechanism, "dg"), mechanism.breaks)
+
+
+def _jerk_pieces(mechanism: Mechanism) -> list[Piece]:
+    if isinstance(mechanism, Geneva):
+        return interpolate(lambda x: jerk_function(mechanism, x), mechanism.breaks)
+    return [piece.derivative() for piece in _rate_pieces(mechanism)]
+
+
+def _extrema(function: Function, pieces: list[Piece]) -> tuple[Extremum, Extremum]:
+    top, top_at, bottom, bottom_at = extremes(function, pieces)
+    return Extremum(top, top_at), Extremum(bottom, bottom_at)

@@ -1,0 +1,116 @@
+"""Zones, reversals and torques of a million Geneva drives at once."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement.constant_speed import geneva
+from escapement.constant_speed._kernels import study
+from escapement.errors import InvalidValue
+from escapement.mechanisms import Geneva
+from escapement.model import FloatArray
+
+
+@dataclass(frozen=True)
+class ReversalStudy:
+    """Filemon's figures over numbers of slots n and inertia ratios F.
+
+    All but `reversals` have the shape n and F broadcast to. Torques are in units
+    of load torque over efficiency.
+
+    slots, inertia_ratio : n and F [-].
+    zone : 1, 2 or 3 (u1).
+    reversals : driver angles from dead centre [rad], shape (..., 2); NaN for
+        one that is not there.
+    torque_max, torque_max_angle : greatest torque [-] and its angle [rad].
+    torque_mean : mean from pin entry to dead centre (10) [-].
+    """
+
+    slots: np.ndarray
+    inertia_ratio: FloatArray
+    zone: np.ndarray
+    reversals: FloatArray
+    torque_max: FloatArray
+    torque_max_angle: FloatArray
+    torque_mean: FloatArray
+
+    @property
+    def reversal_count(self) -> np.ndarray:
+        """Pin reversals an engagement: 0, 2 or 1 in zone 1, 2 or 3."""
+        return np.array([0, 0, 2, 1])[self.zone]
+
+    @property
+    def peak_to_mean(self) -> FloatArray:
+        """Filemon's s, greatest over mean torque [-]."""
+        return self.torque_max / self.torque_mean
+
+
+def reversal_study(
+    slots: ArrayLike, inertia_ratio: ArrayLike, internal: bool = False
+) -> ReversalStudy:
+    """Zones, reversal angles, greatest and mean torque of many Geneva drives.
+
+    Without friction, under a constant load; about a microsecond a case.
+
+    Parameters
+    ----------
+    slots : array_like of int
+        Numbers of slots n, >= 3.
+    inertia_ratio : array_like
+        F = I_f omega^2/M_load [-], >= 0; broadcast against `slots`.
+    internal : bool
+        Whether the wheels are internal ones.
+
+    Raises
+    ------
+    InvalidValue
+        When a number of slots or an F breaks its rule, or shapes do not fit.
+
+    Source: Filemon (1960), eqs. 7 to 11.
+    """
+    n, ratio = _checked(slots, inertia_ratio)
+    wheels, wheel = np.unique(n, return_inverse=True)
+    drives = [Geneva(int(count), pins=1, internal=internal) for count in wheels]
+    limit_12, limit_23 = geneva.reversal_limits(wheels, internal)
+    steepest = geneva.acceleration_max_angle(wheels, internal)
+    d, a = geneva.mean_factors(wheels, internal)
+    entry = np.array([drive.breaks[0] for drive in drives])
+    paths = np.array([drive.path for drive in drives]).reshape(-1, 7)
+    flat, which = np.ascontiguousarray(ratio.reshape(-1)), wheel.reshape(-1)
+    zone = np.empty(flat.size, dtype=np.uint8)
+    reversals = np.empty((flat.size, 2))
+    top, place = np.empty(flat.size), np.empty(flat.size)
+    study(paths, entry, steepest, limit_12, limit_23, which, flat, zone, reversals, top, place)
+    shape = n.shape
+    mean = d[which] * (1.0 + flat * a[which])
+    return ReversalStudy(
+        n, ratio, zone.reshape(shape), reversals.reshape(*shape, 2),
+        top.reshape(shape), place.reshape(shape), mean.reshape(shape),
+    )  # fmt: skip
+
+
+def _checked(slots: ArrayLike, inertia_ratio: ArrayLike) -> tuple[np.ndarray, FloatArray]:
+    n, ratio = np.asarray(slots), np.asarray(inertia_ratio)
+    rules = (
+        ("slots", n, "iu", 3, "whole numbers of at least 3", "a Geneva wheel needs 3 or more"),
+        (
+            "inertia_ratio", ratio, "iuf", 0, "finite numbers of at least 0",
+            "give F = I_f omega^2/M_load",
+        ),
+    )  # fmt: skip
+    for name, values, kinds, least, rule, remedy in rules:
+        if values.dtype.kind not in kinds:
+            raise _validate.fail(name, rule, values.flat[0] if values.size else None, remedy)
+        wrong = ~(np.isfinite(values) & (values >= least))
+        if wrong.any():
+            raise _validate.fail(name, rule, values[wrong].flat[0].item(), remedy)
+    try:
+        n, ratio = np.broadcast_arrays(n, ratio.astype(float))
+    except ValueError:
+        raise InvalidValue(
+            f"slots and inertia_ratio must have shapes that fit, got {n.shape} and {ratio.shape}; "
+            "give one of each for every case, or one for all"
+        ) from None
+    return n, ratio

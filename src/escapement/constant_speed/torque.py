@@ -1,0 +1,238 @@
+"""Torque, power and pin reversals of a drive that runs at constant speed.
+
+The same equation of motion as everywhere, with theta_ddot = 0: the pin carries
+N R = M_load + I_f omega^2 g', the drive p N R (Filemon's eq. 6), and where N R
+changes sign the pin changes sides of its slot.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement.constant_speed._case import Case, Load, checked_load, load_at, table
+from escapement.constant_speed._figures import find_reversals, torque_figures
+from escapement.constant_speed.extrema import checked, transmission_extrema
+from escapement.errors import InvalidValue
+from escapement.mechanisms._slotted import transmission
+from escapement.model import FloatArray, Mechanism
+
+_SAMPLES = 721
+
+
+@dataclass(frozen=True)
+class TorqueState:
+    """Drive and contact at driver angles `theta`: arrays of one shape.
+
+    theta, phi : driver and follower angle from dead centre [rad].
+    torque : drive torque, < 0 where the follower drives back [N m].
+    contact_moment : N R of the pin on the follower; its sign is the side of the
+        slot [N m].
+    load_torque : torque opposing the follower [N m].
+    """
+
+    theta: FloatArray
+    phi: FloatArray
+    torque: FloatArray
+    contact_moment: FloatArray
+    load_torque: FloatArray
+
+
+@dataclass(frozen=True)
+class DriveTorque(Case):
+    """What a mechanism at constant driver speed asks of its drive.
+
+    Attributes
+    ----------
+    mechanism, speed, load_torque, follower_inertia, efficiency, friction :
+        As given to `drive_torque`.
+    torque_max, torque_max_angle : float
+        Greatest drive torque [N m] and its driver angle from dead centre [rad].
+    torque_min, torque_min_angle : float
+        Least one; below zero the follower drives back.
+    torque_mean : float
+        Mean from pin entry to dead centre, Filemon's (10) [N m].
+    reversals : ndarray
+        Driver angles from dead centre where the pin changes sides [rad].
+    zone : int
+        Filemon's: 1 without reversal; 2 where the pin leaves on the side it
+        entered on; 3 where it leaves on the side where the follower drives.
+    reversal_limits : (float, float)
+        F12 and F23 of the mechanism under a constant load [-].
+    """
+
+    torque_max: float
+    torque_max_angle: float
+    torque_min: float
+    torque_min_angle: float
+    torque_mean: float
+    reversals: FloatArray
+    zone: int
+    reversal_limits: tuple[float, float]
+
+    @property
+    def power_max(self) -> float:
+        """Greatest power of the drive [W]."""
+        return self.torque_max * self.speed
+
+    @property
+    def peak_to_mean(self) -> float:
+        """Filemon's s, greatest over mean torque: the overload a motor must stand [-].
+
+        NaN where a varying load helps so much that the mean is not positive.
+        """
+        return self.torque_max / self.torque_mean if self.torque_mean > 0.0 else math.nan
+
+    @property
+    def inertia_ratio(self) -> float:
+        """Filemon's F = I_f omega^2/M_load [-].
+
+        Raises
+        ------
+        InvalidValue
+            Where the load torque is zero or varies.
+        """
+        return inertia_ratio(self.follower_inertia, self.speed, self.load_torque)
+
+    def at(self, theta: ArrayLike) -> TorqueState:
+        """Torque at driver angles from dead centre [rad], within one cell.
+
+        In the dwell, from the exit on, the follower is locked: no torque.
+
+        Raises
+        ------
+        InvalidValue
+            Where an angle is not finite or lies outside the cell.
+        """
+        angles = np.asarray(theta, dtype=float)
+        entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
+        end = max(exit_, entry + self.mechanism.cell_angle)
+        outside = ~((angles >= entry) & (angles <= end))
+        if outside.any():
+            raise InvalidValue(
+                f"theta must be between pin entry and the end of the cell, {entry!r} to {end!r} "
+                f"rad, got {float(angles[outside].flat[0])!r}; count angles from dead centre"
+            )
+        flat = np.minimum(angles.reshape(-1), exit_)
+        phi, load, values = table(self, flat)
+        values[1:, angles.reshape(-1) > exit_] = 0.0
+        columns = (angles, phi, values[2], values[1], load)
+        return TorqueState(*(column.reshape(angles.shape) for column in columns))
+
+    @cached_property
+    def samples(self) -> TorqueState:
+        """The engagement on an even grid, reversals and extrema among it."""
+        entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
+        marks = [*self.mechanism.breaks, self.torque_max_angle, self.torque_min_angle]
+        even = np.linspace(entry, exit_, _SAMPLES)
+        return self.at(np.unique(np.concatenate([even, marks, self.reversals])))
+
+
+def drive_torque(
+    mechanism: Mechanism,
+    speed: float,
+    load_torque: Load,
+    follower_inertia: float,
+    efficiency: float = 1.0,
+    friction: float = 0.0,
+) -> DriveTorque:
+    """Drive torque and pin reversals at constant driver speed.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry, for example `Geneva(slots=6)`.
+    speed : float
+        Driver speed [rad/s], > 0. The driver's inertia plays no part.
+    load_torque : float or callable
+        Torque opposing the follower while it moves [N m], >= 0; or a function
+        from an array of follower angles, zero at dead centre [rad], to the
+        torque there [N m] of either sign.
+    follower_inertia : float
+        Follower and everything that turns with it [kg m^2], > 0.
+    efficiency : float
+        Of the drive [-], in (0, 1]. Torque is divided by it where the drive
+        works and, other than in Filemon, multiplied where it is driven.
+    friction : float
+        Coefficient of friction between pin and slot [-], >= 0.
+
+    Returns
+    -------
+    DriveTorque
+        Figures at once; the torque at any angle by its method `at`.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+
+    Source: Filemon (1960), eqs. 6 to 11. The maximum, there read from a chart or
+    taken for great F, is the greatest value among all roots of the torque's slope.
+    """
+    case = Case(mechanism, speed, load_torque, follower_inertia, efficiency, friction)
+    reversals, zone = find_reversals(case)
+    known: dict[str, Any] = vars(case) | torque_figures(case, reversals)
+    return DriveTorque(
+        **known,
+        reversals=reversals,
+        zone=zone,
+        reversal_limits=transmission_extrema(mechanism).reversal_limits,
+    )
+
+
+def contact_moment(
+    mechanism: Mechanism,
+    theta: ArrayLike,
+    speed: ArrayLike,
+    acceleration: ArrayLike,
+    load_torque: Load,
+    follower_inertia: float,
+) -> FloatArray:
+    """Moment of the pin on the follower of a drive in any known motion [N m].
+
+    N R = I_f (g theta_ddot + g' theta_dot^2) + M_load: the pin changes sides where
+    it changes sign. With no acceleration it is what `drive_torque` works with.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    theta, speed, acceleration : array_like
+        Driver angle from dead centre [rad], pin engaged, and its derivatives by
+        time [rad/s, rad/s^2], of one shape.
+    load_torque, follower_inertia :
+        As for `drive_torque`.
+    """
+    angles = np.asarray(theta, dtype=float)
+    ratios = transmission(checked(mechanism).path, angles)
+    load = load_at(checked_load(load_torque), np.asarray(mechanism.follower_angle(angles)))
+    driven = ratios.g * np.asarray(acceleration) + ratios.dg * np.asarray(speed) ** 2
+    return load + follower_inertia * driven
+
+
+def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> float:
+    """Filemon's F = I_f omega^2/M_load: inertia against load [-].
+
+    Raises
+    ------
+    InvalidValue
+        Where the load torque is zero or varies: no F exists.
+    """
+    if callable(load_torque):
+        raise _validate.fail(
+            "load_torque", "constant for an inertia ratio F", load_torque, "give a number in N m"
+        )
+    load = _validate.positive(
+        "load_torque", load_torque, "without a load there is no inertia ratio F"
+    )
+    ratio = follower_inertia * speed * speed / load
+    if not ratio < math.inf:
+        raise _validate.fail(
+            "load_torque", "great enough for an inertia ratio F a double can hold", load,
+            "give 0 for no load",
+        )  # fmt: skip
+    return ratio

@@ -1,0 +1,101 @@
+"""Torque of a drive at constant speed over the driver angle, reversals marked."""
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+
+from escapement import _validate
+from escapement.constant_speed import DriveTorque
+from escapement.plots import _style
+from escapement.plots._labels import label, number, scaled
+
+
+def plot_drive_torque(result: DriveTorque, ax: Axes | None = None) -> Axes:
+    """Drive torque over one engagement, with its maximum, mean and pin reversals.
+
+    Parameters
+    ----------
+    result : DriveTorque
+        What `escapement.drive_torque` returns.
+    ax : Axes, optional
+        Where to draw. Default: a new figure across two columns.
+
+    Returns
+    -------
+    Axes
+        Driver angle from dead centre [degrees] and torque [N m], with the prefix
+        that suits. Shaded: the follower pushes the pin. The broken line is the
+        mean over the first half; thin: the moment of the pin on the follower.
+
+    Source: Filemon (1960), figures 7 and 8.
+    """
+    if not isinstance(result, DriveTorque):
+        raise _validate.fail(
+            "result", "a DriveTorque", result, "give what escapement.drive_torque returns"
+        )
+    ax = ax or _style.new_axes(_style.TWO_COLUMN, 3.2)
+    state = result.samples
+    angle = np.degrees(state.theta)
+    prefix, unit = scaled("N m", [state.torque, state.contact_moment])
+    ax.axhline(0.0, color=_style.BLACK, lw=0.6)
+    _shade(ax, result)
+    ax.plot(angle, state.torque * prefix, color=_style.BLUE, lw=1.6, label="drive torque")
+    ax.plot(
+        angle, state.contact_moment * prefix, color=_style.VERMILLION, lw=0.8,
+        ls=_style.LOOKS[1].linestyle, label="moment on the follower",
+    )  # fmt: skip
+    _mark_mean(ax, result, prefix)
+    _mark_maximum(ax, result, prefix, unit)
+    _mark_reversals(ax, result)
+    ax.set_xlim(angle[0], angle[-1])
+    ax.set(xlabel=label("driver angle from dead centre", "°"), ylabel=label("torque", unit))
+    ax.margins(y=0.14)
+    _style.legend_above(ax, 3)
+    return ax
+
+
+def _shade(ax: Axes, result: DriveTorque) -> None:
+    """Where the contact moment is negative."""
+    breaks = result.mechanism.breaks
+    name = "follower pushes the pin"
+    for low, high in pairwise([breaks[0], *result.reversals, breaks[-1]]):
+        if result.at(0.5 * (low + high)).contact_moment < 0.0:
+            span = math.degrees(low), math.degrees(high)
+            ax.axvspan(*span, color=_style.SKY, alpha=0.22, lw=0, label=name, zorder=0)
+            name = "_"
+
+
+def _mark_mean(ax: Axes, result: DriveTorque, prefix: float) -> None:
+    start = math.degrees(result.mechanism.breaks[0])
+    ax.plot(
+        [start, 0.0], [result.torque_mean * prefix] * 2, color=_style.BLACK, lw=1.0,
+        ls=(0, (4, 2)), label="mean of the first half",
+    )  # fmt: skip
+
+
+def _mark_maximum(ax: Axes, result: DriveTorque, prefix: float, unit: str) -> None:
+    x, y = math.degrees(result.torque_max_angle), result.torque_max * prefix
+    ax.plot(x, y, "v", color=_style.BLACK, ms=5, label="greatest torque", zorder=4)
+    _write(ax, f"{number(y)} {unit} at {x:.2f}°", (x, y), (0.0, 10.0))
+
+
+def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
+    marks: dict[str, Any] = {"mfc": "white", "mec": _style.BLACK, "mew": 0.9, "zorder": 5}
+    found = np.degrees(result.reversals)
+    if found.size:
+        ax.plot(found, np.zeros_like(found), "o", ms=5, label="pin reversal", **marks)
+    for place in found:
+        _write(ax, f"{place:.2f}°", (place, 0.0), (0.0, 11.0))
+
+
+def _write(ax: Axes, text: str, place: tuple[float, float], offset: tuple[float, float]) -> None:
+    """A number beside its mark, in a halo."""
+    note = ax.annotate(
+        text.replace("-", "−"), place, offset, textcoords="offset points", ha="center",
+        va="center", fontsize=_style.SMALL_SIZE, zorder=6,
+    )  # fmt: skip
+    note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])

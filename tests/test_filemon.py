@@ -1,0 +1,321 @@
+"""Filemon (1960): Table I, equations, figures, nomograms and the command line."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import escapement as esc
+from escapement.cli import main
+from escapement.constant_speed import geneva
+from escapement.errors import InvalidValue
+from escapement.plots import filemon as figures
+from escapement.plots import filemon_reversals as reversal_figures
+from escapement.plots import plot_drive_torque
+from escapement.plots.nomograms import SHEETS, plot_nomogram
+from escapement.published._filemon_reasons import digits
+from escapement.published.filemon import (
+    COLUMNS,
+    as_rows,
+    mean_torque_error,
+    printed_rows,
+    right_values,
+    table_1,
+)
+from escapement.published.filemon_equations import equations
+from escapement.units import INCH_POUND
+
+# every cell that is wrong, recomputed by hand in another program, and the rule behind it
+ERRATA = {
+    (3, "ratio_max"): ("6.464", "four-place tables"),
+    (3, "beta_max"): ("4°45'", "four-place tables"),
+    (3, "acceleration_max"): ("31.39", "four-place arithmetic"),
+    (3, "F12"): ("0.0319", "reciprocal"),
+    (4, "ratio_max"): ("2.414", "four-place tables"),
+    (4, "beta_max"): ("11°28'", "digit slip"),
+    (4, "acceleration_max"): ("5.407", "four-place tables"),
+    (4, "F12"): ("0.1849", "reciprocal"),
+    (5, "F12"): ("0.4350", "reciprocal"),
+    (5, "F23"): ("1.3764", "cut off"),
+    (6, "F12"): ("0.7409", "digits transposed"),
+    (8, "beta_max"): ("31°39'", "cut off"),
+    (8, "F12"): ("1.429", "reciprocal"),
+    (8, "F23"): ("2.4142", "digit slip"),
+    (9, "F12"): ("1.789", "reciprocal"),
+    (9, "F23"): ("2.7475", "digit slip"),
+    (10, "beta_max"): ("38°29'", "four-place tables"),
+    (10, "F23"): ("3.0777", "digit slip"),
+}
+LIMIT_ANGLES = [3.620, 8.484, 12.649, 16.065, 18.874, 21.209, 23.174, 24.848]
+KEYS = {
+    *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max"),
+    *("torque_max_deg", "torque_mean", "power_max"),
+}
+
+
+@pytest.fixture
+def command(capsys, monkeypatch, tmp_path):
+    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*argv):
+        code = main([str(word) for word in argv])
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+# --- Table I ------------------------------------------------------------------------------
+
+
+def test_every_cell_agrees_to_the_last_digit_or_is_an_erratum():
+    cells = table_1()
+    assert len(cells) == 48
+    wrong = {(cell.slots, cell.column): cell for cell in cells if not cell.agrees}
+    assert set(wrong) == set(ERRATA)
+    for key, (right, rule) in ERRATA.items():
+        assert wrong[key].right == right
+        assert wrong[key].reason.startswith(rule)
+    assert all(cell.reason == "" for cell in cells if cell.agrees)
+
+
+def test_agreement_is_half_a_unit_of_the_last_digit():
+    for cell in table_1():
+        unit = digits(cell.printed).unit
+        assert (abs(cell.printed_value - cell.value) <= 0.5 * unit * (1 + 1e-9)) is cell.agrees
+
+
+def test_printed_table():
+    rows = printed_rows()
+    assert [row.slots for row in rows] == list(range(3, 11))
+    assert rows[3].F12 == "0.4707"
+    assert rows[1].acceleration_start == "1.—"
+    assert digits(rows[0].beta_max).value == pytest.approx(4 + 46 / 60)
+
+
+def test_any_number_of_slots_has_a_row():
+    row = right_values(1000)
+    assert row["F12"] < row["F23"] == pytest.approx(1000 / math.pi, rel=1e-5)
+    for n in range(3, 11):
+        wheel = esc.transmission_extrema(esc.Geneva(n, pins=1))
+        values = right_values(n)
+        assert wheel.ratio_max.value == values["ratio_max"]
+        assert math.degrees(-wheel.acceleration_max.angle) == values["beta_max"]
+        assert wheel.reversal_limits == pytest.approx((values["F12"], values["F23"]), rel=1e-15)
+
+
+def test_mean_torque_agrees_with_quadrature():
+    for ratio in (0.0, 0.3, 1.0, 100.0):
+        assert mean_torque_error(range(3, 101), ratio) < 1e-12
+
+
+def test_limit_angles():
+    found = -np.degrees(geneva.limit_angle(np.arange(3, 11)))
+    np.testing.assert_allclose(found, LIMIT_ANGLES, atol=5e-4)
+    by_root = esc.reversal_study(np.arange(3, 101), 1e15).torque_max_angle
+    np.testing.assert_allclose(geneva.limit_angle(np.arange(3, 101)), by_root, rtol=1e-11)
+
+
+def test_corrected_equations_hold_and_printed_ones_do_not():
+    slips = equations()
+    tried = [slip for slip in slips if slip.printed_error is not None]
+    assert len(slips) == 11
+    assert len(tried) == 7
+    for slip in tried:
+        assert slip.right_error < 1e-12
+        assert slip.printed_error > 0.1
+    assert {slip.place for slip in slips} >= {"before (3)", "(7)", "(9)", "(12)", "(1) and (6)"}
+
+
+# --- figures ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "plot",
+    [
+        figures.plot_transmission,
+        figures.plot_transmission_family,
+        figures.plot_acceleration,
+        figures.plot_acceleration_family,
+        figures.plot_torque_terms,
+        reversal_figures.plot_reversal_curve,
+        reversal_figures.plot_reversal_curves,
+        reversal_figures.plot_reversal_limits,
+        reversal_figures.plot_mean_factors,
+        reversal_figures.plot_maximum_angles,
+    ],
+    ids=lambda plot: plot.__name__,
+)
+def test_every_figure_draws_and_names_its_axes(plot):
+    ax = plot()
+    ax.figure.draw_without_rendering()
+    assert ax.get_xlabel()
+    assert ax.get_ylabel()
+
+
+def test_figure_8_shows_the_three_zones():
+    figure = figures.plot_zones()
+    titles = [ax.get_title() for ax in figure.axes]
+    assert [title.split(",")[0] for title in titles] == ["a  zone 1", "b  zone 2", "c  zone 3"]
+    assert [ax.lines[-1].get_xdata().size for ax in figure.axes] == [0, 2, 1]
+
+
+def test_figure_9_puts_the_limits_on_the_curve():
+    ax = reversal_figures.plot_reversal_curve(8)
+    marks = [line for line in ax.lines if line.get_marker() == "o"]
+    points = [(line.get_xdata()[0], line.get_ydata()[0]) for line in marks]
+    for (angle, ratio), limit in zip(points, geneva.reversal_limits(8), strict=True):
+        assert ratio == limit
+        assert -1.0 / geneva.acceleration(8, math.radians(angle)) == pytest.approx(ratio)
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_nomograms_can_be_read_by_hand(name):
+    """A ruler on the printed sheet gives the torque; rulings are at least 0.4 mm apart."""
+    sheet = SHEETS[name]
+    figure = plot_nomogram(sheet)
+    figure.draw_without_rendering()
+    left, right = figure.axes
+    for ax, axis in ((left, "x"), (left, "y"), (right, "x")):
+        places = np.sort(getattr(ax, f"{axis}axis").get_minorticklocs())
+        pairs = np.column_stack([places, places]) if axis == "x" else np.zeros((places.size, 2))
+        pairs[:, 1 if axis == "y" else 0] = places
+        pairs[:, 0 if axis == "y" else 1] = 1.0
+        pixels = ax.transData.transform(pairs)[:, 1 if axis == "y" else 0]
+        assert np.diff(pixels).min() / figure.dpi * 25.4 > 0.4
+    for n, line in zip(sheet.slots, left.lines, strict=False):
+        ratio = 0.37 * sheet.ratios[1]
+        factor = np.exp(
+            np.interp(np.log(ratio), np.log(line.get_xdata()), np.log(line.get_ydata()))
+        )
+        drive = esc.drive_torque(esc.Geneva(n, pins=1), 1.0, 2.5, 2.5 * ratio)
+        torque = drive.torque_mean if sheet.number.startswith("13") else drive.torque_max
+        assert 2.5 * factor == pytest.approx(torque, rel=1e-3)
+        assert left.get_ylim()[0] <= factor <= left.get_ylim()[1]
+        assert right.get_xlim()[0] <= 2.5 * factor <= right.get_xlim()[1]
+
+
+def test_torque_figure_marks_maximum_and_reversals():
+    result = esc.drive_torque(esc.Geneva(8), 10.0, 1.0, 0.019)
+    ax = plot_drive_torque(result)
+    by_label = {line.get_label(): line for line in ax.lines}
+    np.testing.assert_allclose(
+        by_label["pin reversal"].get_xdata(), np.degrees(result.reversals), rtol=1e-14
+    )
+    assert by_label["greatest torque"].get_xydata()[0] == pytest.approx(
+        (math.degrees(result.torque_max_angle), result.torque_max)
+    )
+    with pytest.raises(InvalidValue, match="result must be a DriveTorque"):
+        plot_drive_torque(3.0)
+
+
+# --- command line -------------------------------------------------------------------------
+
+
+def test_drive_torque_json(command):
+    options = ["--slots", 8, "--speed", 10, "--load-torque", 1, "--follower-inertia", 0.019]
+    code, out, err = command("drive-torque", *options, "--efficiency", 0.9, "--json")
+    record = json.loads(out)
+    assert (code, err) == (0, "")
+    assert set(record) == KEYS
+    result = esc.drive_torque(esc.Geneva(8), 10.0, 1.0, 0.019, 0.9)
+    assert record["inertia_ratio"] == pytest.approx(1.9)
+    assert record["reversal_limits"] == pytest.approx([1.429067551568061, 2.414213562373095])
+    assert record["reversals_deg"] == pytest.approx(np.degrees(result.reversals))
+    assert record["zone"] == 2
+    assert record["torque_max"] == result.torque_max
+    assert record["power_max"] == pytest.approx(10.0 * result.torque_max)
+
+
+def test_drive_torque_in_inches(command):
+    si = ["--load-torque", INCH_POUND, "--follower-inertia", 0.01 * INCH_POUND]
+    inches = ["--load-torque", 1, "--follower-inertia", 0.01, "--units", "in-lbf-s"]
+    one, other = (
+        json.loads(command("drive-torque", "--speed", 9, "--friction", ".2", *words, "--json")[1])
+        for words in (si, inches)
+    )
+    for name in ("torque_max", "torque_mean", "power_max"):
+        assert one[name] == pytest.approx(other[name] * INCH_POUND)
+    assert one["reversals_deg"] == pytest.approx(other["reversals_deg"])
+
+
+def test_drive_torque_table_and_picture(command, tmp_path):
+    options = ["--internal", "--speed", 10, "--load-torque", 1, "--follower-inertia", 0.001]
+    code, out, err = command("drive-torque", *options, "--plot", "torque.png")
+    assert (code, err) == (0, "")
+    rows = dict(line.split("  ", 1) for line in out.splitlines())
+    assert rows["reversals"].strip() == "none"
+    assert rows["greatest speed without reversal"].split()[1] == "rad"
+    assert (tmp_path / "torque.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_does_not_exist_is_null_with_a_message(command):
+    options = ["--speed", 10, "--load-torque", 0, "--follower-inertia", 0.001, "--json"]
+    code, out, err = command("drive-torque", *options)
+    record = json.loads(out)
+    assert code == 0
+    assert set(record) == KEYS | {"message"}
+    assert record["inertia_ratio"] is None
+    assert record["reversals_deg"] == [0.0]
+    assert "without a load there is no inertia ratio F" in record["message"]
+    assert "without a load there is no inertia ratio F" in err
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (["--speed", "0"], "--speed must be greater than 0"),
+        (["--speed", "-3e1"], "--speed must be greater than 0"),
+        (["--efficiency", "1.5"], "efficiency must be greater than 0 and at most 1, got 1.5"),
+        (["--load-torque", "-1"], "--load-torque must be at least 0"),
+        (["--slots", "2"], "--slots must be a whole number of at least 3"),
+        (["--plot", "torque.jpg"], "must end in .png, .pdf, .svg"),
+    ],
+)
+def test_drive_torque_refuses(command, change, message):
+    given = {"--speed": "10", "--load-torque": "1", "--follower-inertia": "0.01"}
+    given |= {change[0]: change[1]}
+    code, out, err = command("drive-torque", *(word for pair in given.items() for word in pair))
+    assert code in (2, 73)
+    assert out == ""
+    assert message in err
+    assert len(err.splitlines()) == 1
+
+
+def test_reproduce_prints_every_cell_and_erratum(command):
+    code, out, err = command("reproduce", "filemon")
+    assert (code, err) == (0, "")
+    assert "30 of 48 cells are right to their last digit" in out
+    assert out.count(" must be ") == len(ERRATA) + len(equations())
+    for row in printed_rows():
+        assert all(getattr(row, column) in out for column in COLUMNS)
+
+
+def test_reproduce_json(command):
+    record = json.loads(command("reproduce", "filemon", "--json")[1])
+    assert record["rows"] == as_rows(table_1())
+    assert (record["cells"], record["agreeing"]) == (48, 30)
+    assert record["mean_torque_error"] < 1e-12
+    six = record["rows"][3]
+    assert six["printed"]["F12"] == 0.4707
+    assert six["computed"]["F12"] == pytest.approx(0.7409398)
+    assert [erratum["column"] for erratum in six["errata"]] == ["F12"]
+
+
+def test_reproduce_fills_a_folder(command, tmp_path, monkeypatch):
+    whole = Figure.savefig
+    coarse = {"dpi": 30}  # names and formats are asked for here, not pixels
+    monkeypatch.setattr(Figure, "savefig", lambda *args, **kw: whole(*args, **(kw | coarse)))
+    code, _, err = command("reproduce", "filemon", "-o", "out")
+    assert code == 0
+    assert "table and figures in out" in err
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    sheets = {f"filemon_figure_{name}.pdf" for name in SHEETS}
+    plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}
+    assert names == sheets | plain | {"filemon_table_1.json", "filemon_table_1.csv"}
+    with open(tmp_path / "out" / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:
+        assert len(list(csv.DictReader(stream))) == 48
