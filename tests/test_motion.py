@@ -1,0 +1,172 @@
+"""Motions: the check value, and what must hold whichever engine computed them."""
+
+import math
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.errors import InvalidValue
+from escapement.status import Status
+from escapement.units import INCH_POUND
+
+ENGINES = {"energy": 1e-12, "ivp": 1e-9}
+
+
+def timer(slots=4, friction=0.35, torque=0.1, load=0.0, driver=3e-6, follower=50e-6, **wheel):
+    return esc.Escapement(
+        mechanism=esc.Geneva(slots, **wheel),
+        inertia=esc.Inertia(driver * INCH_POUND, follower * INCH_POUND),
+        torque=torque * INCH_POUND,
+        friction=friction,
+        load_torque=load * INCH_POUND,
+    )
+
+
+@pytest.mark.parametrize(("engine", "rtol"), [("energy", 1e-12), ("ivp", 1e-10)])
+def test_twentieth_handoff_of_the_four_pin_drive(engine, rtol):
+    motion = esc.simulate(timer(), engagements=20, engine=engine, rtol=rtol)
+    assert motion.handoff_times[-1] == pytest.approx(0.881247098654620, rel=1e-9, abs=0)
+    assert motion.handoff_velocities[-1] == pytest.approx(74.6834608876848, rel=1e-9, abs=0)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("scene", [timer(), timer(8, 0.2, pins=2, load=0.02), timer(friction=0.0)])
+def test_laws_that_every_motion_obeys(engine, scene):
+    motion = esc.simulate(scene, engagements=4, engine=engine)
+    mechanism, close = scene.mechanism, ENGINES[engine] * 100.0
+    speed = motion.theta_dot.max()
+    # sample times are only looked up: a coarse and a fine grid meet in the same values
+    fine = motion.at(np.linspace(0.0, motion.end_time, 401))
+    coarse = motion.at(fine.t[::100])
+    np.testing.assert_array_equal(fine.theta[::100], coarse.theta)
+    # at rest to begin with: Appendix D's initial acceleration
+    found = mechanism.transmission(mechanism.breaks[0])
+    reduced = scene.inertia_ratio + abs(scene.friction * found.u * found.g)
+    load = 1.0 - scene.friction * abs(found.u) * scene.load_ratio
+    start = scene.torque / scene.inertia.follower * load / reduced
+    assert coarse.theta_ddot[0] == pytest.approx(start, rel=1e-9)
+    assert coarse.theta_dot[0] == pytest.approx(0.0, abs=close * speed)
+    # every handoff: a cell further, a step further, the follower at rest
+    before = motion.at(motion.handoff_times[:-1])
+    cells = np.arange(1, 4)
+    at = mechanism.breaks[0] + cells * mechanism.cell_angle
+    np.testing.assert_allclose(before.theta, at, rtol=0, atol=close)
+    turned = mechanism.follower_step * (cells - 0.5)
+    np.testing.assert_allclose(before.phi, turned, rtol=0, atol=close)
+    np.testing.assert_allclose(before.phi_dot, 0.0, rtol=0, atol=1e3 * close * speed)
+    np.testing.assert_allclose(before.theta_dot, motion.handoff_velocities[:-1], rtol=close)
+    # on a reversal nothing is transmitted and the driver turns free
+    turns = motion.at(motion.reversals.time)
+    np.testing.assert_allclose(turns.contact_moment / scene.torque, 0.0, atol=1e5 * close)
+    free = scene.torque / scene.inertia.driver
+    np.testing.assert_allclose(turns.theta_ddot, free, rtol=1e5 * close)
+    # extrema are extrema
+    step = 1e-5 * motion.end_time
+    inside = (motion.extrema.time > step) & (motion.extrema.time < motion.end_time - step)
+    for when, value, top in zip(
+        motion.extrema.time[inside],
+        motion.extrema.theta_dot[inside],
+        motion.extrema.maximum[inside],
+        strict=True,
+    ):
+        beside = motion.at([when - step, when + step]).theta_dot
+        assert np.all(beside < value) if top else np.all(beside > value)
+    # and the energy is all there
+    assert abs(motion.ledger.residual) < 10.0 * ENGINES[engine]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_without_friction_energy_is_conserved(engine):
+    scene = timer(friction=0.0)
+    motion = esc.simulate(scene, engagements=3, engine=engine)
+    state = motion.at(np.linspace(0.0, motion.end_time, 50))
+    kinetic = scene.inertia.driver * state.theta_dot**2 + scene.inertia.follower * state.phi_dot**2
+    work = scene.torque * (state.theta - scene.mechanism.breaks[0])
+    np.testing.assert_allclose(kinetic / 2.0, work, rtol=0, atol=1e-8 * work[-1])
+    assert esc.terminal(scene, engine=engine).status is Status.NO_TERMINAL
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_dwell_is_a_free_turn(engine):
+    scene = timer(5, 0.1, pins=1)
+    motion = esc.simulate(scene, engagements=2, engine=engine)
+    free = np.nonzero(motion.trajectory.sign == 0.0)[0]
+    start, end = motion.trajectory.start[free[0]], motion.handoff_times[0]
+    state = motion.within(free[0], np.linspace(start, end, 7))
+    rate = scene.torque / scene.inertia.driver
+    speeds = state.theta_dot[0] + rate * (state.t - start)
+    np.testing.assert_allclose(state.theta_dot, speeds, rtol=1e-9)
+    assert np.all(state.phi_dot == 0.0)
+    assert np.ptp(state.phi) == 0.0
+    assert state.contact_force is None
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_load_too_great_stops_the_motion(engine):
+    heavy = timer(load=0.3)
+    motion = esc.simulate(heavy, engine=engine, initial_speed=50.0)
+    assert motion.status is Status.STALL
+    assert "stalls" in motion.message
+    assert "degrees from dead centre" in motion.message
+    assert math.isfinite(motion.end_time)
+    assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=1e-3)
+    assert esc.terminal(heavy, engine=engine).status is Status.STALL
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("load", [0.0, 0.05])
+def test_the_painleve_limit_is_decided_before_integrating(engine, load):
+    limit = esc.critical_friction(timer().mechanism, timer().inertia)
+    beyond = timer(friction=limit, load=load)
+    motion = esc.simulate(beyond, engine=engine)
+    assert motion.status is Status.PAINLEVE
+    assert motion.handoff_times.size == 0
+    assert "0.406079" in motion.message
+    assert esc.terminal(beyond, engine=engine).status is Status.PAINLEVE
+    below = timer(friction=limit * (1.0 - 1e-6), load=load / 100.0)
+    assert esc.simulate(below, 2, engine=engine).status is Status.OK
+
+
+def test_times_beyond_the_motion_are_refused():
+    motion = esc.simulate(timer(), 2)
+    for time in (-1e-9, motion.end_time * 1.001, math.nan):
+        with pytest.raises(InvalidValue, match="t must be between 0 and the end of the motion"):
+            motion.at([0.0, time])
+
+
+def test_duration_and_engagements_tell_the_same_motion():
+    whole = esc.simulate(timer(), 5)
+    part = esc.simulate(timer(), duration=0.9 * whole.end_time)
+    assert part.end_time == 0.9 * whole.end_time
+    np.testing.assert_array_equal(part.handoff_times, whole.handoff_times[:4])
+    times = np.linspace(0.0, part.end_time, 33)
+    np.testing.assert_allclose(part.at(times).theta_dot, whole.at(times).theta_dot, rtol=1e-10)
+    with pytest.raises(InvalidValue, match="must not both be given"):
+        esc.simulate(timer(), 5, duration=1.0)
+
+
+def test_figures_are_what_a_dense_look_at_the_motion_shows():
+    scene = timer(friction=0.2, torque=0.08, crank_radius=0.01)
+    figures = esc.terminal(scene)
+    cycle = esc.simulate(scene, 1, initial_speed=figures.handoff_velocity)
+    dense = cycle.at(np.linspace(0.0, cycle.end_time, 20001))
+    assert cycle.handoff_velocities[0] == pytest.approx(figures.handoff_velocity, rel=1e-11)
+    assert figures.period == pytest.approx(cycle.end_time, rel=1e-11)
+    assert figures.velocity_max == pytest.approx(dense.theta_dot.max(), rel=1e-6)
+    assert figures.velocity_min == pytest.approx(dense.theta_dot.min(), rel=1e-6)
+    assert figures.velocity_mean == pytest.approx((math.pi / 2) / figures.period, rel=1e-12)
+    assert figures.acceleration_max == pytest.approx(np.abs(dense.theta_ddot).max(), rel=1e-4)
+    follower = np.abs(dense.phi_ddot).max()
+    assert figures.follower_acceleration_max == pytest.approx(follower, rel=1e-3)
+    assert figures.contact_moment_max == pytest.approx(np.abs(dense.contact_moment).max(), rel=1e-3)
+    assert figures.contact_force_max == pytest.approx(np.abs(dense.contact_force).max(), rel=1e-3)
+    # Meyer's mechanism of the table: rise by the 2 % rule, settled by the 1 % rule
+    motion = esc.simulate(scene, 12)
+    terminal = np.where(motion.extrema.maximum, figures.velocity_max, figures.velocity_min)
+    error = np.abs(motion.extrema.theta_dot / terminal - 1.0)
+    assert figures.rise_time == pytest.approx(motion.extrema.time[error <= 0.02][0], rel=1e-9)
+    last_bad = np.nonzero(error > 0.01)[0][-1]
+    assert figures.settling_time == pytest.approx(motion.extrema.time[last_bad + 1], rel=1e-9)
+    deviations = motion.handoff_velocities[1:4] ** 2 - figures.handoff_velocity**2
+    assert deviations[2] / deviations[1] == pytest.approx(figures.contraction, rel=0.02)
