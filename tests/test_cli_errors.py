@@ -126,7 +126,6 @@ USAGE = {
     "negative word": (["mechanism", "--", "-5"], "KIND", "'-5'"),
     "no study": (["sweep"], "CONFIG.toml", "sweep --help"),
     "no workers": (["sweep", "good.toml", "--workers", "0"], "--workers", "at least 1"),
-    "later option": (["sweep", "good.toml", "--resume"], "unknown option '--resume'"),
     "no file": (["plot"], "FILE.h5", "plot --help"),
     "no source": (["reproduce"], "SOURCE"),
     "unknown source": (["reproduce", "meier"], "SOURCE", "'meier'", "did you mean 'meyer'?"),

@@ -24,6 +24,8 @@ class Progress:
         Default: standard error.
     quiet : bool
         Show nothing.
+    before : int
+        Cases that were done already: the rate leaves them out.
     clock : callable
         Seconds that only grow.
     """
@@ -33,11 +35,12 @@ class Progress:
         stream: TextIO | None = None,
         *,
         quiet: bool = False,
+        before: int = 0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._terminal = self._stream.isatty()
-        self._quiet, self._clock = quiet, clock
+        self._quiet, self._before, self._clock = quiet, before, clock
         self._start = clock()
         self._shown = -math.inf if self._terminal else self._start
         self._counts = (0, 0, 0)
@@ -67,7 +70,8 @@ class Progress:
         done, total, failed = self._counts
         if self._quiet or total == 0:
             return
-        text = describe(done, total, failed, self._clock() - self._start)
+        elapsed = self._clock() - self._start
+        text = describe(done, total, failed, elapsed, self._before)
         if not self._terminal:
             self._write(text + "\n")
             return
@@ -85,9 +89,9 @@ class Progress:
             self._quiet = True  # nobody is listening any more: the work goes on
 
 
-def describe(done: int, total: int, failed: int, elapsed: float) -> str:
+def describe(done: int, total: int, failed: int, elapsed: float, before: int = 0) -> str:
     """One line: share done, counts, rate, time left or taken, failures."""
-    rate = done / elapsed if elapsed > 0.0 else 0.0
+    rate = (done - before) / elapsed if elapsed > 0.0 else 0.0
     if done >= total:
         time_text = f"took {duration(elapsed)}"
     elif rate > 0.0:

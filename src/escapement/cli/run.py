@@ -11,6 +11,7 @@ from escapement.units import unit_name
 
 if TYPE_CHECKING:
     from escapement.metrics import Figures
+    from escapement.model import Escapement
     from escapement.motion import Motion
 
 SUMMARY = "One motion from pin entry, and its figures of merit."
@@ -31,13 +32,26 @@ FIGURES = {
 """Figures of merit as printed, with the kind of unit of each."""
 
 
+REQUIRED = ("torque", "driver_inertia", "follower_inertia")
+"""What an escapement needs, unless it comes from a study."""
+_SOLVER = ("engine", "rtol", "atol", "method", "max_step")
+
+
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
+    study = parser.add_argument_group("one case of a study, instead of mechanism and model")
+    study.add_argument(
+        "--from", dest="study", type=Path, metavar="FILE.h5", help="written by escapement sweep"
+    )
+    study.add_argument(
+        "--select",
+        metavar="NAME=VALUE,...",
+        help="a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1",
+    )
     _arguments.add_mechanism(parser)
     model = parser.add_argument_group("model")
-    _arguments.add_quantity(model, "torque", required=True)
-    _arguments.add_quantity(model, "driver_inertia", required=True)
-    _arguments.add_quantity(model, "follower_inertia", required=True)
+    for name in REQUIRED:
+        _arguments.add_quantity(model, name)
     for name in ("friction", "load_torque", "initial_speed"):
         _arguments.add_quantity(model, name, default=0.0, note=" (default: 0)")
     length = parser.add_argument_group("length of the motion")
@@ -87,11 +101,9 @@ def _add_solver(parser: Parser) -> None:
 def execute(args: argparse.Namespace) -> int:
     """Simulate, write what was asked for, print the figures."""
     _check_outputs(args)
-    escapement = _arguments.read_escapement(args)
-    from escapement.simulation import DEFAULT_ENGINE, simulate, terminal
+    escapement, settings = _read_case(args)
+    from escapement.simulation import simulate, terminal
 
-    settings = {name: getattr(args, name) for name in ("rtol", "atol", "method", "max_step")}
-    settings |= {"engine": args.engine or DEFAULT_ENGINE, "initial_speed": args.initial_speed}
     motion = simulate(escapement, args.engagements, duration=args.duration, **settings)
     figures = terminal(escapement, **settings)
     _write(motion, args)
@@ -104,6 +116,45 @@ def execute(args: argparse.Namespace) -> int:
     if record["message"] != "done":
         _output.note(record["message"])
     return SOME_FAILED if outcome.status.failed else 0
+
+
+def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
+    """What to simulate, and the settings of `simulate`: of the arguments or of a study."""
+    given = {name: getattr(args, name) for name in _SOLVER if getattr(args, name) is not None}
+    if args.study is None:
+        if args.select is not None:
+            raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
+        missing = [_arguments.option(name) for name in REQUIRED if getattr(args, name) is None]
+        if missing:
+            raise UsageError(
+                f"the following arguments are required: {', '.join(missing)}; "
+                "see 'escapement run --help'"
+            )
+        return _arguments.read_escapement(args), given | {"initial_speed": args.initial_speed}
+    _refuse_beside_study(args)
+    from escapement.cli._select import load_case
+
+    plan, case = load_case(args.study, args.select)
+    own = {} if "engine" in given else plan.solver.given
+    speed = plan.values(case)["initial_speed"]
+    return plan.escapement(case), own | given | {"initial_speed": speed}
+
+
+def _refuse_beside_study(args: argparse.Namespace) -> None:
+    """Whatever the study says must not be said twice."""
+    nothing: dict[str, Any] = {
+        "friction": 0.0,
+        "load_torque": 0.0,
+        "initial_speed": 0.0,
+        "internal": False,
+    }
+    nothing |= {"slots": _arguments.DEFAULT_SLOTS, "kind": _arguments.KINDS[0]}
+    for name in (*REQUIRED, *nothing, "pins", "crank_radius"):
+        if getattr(args, name, None) not in (None, nothing.get(name)):
+            raise UsageError(
+                f"{_arguments.option(name)} must not come with --from, which has its own; "
+                "leave it out"
+            )
 
 
 def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:

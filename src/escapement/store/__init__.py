@@ -1,18 +1,26 @@
 """Results of a study on disk: one HDF5 file, complete or not there at all."""
 
-from escapement.store._reader import read_study
+from escapement.store._block import Block, blocks_of, encode_block
+from escapement.store._chunks import Tiling
+from escapement.store._reader import read_configuration, read_study
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Result, Study, count_failed
 from escapement.store._target import check_target
-from escapement.store._writer import StudyWriter, write_study
+from escapement.store._writer import StudyWriter, partial_path, write_study
 
 __all__ = [
     "RESULTS",
     "SCHEMA_VERSION",
+    "Block",
     "Result",
     "Study",
     "StudyWriter",
+    "Tiling",
+    "blocks_of",
     "check_target",
     "count_failed",
+    "encode_block",
+    "partial_path",
+    "read_configuration",
     "read_study",
     "write_study",
 ]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 CELLS = 65536
-"""Cases aimed at per chunk: 512 KiB of doubles, half of HDF5's default chunk cache."""
+"""Values per chunk of an axis: 512 KiB, half of HDF5's default chunk cache."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Tiling:
         return tuple(int(i) for i in np.unravel_index(self.span(chunk)[0], self.shape))
 
 
-def tiling(shape: tuple[int, ...], cells: int = CELLS) -> Tiling:
+def tiling(shape: tuple[int, ...], cells: int) -> Tiling:
     """Cut a grid into chunks of about `cells` cases, at most twice as many."""
     tail = 1
     tile = [1] * len(shape)

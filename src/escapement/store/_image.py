@@ -1,15 +1,24 @@
-"""The HDF5 layout of a study: datasets, scales, names and units, then chunks."""
+"""The HDF5 layout of a study: datasets, scales, names and units, then blocks."""
 
+import errno
 import json
+import threading
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import takewhile
+from os import PathLike
+from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from escapement.status import Status
-from escapement.store._chunks import CELLS, Tiling, encode
+from escapement.store._block import Block, blocks_of
+from escapement.store._chunks import CELLS, Tiling
 from escapement.store._steady_file import SteadyFile
 from escapement.store._study import RESULTS, Study
+from escapement.store._target import PendingFile
 
 _FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
 
@@ -40,19 +49,19 @@ class StudyImage:
             _write_root(self._hdf5, frame)
             for name, values in frame.axes.items():
                 _write_axis(self._hdf5, frame, name, values)
-            for name in RESULTS:
-                _create_result(self._hdf5, frame, name, tiling.tile)
+            self._results = [
+                _create_result(self._hdf5, frame, name, tiling.tile) for name in RESULTS
+            ]
             self._check()
         except BaseException:
             self._hdf5.close()
             raise
 
-    def store(self, chunk: int, columns: dict[str, NDArray[Any]], count: int) -> None:
-        """Write one chunk of every result: the first `count` values of each column."""
-        offset = self._tiling.offset(chunk)
-        for name, values in columns.items():
-            data = encode(values[:count], self._tiling.cells)
-            self._hdf5[name].id.write_direct_chunk(offset, data)
+    def store(self, block: Block) -> None:
+        """Write one chunk of every result."""
+        offset = self._tiling.offset(block.number)
+        for dataset, data in zip(self._results, block.chunks, strict=True):
+            dataset.id.write_direct_chunk(offset, data)
         self._check()
 
     def close(self) -> None:
@@ -63,6 +72,49 @@ class StudyImage:
     def _check(self) -> None:
         if self._steady.error is not None:
             raise self._steady.error
+
+
+def write_blocks(
+    frame: Study,
+    path: str | PathLike[str],
+    blocks: Iterator[Block],
+    force: bool,
+    stop: threading.Event,
+    temporary: Path | None = None,
+) -> None:
+    """Write all blocks of a study, in order, and put the file in place.
+
+    Run it in a thread of its own, where Ctrl-C never strikes HDF5; once `stop` is
+    set it ends without putting anything in place.
+
+    Raises
+    ------
+    CannotCreate, StorageError
+        As `PendingFile`.
+    OSError
+        When a block cannot be read or written.
+    """
+    pending = PendingFile(path, force, temporary)
+    try:
+        _write_image(pending.handle, frame, takewhile(lambda _: not stop.is_set(), blocks))
+        if not stop.is_set():
+            pending.place()
+    except RuntimeError as error:  # HDF5 tells a failed device by it
+        raise OSError(errno.EIO, str(error)) from None
+    finally:
+        pending.discard()
+
+
+def _write_image(handle: BinaryIO, frame: Study, blocks: Iterator[Block]) -> None:
+    image = StudyImage(handle, frame, blocks_of(frame))
+    try:
+        for block in blocks:
+            image.store(block)
+    except BaseException:
+        with suppress(OSError):  # told already
+            image.close()
+        raise
+    image.close()
 
 
 def _write_root(hdf5: Any, frame: Study) -> None:
@@ -85,7 +137,7 @@ def _write_axis(hdf5: Any, frame: Study, name: str, values: NDArray[Any]) -> Non
     axis.make_scale(name)
 
 
-def _create_result(hdf5: Any, frame: Study, name: str, tile: tuple[int, ...]) -> None:
+def _create_result(hdf5: Any, frame: Study, name: str, tile: tuple[int, ...]) -> Any:
     result = RESULTS[name]
     dataset = hdf5.create_dataset(name, frame.shape, result.dtype, chunks=tile, **_FILTERS)
     dataset.attrs["units"] = frame.units[name]
@@ -95,3 +147,4 @@ def _create_result(hdf5: Any, frame: Study, name: str, tile: tuple[int, ...]) ->
         dataset.attrs["flag_meanings"] = " ".join(member.label for member in Status)
     for dimension, axis in zip(dataset.dims, frame.axes, strict=True):
         dimension.attach_scale(hdf5[axis])
+    return dataset

@@ -1,14 +1,17 @@
 """Reading a study file back."""
 
 import json
+from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from escapement.errors import EscapementError, InputFileError, MissingInput
-from escapement.store._study import RESULTS, SCHEMA_VERSION, Study
+from escapement.store._study import RESULTS, SCHEMA_VERSION, Study, count_failed
+
+T = TypeVar("T")
 
 
 def read_study(path: str | PathLike[str]) -> Study:
@@ -27,6 +30,16 @@ def read_study(path: str | PathLike[str]) -> Study:
         When it is no HDF5 file, is damaged, holds something else, or was
         written in a layout newer than this version knows.
     """
+    return _open_study(path, _read)
+
+
+def read_configuration(path: str | PathLike[str]) -> dict[str, Any]:
+    """The configuration of a study file, without its results; errors as `read_study`."""
+    return _open_study(path, lambda hdf5: json.loads(hdf5["configuration"].asstr()[()]))
+
+
+def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
+    """What `use` makes of the open file; whatever is wrong with it as one error."""
     import h5py
 
     file = Path(path)
@@ -34,7 +47,7 @@ def read_study(path: str | PathLike[str]) -> Study:
         _check_file(path, file)
         with h5py.File(file, "r") as hdf5:
             _check_schema(path, hdf5)
-            return _read(hdf5)
+            return use(hdf5)
     except PermissionError:
         raise InputFileError(f"study {path} must be readable; check its permissions") from None
     except EscapementError:
@@ -48,6 +61,24 @@ def read_study(path: str | PathLike[str]) -> Study:
         raise _damaged(path, error) from None
     except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise _damaged(path, error) from None
+
+
+def failed_cases(path: Path, frame: Study) -> int | None:
+    """Failed cases of the file at `path`; None unless it is the study of `frame`, whole."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as hdf5:
+            own = {name: hdf5.attrs[name] for name in frame.attributes if name != "created"}
+            configuration = json.loads(hdf5["configuration"].asstr()[()])
+            if json.dumps(configuration) != json.dumps(frame.configuration):
+                return None
+            if own != {name: frame.attributes[name] for name in own}:
+                return None
+            status = hdf5["status"]
+            return sum(count_failed(status[chunk]) for chunk in status.iter_chunks())
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError):
+        return None
 
 
 def _check_file(path: str | PathLike[str], file: Path) -> None:

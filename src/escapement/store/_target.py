@@ -7,7 +7,7 @@ import uuid
 from contextlib import suppress
 from os import PathLike
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
 from escapement.errors import CannotCreate, EscapementError, StorageError
 
@@ -56,6 +56,14 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
 class PendingFile:
     """A temporary file beside its target, put in place when it is complete.
 
+    Parameters
+    ----------
+    path, force :
+        As for `check_target`.
+    temporary : Path, optional
+        Name of the temporary file, for a caller that holds a lock on it; what a
+        killed process left under it is replaced. Default: a new name each time.
+
     Raises
     ------
     CannotCreate
@@ -64,14 +72,18 @@ class PendingFile:
         When the disk is full or fails.
     """
 
-    def __init__(self, path: str | PathLike[str], force: bool = False) -> None:
+    def __init__(
+        self, path: str | PathLike[str], force: bool = False, temporary: Path | None = None
+    ) -> None:
         self._named, self._force = path, force
         self._target = check_target(path, force)
-        self._temporary = self._target.parent / f".escapement-{uuid.uuid4().hex}.partial"
+        new = self._target.parent / f".escapement-{uuid.uuid4().hex}.partial"
+        self._temporary, mode = (new, "x+b") if temporary is None else (temporary, "w+b")
         try:
-            self.handle: BinaryIO = open(self._temporary, "x+b", buffering=0)  # noqa: SIM115
+            file = open(self._temporary, mode, buffering=0)  # noqa: SIM115
         except OSError as error:
-            raise _storage_or_creation(path, error) from None
+            raise creation_error(path, error) from None
+        self.handle: BinaryIO = cast(BinaryIO, file)
 
     def place(self) -> None:
         """Make the file durable and give it its name, in that order."""
@@ -80,7 +92,7 @@ class PendingFile:
             self.handle.close()
             check_target(self._named, self._force)
             os.replace(self._temporary, self._target)
-            _sync_folder(self._target.parent)
+            sync_folder(self._target.parent)
         except OSError as error:
             self.discard()
             if isinstance(error, EscapementError):
@@ -108,13 +120,14 @@ def _cannot_create(path: str | PathLike[str], error: Exception) -> CannotCreate:
     return CannotCreate(f"output {path} cannot be created: {reason}; choose another folder or name")
 
 
-def _storage_or_creation(path: str | PathLike[str], error: OSError) -> EscapementError:
+def creation_error(path: str | PathLike[str], error: OSError) -> EscapementError:
+    """The error for an output that could not be begun."""
     if error.errno in _DEVICE_ERRORS:
         return storage_error(path, error)
     return _cannot_create(path, error)
 
 
-def _sync_folder(folder: Path) -> None:
+def sync_folder(folder: Path) -> None:
     """Make the new name durable, where the system can."""
     try:
         descriptor = os.open(folder, os.O_RDONLY)

@@ -1,28 +1,33 @@
-"""Writing a study in bounded memory, case after case."""
+"""Writing a study in bounded memory, so that nothing that was finished is ever lost."""
 
-from collections.abc import Callable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from collections.abc import Iterator
+from dataclasses import replace
 from os import PathLike
+from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
+from escapement.errors import CannotCreate, EscapementError, StorageError
+from escapement.store._assembly import Assembly
+from escapement.store._block import Block, blocks_of, encode_block
+from escapement.store._identity import check_same, journal_head
+from escapement.store._journal import Journal
+from escapement.store._reader import failed_cases
+from escapement.store._study import Study
+from escapement.store._target import check_target, creation_error, storage_error
 
-from escapement.errors import EscapementError
-from escapement.store._chunks import tiling
-from escapement.store._image import StudyImage
-from escapement.store._study import RESULTS, Study
-from escapement.store._target import PendingFile, storage_error
+
+def partial_path(path: str | PathLike[str]) -> Path:
+    """Where the finished blocks of a study are kept until all are there."""
+    target = Path(path).resolve()
+    return target.with_name(target.name + ".partial")
 
 
 class StudyWriter:
-    """Writes the results of a study in the order of its cases.
+    """Keeps finished blocks in a journal, and makes the file of them when all are there.
 
-    The file appears under its name when all cases are written, and not before:
-    leaving the `with` block early, for whatever reason, leaves nothing behind.
-    Compressing and writing go on beside the caller, one chunk at a time.
+    Blocks may come in any order. Leaving the `with` block early, for whatever reason,
+    leaves the file as it was and the blocks for a later `resume`.
 
     Parameters
     ----------
@@ -30,58 +35,72 @@ class StudyWriter:
         File to create.
     frame : Study
         Everything but the results, which are ignored.
+    numerics : str
+        Differs whenever a version of this package may compute other results.
     force : bool
-        Replace an existing file, once the new one is complete.
+        Replace an existing file, once the new one is complete; without `resume`,
+        drop existing partial results.
+    resume : bool
+        Take over what partial results there are. A complete file of the same study
+        is left alone.
 
     Raises
     ------
     CannotCreate
-        On entering, when the file may not be created.
+        On entering, when the file may not be created, another process is writing
+        it, or its partial results belong to another study.
     StorageError
         When the disk is full or fails.
+
+    Attributes
+    ----------
+    missing : list of int
+        Numbers of the blocks still to be added.
+    resumed, failed : int
+        Cases taken over on entering; cases without an answer so far.
     """
 
-    def __init__(self, path: str | PathLike[str], frame: Study, *, force: bool = False) -> None:
-        self._path, self._frame, self._force = path, frame, force
-        self._tiling = tiling(frame.shape)
-        self._chunk, self._filled = 0, 0
-        self._buffers = self._new_buffers()
-        self._last: Future[None] | None = None
-        self._image: StudyImage | None = None
+    def __init__(
+        self,
+        path: str | PathLike[str],
+        frame: Study,
+        *,
+        numerics: str = "",
+        force: bool = False,
+        resume: bool = False,
+    ) -> None:
+        self._path, self._frame, self._numerics = path, frame, numerics
+        self._force, self._resume = force, resume
+        self.cut = blocks_of(frame)
+        self.missing: list[int] = []
+        self.resumed = self.failed = 0
 
     def __enter__(self) -> Self:
-        self._pending = PendingFile(self._path, self._force)
-        # HDF5 is entered from this one thread only, where Ctrl-C never strikes.
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="escapement-store")
+        target = check_target(self._path, self._force or self._resume)
         try:
-            self._submit(self._create)
+            self._journal = Journal(partial_path(target))
+        except OSError as error:
+            raise self._not_begun(error) from None
+        try:
+            self._begin(target)
+        except OSError as error:
+            self._journal.close()
+            raise self._not_begun(error) from None
         except BaseException:
-            self._leave()
+            self._journal.close()
             raise
         return self
 
-    def append(self, block: Mapping[str, NDArray[Any]]) -> None:
-        """Add the results of the next cases.
-
-        Parameters
-        ----------
-        block : Mapping of ndarray, shape (n,)
-            One array for each of `RESULTS`, n any number of cases.
-        """
-        count, done = len(block["status"]), 0
-        if count > self._frame.cases - self._written:
-            raise ValueError(f"{count} cases are more than the study still lacks")
-        while done < count:
-            start, stop = self._tiling.span(self._chunk)
-            step = min(stop - start - self._filled, count - done)
-            for name, buffer in self._buffers.items():
-                buffer[self._filled : self._filled + step] = block[name][done : done + step]
-            self._filled += step
-            done += step
-            if self._filled == stop - start:
-                self._submit(self._store, self._chunk, self._buffers, self._filled)
-                self._buffers = self._new_buffers()
-                self._chunk, self._filled = self._chunk + 1, 0
+    def add(self, block: Block) -> None:
+        """Keep a finished block."""
+        try:
+            self._journal.append(block)
+            self.failed += block.failed
+            self._assembly.look()
+        except CannotCreate:
+            raise
+        except OSError as error:
+            raise self._kept(error) from None
 
     def __exit__(
         self,
@@ -91,65 +110,100 @@ class StudyWriter:
     ) -> None:
         try:
             if kind is None:
-                if self._written < self._frame.cases:
-                    raise ValueError(f"the study lacks {self._frame.cases - self._written} cases")
-                self._submit(self._complete)
-                self._wait()
+                if not self._done:
+                    self._complete()
+                self._journal.remove()
         finally:
-            self._leave()
+            if not self._done:
+                self._assembly.close()
+            self._journal.close()
 
-    @property
-    def _written(self) -> int:
-        if self._chunk == len(self._tiling):
-            return self._frame.cases
-        return self._tiling.span(self._chunk)[0] + self._filled
+    def _begin(self, target: Path) -> None:
+        """Find out what is there already, and what is still missing."""
+        failed = None
+        if self._resume and not self._force and target.exists():
+            failed = failed_cases(target, self._frame)
+            if failed is None:
+                check_target(self._path)
+        self._done = failed is not None
+        if failed is None:
+            self._open_journal()
+            self.missing = self._journal.missing.tolist()
+            failed = self._journal.failed
+        lacking = sum(stop - start for start, stop in map(self.cut.span, self.missing))
+        self.failed, self.resumed = failed, self._frame.cases - lacking
+        if not self._done:
+            unfinished = self._journal.path.with_suffix(".unfinished")
+            self._assembly = Assembly(
+                *(self._frame, self._path, self._force, unfinished),
+                *(len(self.cut), self._journal.block),
+            )
 
-    def _new_buffers(self) -> dict[str, NDArray[Any]]:
-        cells = self._tiling.cells
-        return {name: np.empty(cells, result.dtype) for name, result in RESULTS.items()}
-
-    def _submit(self, work: Callable[..., None], *arguments: Any) -> None:
-        """Hand work to the thread once the work before it is done, or its error told."""
-        self._wait()
-        self._last = self._thread.submit(self._guarded, work, *arguments)
-
-    def _wait(self) -> None:
-        if self._last is not None:
-            self._last.result()
-
-    def _guarded(self, work: Callable[..., None], *arguments: Any) -> None:
-        try:
-            work(*arguments)
-        except EscapementError:
-            raise
-        except (OSError, RuntimeError) as error:  # HDF5 tells a failed device by either
-            raise storage_error(self._path, error) from None
-
-    def _create(self) -> None:
-        self._image = StudyImage(self._pending.handle, self._frame, self._tiling)
-
-    def _store(self, chunk: int, columns: dict[str, NDArray[Any]], count: int) -> None:
-        assert self._image is not None
-        self._image.store(chunk, columns, count)
+    def _open_journal(self) -> None:
+        journal, head = self._journal, journal_head(self._frame, self._numerics)
+        if self._resume:
+            if journal.head is not None:
+                check_same(self._path, journal.head, head)
+                attributes = self._frame.attributes | journal.head["fixed"]
+                self._frame = replace(self._frame, attributes=attributes)
+            journal.find(head, self.cut)
+            # blocks of this very study survive a damaged head
+            if journal.head is not None or journal.missing.size < len(self.cut):
+                journal.carry_on()
+                return
+        if not self._force and not journal.ours:
+            raise CannotCreate(
+                f"output {self._path} must have {journal.path.name} to itself, got a file that "
+                "is no partial result; move it away, or give --force (force=True) to replace it"
+            )
+        if not self._force and not self._resume and journal.holds_blocks:
+            raise CannotCreate(
+                f"output {self._path} must not have partial results yet, got {journal.path.name}; "
+                "continue with --resume (resume=True) or start over with --force (force=True)"
+            )
+        journal.start(head, self.cut)
 
     def _complete(self) -> None:
-        assert self._image is not None
-        self._image.close()
-        self._pending.place()
+        if self._journal.missing.size:
+            raise ValueError(f"the study lacks {self._journal.missing.size} blocks")
+        try:
+            self._journal.sync()
+            self._assembly.finish()
+        except CannotCreate:
+            raise
+        except OSError as error:
+            raise self._kept(error) from None
 
-    def _leave(self) -> None:
-        """Close everything; what is not in place by now goes."""
-        self._thread.submit(self._release)
-        self._thread.shutdown(wait=True)
+    def _not_begun(self, error: OSError) -> EscapementError:
+        if isinstance(error, EscapementError):
+            return error
+        return creation_error(self._path, error)
 
-    def _release(self) -> None:
-        with suppress(OSError, RuntimeError):  # told already, or given up anyway
-            if self._image is not None:
-                self._image.close()
-        self._pending.discard()
+    def _kept(self, error: OSError) -> StorageError:
+        reason = getattr(error, "strerror", None) or error
+        return StorageError(
+            f"writing {self._path} failed: {reason}; what was finished is kept in "
+            f"{self._journal.path.name}: free space, then continue with --resume (resume=True)"
+        )
 
 
 def write_study(study: Study, path: str | PathLike[str], *, force: bool = False) -> None:
     """Write a study that is held in memory; errors as `StudyWriter`."""
-    with StudyWriter(path, study, force=force) as writer:
-        writer.append({name: values.reshape(-1) for name, values in study.results.items()})
+    cut = blocks_of(study)
+    flat = {name: values.reshape(-1) for name, values in study.results.items()}
+
+    def blocks() -> Iterator[Block]:
+        for number in range(len(cut)):
+            span = slice(*cut.span(number))
+            yield encode_block(cut, number, {name: values[span] for name, values in flat.items()})
+
+    ready = blocks()
+    assembly = Assembly(study, path, force, None, len(cut), lambda _: next(ready))
+    try:
+        assembly.finish()
+    except EscapementError:
+        raise
+    except OSError as error:
+        raise storage_error(path, error) from None
+    finally:
+        assembly.close()

@@ -1,42 +1,27 @@
-"""Evaluating the cases of a plan in blocks, in order, on some threads."""
+"""Working on the blocks of a plan, in order, on some threads."""
 
-import time
 from collections import deque
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import islice
+from typing import TypeVar
 
-import numpy as np
-
-from escapement.configuration import StudyPlan
-from escapement.sweeping._evaluate import Columns, evaluate
-
-_BLOCK_TIME = 0.25  # s: Ctrl-C and progress wait no longer than this, if a case does not
-_LARGEST_BLOCK = 1 << 18
+T = TypeVar("T")
 
 
-def evaluate_blocks(plan: StudyPlan, workers: int) -> Generator[Columns, None, None]:
-    """Results of all cases in order, in blocks of about equal time.
-
-    Closing the generator ends the threads. The results do not depend on the
-    number of workers.
-    """
-    size, start = 1, 0
-    running: deque[Future[tuple[Columns, float]]] = deque()
+def in_threads(
+    work: Callable[[int], T], numbers: Iterable[int], workers: int
+) -> Generator[T, None, None]:
+    """`work` of every number in order; closing the generator ends the threads."""
+    waiting: Iterator[int] = iter(numbers)
+    running: deque[Future[T]] = deque()
     pool = ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
     try:
-        while start < plan.cases or running:
-            while start < plan.cases and len(running) <= workers:
-                stop = min(start + size, plan.cases)
-                running.append(pool.submit(_timed, plan, start, stop))
-                start = stop
-            block, seconds = running.popleft().result()
-            yield block
-            pace = _BLOCK_TIME * len(block["status"]) / max(seconds, 1e-9)
-            size = int(np.clip(pace, 1, min(8 * len(block["status"]), _LARGEST_BLOCK)))
+        while True:
+            for number in islice(waiting, workers + 1 - len(running)):
+                running.append(pool.submit(work, number))
+            if not running:
+                return
+            yield running.popleft().result()
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _timed(plan: StudyPlan, start: int, stop: int) -> tuple[Columns, float]:
-    begin = time.perf_counter()
-    return evaluate(plan, start, stop), time.perf_counter() - begin

@@ -1,10 +1,11 @@
 """Running a study: every case of a grid, into memory or into a file."""
 
-from collections.abc import Callable, Generator
-from contextlib import AbstractContextManager, closing, nullcontext
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,18 +14,32 @@ from escapement import __version__, _validate, simulation
 from escapement.configuration import StudyPlan, plan_from
 from escapement.model import Escapement
 from escapement.progress import Progress
-from escapement.store import RESULTS, SCHEMA_VERSION, Study, StudyWriter, count_failed, read_study
-from escapement.sweeping._blocks import Columns, evaluate_blocks
+from escapement.store import (
+    RESULTS,
+    SCHEMA_VERSION,
+    Block,
+    Study,
+    StudyWriter,
+    blocks_of,
+    count_failed,
+    encode_block,
+    read_study,
+)
+from escapement.sweeping._blocks import in_threads
+from escapement.sweeping._cluster import connect, in_cluster
+from escapement.sweeping._evaluate import evaluate
+from escapement.sweeping._numerics import numerics
 
-Report = Callable[[int, int, int], None]
+Report = Callable[[int, int, int], object]
 
 
 @dataclass(frozen=True)
 class Tally:
-    """How a study went: cases run, and those of them without an answer."""
+    """How a study went: its cases, those without an answer, those it had already."""
 
     cases: int
     failed: int
+    resumed: int = 0
 
 
 def sweep(
@@ -35,8 +50,10 @@ def sweep(
     initial_speed: ArrayLike = 0.0,
     path: str | PathLike[str] | None = None,
     force: bool = False,
+    resume: bool = False,
     progress: Report | bool | None = None,
     workers: int = 1,
+    scheduler: Any = None,
     **axes: ArrayLike,
 ) -> Study:
     """Figures of merit over a grid of parameters.
@@ -52,11 +69,16 @@ def sweep(
     path : path, optional
         HDF5 file to write as well.
     force : bool
-        Replace an existing file.
+        Replace an existing file; without `resume`, drop what was kept of an
+        unfinished run.
+    resume : bool
+        Compute only what an unfinished run of the same study did not finish.
     progress : bool or callable, optional
         True shows it on standard error; a callable gets (done, total, failed).
     workers : int
-        Threads that compute.
+        Threads that compute; with a local cluster, processes.
+    scheduler : str or distributed.Client, optional
+        A Dask cluster to compute on, needs `path`: "local", an address, or a client.
     **axes : array
         Values [SI] of any of friction, torque, load_torque, driver_inertia,
         follower_inertia and the numbers of the mechanism (slots, pins); the
@@ -77,7 +99,15 @@ def sweep(
     if np.ndim(initial_speed) > 0:
         axes["initial_speed"], initial_speed = initial_speed, 0.0
     plan = plan_from(escapement, axes, initial_speed=initial_speed, engine=engine, rtol=rtol)  # type: ignore[arg-type]
-    return run_plan(plan, path, force=force, progress=progress, workers=workers)
+    return run_plan(
+        plan,
+        path,
+        force=force,
+        resume=resume,
+        progress=progress,
+        workers=workers,
+        scheduler=scheduler,
+    )
 
 
 def run_plan(
@@ -85,23 +115,44 @@ def run_plan(
     path: str | PathLike[str] | None = None,
     *,
     force: bool = False,
+    resume: bool = False,
     progress: Report | bool | None = None,
     workers: int = 1,
+    scheduler: Any = None,
 ) -> Study:
     """Run a planned study and return its results; arguments and errors as `sweep`."""
     if path is not None:
-        write_plan(plan, path, force=force, progress=progress, workers=workers)
+        write_plan(
+            plan,
+            path,
+            force=force,
+            resume=resume,
+            progress=progress,
+            workers=workers,
+            scheduler=scheduler,
+        )
         return read_study(path)
+    if scheduler is not None:
+        raise _validate.fail("scheduler", "left out without a path", scheduler, "name a file")
+    frame, count = frame_of(plan), _count(workers)
     results = {name: np.empty(plan.cases, result.dtype) for name, result in RESULTS.items()}
-    start = 0
-    with closing(_reported(plan, progress, workers)) as blocks:
-        for block in blocks:
-            stop = start + len(block["status"])
-            for name, values in results.items():
-                values[start:stop] = block[name]
-            start = stop
+    cut = blocks_of(frame)
+
+    def work(number: int) -> tuple[int, int]:
+        start, stop = cut.span(number)
+        block = evaluate(plan, start, stop)
+        for name, values in results.items():
+            values[start:stop] = block[name]
+        return stop - start, count_failed(block["status"])
+
+    done = failed = 0
+    with _shown(progress) as report, closing(in_threads(work, range(len(cut)), count)) as blocks:
+        report(done, plan.cases, failed)
+        for cases, bad in blocks:
+            done, failed = done + cases, failed + bad
+            report(done, plan.cases, failed)
     shaped = {name: values.reshape(plan.shape) for name, values in results.items()}
-    return replace(frame_of(plan), results=shaped)
+    return replace(frame, results=shaped)
 
 
 def write_plan(
@@ -109,22 +160,50 @@ def write_plan(
     path: str | PathLike[str],
     *,
     force: bool = False,
+    resume: bool = False,
     progress: Report | bool | None = None,
     workers: int = 1,
+    scheduler: Any = None,
 ) -> Tally:
     """Run a planned study into a file, in memory that does not grow with its cases.
 
     Arguments and errors as `sweep`.
     """
-    failed = 0
+    count = _count(workers)
+    writer = StudyWriter(path, frame_of(plan), numerics=numerics(), force=force, resume=resume)
+
     with (
-        StudyWriter(path, frame_of(plan), force=force) as writer,
-        closing(_reported(plan, progress, workers)) as blocks,
+        writer,
+        _blocks(plan, writer, count, scheduler) as blocks,
+        _shown(progress, writer.resumed) as report,
     ):
+        done = writer.resumed
+        report(done, plan.cases, writer.failed)
         for block in blocks:
-            writer.append(block)
-            failed += count_failed(block["status"])
-    return Tally(plan.cases, failed)
+            writer.add(block)
+            done += block.cases
+            report(done, plan.cases, writer.failed)
+    return Tally(plan.cases, writer.failed, writer.resumed)
+
+
+@contextmanager
+def _blocks(
+    plan: StudyPlan, writer: StudyWriter, workers: int, scheduler: Any
+) -> Iterator[Iterable[Block]]:
+    """What a study still lacks, block after block, from threads or from a cluster."""
+
+    def work(number: int) -> Block:
+        return encode_block(writer.cut, number, evaluate(plan, *writer.cut.span(number)))
+
+    if scheduler is None or not writer.missing:
+        with closing(in_threads(work, writer.missing, workers)) as blocks:
+            yield blocks
+        return
+    with (
+        connect(scheduler, workers) as client,
+        closing(in_cluster(plan, writer.cut, writer.missing, client)) as blocks,
+    ):
+        yield blocks
 
 
 def frame_of(plan: StudyPlan) -> Study:
@@ -149,23 +228,12 @@ def frame_of(plan: StudyPlan) -> Study:
     )
 
 
-def _reported(
-    plan: StudyPlan, progress: Report | bool | None, workers: int
-) -> Generator[Columns, None, None]:
-    """The blocks of a plan in order, each reported when it is done."""
-    workers = _validate.integer("workers", workers, 1, "give the number of threads")
-    shown: AbstractContextManager[Report | None] = nullcontext()
+def _count(workers: int) -> int:
+    return _validate.integer("workers", workers, 1, "give the number of threads")
+
+
+def _shown(progress: Report | bool | None, before: int = 0) -> AbstractContextManager[Report]:
+    """Where progress goes: to standard error, to the caller, or nowhere."""
     if progress is True:
-        shown = Progress()
-    elif progress:
-        shown = nullcontext(progress)
-    done = failed = 0
-    with shown as report, closing(evaluate_blocks(plan, workers)) as blocks:
-        if report is not None:
-            report(done, plan.cases, failed)
-        for block in blocks:
-            yield block
-            done += len(block["status"])
-            failed += count_failed(block["status"])
-            if report is not None:
-                report(done, plan.cases, failed)
+        return Progress(before=before)
+    return nullcontext(progress or (lambda done, total, failed: None))

@@ -1,0 +1,57 @@
+"""The long run of what `tests/test_crash.py` samples: kills, failing calls, damage.
+
+    python benchmarks/crash.py [--kills 300] [--damages 2000] [--every 1]
+
+Each part raises at the first block lost, file damaged or traceback, and else prints how
+much it went through.
+"""
+
+import argparse
+import random
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+import crash_tools as tools
+
+
+def kills(folder: Path, count: int) -> str:
+    hits = tools.kill_until_done(folder / "a.h5", count, random.Random(1))
+    return f"{count} kills, {hits} of them of a running process"
+
+
+def failing_calls(folder: Path, every: int) -> str:
+    injected = 0
+    for begun in (False, True):
+        call, more = 0, True
+        while more:
+            hits = [tools.fail_once(folder, call, code, begun) for code in tools.ERRORS]
+            injected += sum(hits)
+            more, call = all(hits), call + every
+    return f"{injected} failing calls"
+
+
+def damages(folder: Path, count: int) -> str:
+    rng = random.Random(2)
+    lost = [tools.damage_once(folder, rng) for _ in range(count)]
+    return f"{count} damages, {sum(n == 0 for n in lost)} of them harmless"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--kills", type=int, default=300)
+    parser.add_argument("--damages", type=int, default=2000)
+    parser.add_argument("--every", type=int, default=1, help="every n-th call of the write path")
+    args = parser.parse_args()
+    parts = ((kills, args.kills), (failing_calls, args.every), (damages, args.damages))
+    for part, argument in parts:
+        begin = time.perf_counter()
+        with tempfile.TemporaryDirectory() as folder:
+            text = part(Path(folder), argument)
+        print(f"{text}: nothing lost, every file equal ({time.perf_counter() - begin:.0f} s)")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,78 @@
+"""What crash safety costs: a study of ten million cases, written once and kept as it grows.
+
+    python benchmarks/crash_cost.py [--cases 10000000] [--workers 2] [--folder .]
+
+Both runs solve and compress the same blocks. The first writes them straight into the file;
+the second is what `escapement sweep` does.
+"""
+
+import argparse
+import resource
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+
+import escapement as esc
+from escapement.configuration import StudyPlan, plan_from
+from escapement.store import blocks_of, encode_block
+from escapement.store._image import write_blocks
+from escapement.sweeping import frame_of, write_plan
+from escapement.sweeping._blocks import in_threads
+from escapement.sweeping._evaluate import evaluate
+
+
+def study(cases: int) -> StudyPlan:
+    timer = esc.Escapement(esc.Geneva(slots=4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
+    torque = np.linspace(0.005, 0.02, 1000)
+    return plan_from(timer, {"friction": np.linspace(0.05, 0.4, cases // 1000), "torque": torque})
+
+
+def write_once(plan: StudyPlan, path: Path, workers: int) -> None:
+    frame = frame_of(plan)
+    cut = blocks_of(frame)
+
+    def work(number: int):
+        return encode_block(cut, number, evaluate(plan, *cut.span(number)))
+
+    with closing(in_threads(work, range(len(cut)), workers)) as blocks:
+        write_blocks(frame, path, blocks, True, threading.Event())
+
+
+def keep(plan: StudyPlan, path: Path, workers: int) -> None:
+    write_plan(plan, path, force=True, workers=workers)
+
+
+def timed(write: Callable, plan: StudyPlan, path: Path, workers: int) -> float:
+    begin = time.perf_counter()
+    write(plan, path, workers)
+    return time.perf_counter() - begin
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--cases", type=int, default=10_000_000)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--folder", default=".")
+    args = parser.parse_args()
+    timed(keep, study(100_000), Path(tempfile.mkdtemp()) / "warm.h5", 1)
+    plan = study(args.cases)
+    with tempfile.TemporaryDirectory(dir=args.folder) as folder:
+        once, kept = [], []
+        for _ in range(args.rounds):
+            once.append(timed(write_once, plan, Path(folder) / "once.h5", args.workers))
+            kept.append(timed(keep, plan, Path(folder) / "kept.h5", args.workers))
+        size = (Path(folder) / "kept.h5").stat().st_size
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"{plan.cases} cases, {size / 1e6:.0f} MB, at most {memory:.0f} MiB of memory")
+    print(f"written once {min(once):.2f} s, crash-safe {min(kept):.2f} s, "
+          f"ratio {min(kept) / min(once):.2f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+"""A block of a study: the unit that is computed, kept, sent and written as a whole.
+
+A block is one HDF5 chunk of every result, already encoded. It holds a fixed range of
+cases, so that neither its bytes nor those of the file depend on who computed it.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.store._chunks import Tiling, encode, tiling
+from escapement.store._study import RESULTS, Study, count_failed
+
+_CASES = {"energy": 16384, "ivp": 4}
+"""Cases of a block, by engine: a quarter of a second of work up to two seconds."""
+
+
+class Block(NamedTuple):
+    """One chunk of every result.
+
+    number : place among the chunks. cases, failed : held, and those without an answer.
+    chunks : encoded, in the order of `RESULTS`.
+    """
+
+    number: int
+    cases: int
+    failed: int
+    chunks: tuple[bytes, ...]
+
+
+def blocks_of(frame: Study) -> Tiling:
+    """How the cases of a study are cut into blocks."""
+    return tiling(frame.shape, _CASES[frame.attributes["engine"]])
+
+
+def encode_block(cut: Tiling, number: int, columns: Mapping[str, NDArray[Any]]) -> Block:
+    """A block of its results, shape (n,) each."""
+    chunks = (
+        encode(columns[name].astype(result.dtype, copy=False), cut.cells)
+        for name, result in RESULTS.items()
+    )
+    status = np.asarray(columns["status"])
+    return Block(number, status.size, count_failed(status), tuple(chunks))

@@ -1,0 +1,115 @@
+"""Studies on a real Dask cluster: the same bytes, whatever happens to its workers."""
+
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from escapement.cli import main
+from escapement.configuration import plan_from
+from escapement.errors import StorageError
+from escapement.mechanisms import Geneva
+from escapement.model import Escapement, Inertia
+from escapement.store import partial_path, read_study
+from escapement.sweeping import _cluster, sweep, write_plan
+
+distributed = pytest.importorskip("distributed")
+pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own making
+
+TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
+
+
+@pytest.fixture(scope="module")
+def client():
+    """Two workers on this machine."""
+    with (
+        distributed.LocalCluster(
+            n_workers=2,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address=None,
+            silence_logs=50,
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
+
+
+def plan(cases=100_000):
+    return plan_from(TIMER, {"friction": np.linspace(0.05, 0.4, cases)})
+
+
+def bytes_of(path):
+    created = read_study(path).attributes["created"].encode()
+    return path.read_bytes().replace(created, b"0" * len(created))
+
+
+@pytest.fixture(scope="module")
+def serial(tmp_path_factory):
+    """The bytes of the study, computed here."""
+    path = tmp_path_factory.mktemp("serial") / "a.h5"
+    write_plan(plan(), path, workers=2)
+    return bytes_of(path)
+
+
+def test_same_bytes_though_a_worker_is_killed(tmp_path, client, serial):
+    workers = list(client.run(os.getpid).values())
+    killed = []
+
+    def kill_one(done, total, failed):
+        if done and not killed:
+            killed.append(workers[0])
+            os.kill(workers[0], signal.SIGKILL)
+
+    tally = write_plan(plan(), tmp_path / "a.h5", scheduler=client, progress=kill_one)
+    assert killed
+    assert tally.cases == 100_000
+    assert bytes_of(tmp_path / "a.h5") == serial
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.h5"]
+
+
+def test_begun_here_and_continued_there(tmp_path, client, serial):
+    path = tmp_path / "a.h5"
+
+    def stop(done, total, failed):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_plan(plan(), path, scheduler=client, progress=stop)
+    assert partial_path(path).exists()
+    tally = write_plan(plan(), path, scheduler=client, resume=True)
+    assert 0 < tally.resumed < tally.cases
+    assert bytes_of(path) == serial
+
+
+def test_a_block_that_ends_every_worker(tmp_path, client, monkeypatch):
+    made = {"__name__": "__main__"}  # so that it travels by value
+    exec("def fatal(*_):\n    import os\n    os._exit(9)", made)
+    monkeypatch.setattr(_cluster, "solve_blocks", made["fatal"])
+    monkeypatch.setattr(client.cluster.scheduler, "allowed_failures", 0)
+    with pytest.raises(StorageError, match="a block ended 1 workers"):
+        write_plan(plan(10), tmp_path / "a.h5", scheduler=client)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_local_cluster_on_the_command_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(
+        "torque = 0.01\n[mechanism]\nslots = 4\n[inertia]\ndriver = 3e-7\nfollower = 6e-6\n"
+        "[sweep]\nfriction = [0.1, 0.2]\n"
+    )
+    assert main(["sweep", "s.toml", "--scheduler", "local", "--workers", "1", "--quiet"]) == 0
+    assert read_study("s.h5").failed == 0
+    capsys.readouterr()
+    assert main(["sweep", "s.toml", "--scheduler", "tcp://x:1", "--workers", "1"]) == 2
+    assert "--workers must not come with --scheduler tcp://x:1" in capsys.readouterr().err
+
+
+def test_no_scheduler_there(tmp_path, monkeypatch):
+    monkeypatch.setattr(_cluster, "_PATIENCE", 0.5)
+    with pytest.raises(StorageError, match="must answer, and did not"):
+        sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5", scheduler="tcp://127.0.0.1:9")
+    assert list(tmp_path.iterdir()) == []

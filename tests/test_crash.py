@@ -1,0 +1,86 @@
+"""Whatever strikes a running study, nothing finished is lost and the file is the same.
+
+A sample of `benchmarks/crash.py`, which goes through every call, error and many instants.
+"""
+
+import random
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+import crash_tools as tools
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and locks")
+
+
+def test_killed_at_ten_random_instants(tmp_path):
+    assert tools.kill_until_done(tmp_path / "a.h5", 10, random.Random(7)) > 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_asked_to_end(tmp_path, number):
+    told = tools.kill_one(tmp_path / "a.h5", 0.02, number)
+    assert not set(told) & set(tools.missing(tmp_path / "a.h5"))
+
+
+@pytest.mark.parametrize("begun", [False, True], ids=["fresh", "resumed"])
+def test_a_call_that_fails_costs_one_line(tmp_path, begun):
+    calls = [*range(0, 40, 3), *range(40, 1100, 400)]
+    injected = [
+        tools.fail_once(tmp_path, call, code, begun) for call in calls for code in tools.ERRORS[:5]
+    ]
+    assert len(injected) >= 80
+    assert all(injected)
+
+
+def test_random_damage_is_found(tmp_path):
+    rng = random.Random(3)
+    lost = [tools.damage_once(tmp_path, rng) for _ in range(200)]
+    assert max(lost) <= 5
+    assert sum(lost) > 100
+
+
+def test_damage_costs_one_block_and_no_other(tmp_path):
+    path = tmp_path / "a.h5"
+    tools.leave_half(path)
+    partial = tools.partial_path(path)
+    data = bytearray(partial.read_bytes())
+    data[len(data) - 40] ^= 4
+    partial.write_bytes(data)
+    assert tools.missing(path) == [4, 5, 6, 7, 8, 9]
+    data[len(data) // 2] ^= 4
+    partial.write_bytes(data)
+    assert len(tools.missing(path)) in (6, 7)
+
+
+LIMITED = """
+import resource, sys
+sys.path.insert(0, {folder!r})
+import crash_tools as tools
+from pathlib import Path
+resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+try:
+    tools.write(Path({path!r}), tools.small_study(), resume=True)
+except tools.EscapementError as error:
+    print(error)
+    sys.exit(error.exit_code)
+"""
+
+
+@pytest.mark.parametrize("limit", [0, 100, 1500, 4000])
+def test_a_limit_on_the_size_of_files(tmp_path, limit):
+    path = tmp_path / "a.h5"
+    code = LIMITED.format(folder=str(Path(__file__).parent), limit=limit, path=str(path))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (74, "")
+    assert done.stdout.startswith(f"writing {path} failed: File too large; ")
+    assert done.stdout.count("\n") == 1
+    assert tools.partial_path(path).exists() == (limit > 1000)
+    tools.write(path, tools.small_study(), resume=True)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
+    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] != limit

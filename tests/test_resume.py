@@ -1,0 +1,275 @@
+"""Continuing a study: what is taken over, what is refused, and who may write."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from escapement import simulation
+from escapement.cli import main
+from escapement.configuration import plan_from
+from escapement.errors import CannotCreate
+from escapement.mechanisms import Geneva
+from escapement.metrics import Figures
+from escapement.model import Escapement, Inertia
+from escapement.store import SCHEMA_VERSION, partial_path, read_study
+from escapement.sweeping import _run, sweep, write_plan
+
+sys.path.insert(0, str(Path(__file__).parent))
+import crash_tools as tools
+
+TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
+CONFIGURATION = """
+torque = 0.01
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-7
+follower = 6e-6
+[sweep]
+friction = { start = 0.01, stop = 0.3, num = 40 }
+[solver]
+engine = "ivp"
+"""
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Frictions that were solved, in order; the 22nd call is interrupted."""
+    frictions = []
+
+    def fake(escapement, **_):
+        frictions.append(escapement.friction)
+        if len(frictions) == 22:
+            raise KeyboardInterrupt
+        return Figures(period=escapement.friction)
+
+    monkeypatch.setattr(simulation, "terminal", fake)
+    return frictions
+
+
+def plan(num=40, **options):
+    return plan_from(TIMER, {"friction": np.linspace(0.01, 0.3, num)}, engine="ivp", **options)
+
+
+def interrupted(path, study=None, **options):
+    with pytest.raises(KeyboardInterrupt):
+        write_plan(plan() if study is None else study, path, **options)
+
+
+def without_date(path):
+    """Bytes of a study file, its date of creation blanked."""
+    created = read_study(path).attributes["created"].encode()
+    return path.read_bytes().replace(created, b"0" * len(created))
+
+
+def test_only_what_is_missing_is_computed(tmp_path, solved):
+    path = tmp_path / "a.h5"
+    interrupted(path)
+    solved.clear()
+    before = partial_path(path).stat().st_size
+    assert before > 0
+    solved.extend([0.0] * 30)  # past the interruption
+    tally = write_plan(plan(), path, resume=True)
+    assert tally.resumed in (16, 20)
+    assert len(solved) - 30 == 40 - tally.resumed
+    assert (tally.cases, tally.failed) == (40, 0)
+    assert not partial_path(path).exists()
+    write_plan(plan(), tmp_path / "b.h5")
+    assert without_date(path) == without_date(tmp_path / "b.h5")
+
+
+def test_the_file_is_dated_when_it_was_begun(tmp_path, solved, monkeypatch):
+    path = tmp_path / "a.h5"
+    interrupted(path)
+    begun = _run.frame_of
+
+    def later(study):
+        frame = begun(study)
+        frame.attributes["created"] = "2999-01-01T00:00:00+00:00"
+        return frame
+
+    monkeypatch.setattr(_run, "frame_of", later)
+    write_plan(plan(), path, resume=True)
+    assert read_study(path).attributes["created"] < "2999"
+
+
+@pytest.mark.usefixtures("solved")
+@pytest.mark.parametrize(
+    ("other", "difference"),
+    [
+        (plan(title="other"), 'title was "geneva escapement over friction" and is "other"'),
+        (plan(30), "sweep.friction was [0.01, "),
+        (plan(rtol=1e-8), "solver.rtol was not set and is 1e-08"),
+        (
+            plan_from(
+                Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.02, 0.35),
+                {"friction": np.linspace(0.01, 0.3, 40)},
+                engine="ivp",
+            ),
+            "torque was 0.0113 and is 0.02",
+        ),
+    ],
+)
+def test_another_configuration_is_refused_with_its_difference(tmp_path, other, difference):
+    path = tmp_path / "a.h5"
+    interrupted(path)
+    before = partial_path(path).read_bytes()
+    with pytest.raises(CannotCreate) as caught:
+        write_plan(other, path, resume=True)
+    assert difference in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert partial_path(path).read_bytes() == before
+
+
+def test_the_order_of_axes_is_part_of_a_study(tmp_path, solved):
+    axes = {"friction": [0.1, 0.2] * 20, "slots": [3, 4]}
+    interrupted(tmp_path / "a.h5", plan_from(TIMER, axes, engine="ivp", title="t"))
+    swapped = plan_from(TIMER, dict(reversed(axes.items())), engine="ivp", title="t")
+    with pytest.raises(CannotCreate, match="had the order friction, slots"):
+        write_plan(swapped, tmp_path / "a.h5", resume=True)
+
+
+@pytest.mark.usefixtures("solved")
+def test_a_version_with_other_numbers_is_refused(tmp_path, monkeypatch):
+    interrupted(tmp_path / "a.h5")
+    monkeypatch.setattr(_run, "numerics", lambda: "other")
+    with pytest.raises(CannotCreate, match=r"the version that began it, 0\.1\.0 \(\w{12}\), got"):
+        write_plan(plan(), tmp_path / "a.h5", resume=True)
+
+
+def test_a_newer_version_with_the_same_numbers_goes_on(tmp_path, solved, monkeypatch):
+    interrupted(tmp_path / "a.h5")
+    monkeypatch.setattr(_run, "__version__", "9.9.9")
+    write_plan(plan(), tmp_path / "a.h5", resume=True)
+    assert read_study(tmp_path / "a.h5").attributes["package_version"] != "9.9.9"
+
+
+@pytest.mark.usefixtures("solved")
+def test_partial_results_are_not_dropped_unless_forced(tmp_path):
+    path = tmp_path / "a.h5"
+    interrupted(path)
+    with pytest.raises(CannotCreate, match=r"continue with --resume .* or start over with --force"):
+        write_plan(plan(), path)
+    assert write_plan(plan(), path, force=True).resumed == 0
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
+
+
+def test_nothing_to_resume_starts_afresh_and_all_done_does_nothing(tmp_path, solved):
+    solved.extend([0.0] * 30)
+    path = tmp_path / "a.h5"
+    assert write_plan(plan(), path, resume=True).resumed == 0
+    before = path.read_bytes()
+    solved.clear()
+    assert write_plan(plan(), path, resume=True).resumed == 40
+    assert solved == []
+    assert path.read_bytes() == before
+    with pytest.raises(CannotCreate, match="must not exist yet"):
+        write_plan(plan(30), path, resume=True)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_killed_between_the_last_two_steps(tmp_path):
+    """The file is in place, and its partial results are not yet removed."""
+    path = tmp_path / "a.h5"
+    tools.leave_half(path)
+    left = partial_path(path).read_bytes()
+    tools.write(path, tools.small_study(), resume=True)
+    partial_path(path).write_bytes(left)
+    added = []
+    tools.write(path, tools.small_study(), added=added, resume=True)
+    assert added == []
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_of_someone_else_is_not_taken_for_partial_results(tmp_path):
+    partial_path(tmp_path / "a.h5").write_text("my own notes, of some length")
+    for options in ({}, {"resume": True}):
+        with pytest.raises(CannotCreate, match="no partial result; move it away"):
+            tools.write(tmp_path / "a.h5", tools.small_study(), **options)
+    assert partial_path(tmp_path / "a.h5").read_text().startswith("my own notes")
+    tools.write(tmp_path / "a.h5", tools.small_study(), force=True)
+
+
+def test_the_second_of_two_is_told_so(tmp_path):
+    path = tmp_path / "a.h5"
+    with tools.start_writer(path, pause=60.0) as first:
+        assert first.stdout.readline() == "begun\n"
+        assert first.stdout.readline() == "0\n"
+        before = partial_path(path).read_bytes()
+        for options in ({}, {"resume": True}, {"force": True}):
+            with pytest.raises(CannotCreate, match=f"process {first.pid} on .* is writing it"):
+                tools.write(path, tools.small_study(), **options)
+        assert partial_path(path).read_bytes() == before
+        first.kill()
+    assert tools.missing(path) == list(range(1, 10))  # a dead process holds no lock
+
+
+def test_a_link_and_its_file_are_one_output(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "real.h5")
+    with tools.start_writer(tmp_path / "real.h5", pause=60.0) as first:
+        first.stdout.readline()
+        first.stdout.readline()
+        with pytest.raises(CannotCreate, match="is writing it"):
+            tools.write(tmp_path / "link", tools.small_study())
+        first.kill()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_became_read_only(tmp_path):
+    tools.leave_half(tmp_path / "a.h5")
+    tmp_path.chmod(0o500)
+    with pytest.raises(CannotCreate, match="Permission denied"):
+        tools.write(tmp_path / "a.h5", tools.small_study(), resume=True)
+    tmp_path.chmod(0o700)
+    assert len(tools.missing(tmp_path / "a.h5")) <= 5
+
+
+def test_resume_in_python(tmp_path, solved):
+    arguments = {"friction": np.linspace(0.1, 0.3, 40), "engine": "ivp", "path": tmp_path / "a.h5"}
+    with pytest.raises(KeyboardInterrupt):
+        sweep(TIMER, **arguments)
+    study = sweep(TIMER, resume=True, **arguments)
+    np.testing.assert_array_equal(study.results["period"], study.axes["friction"])
+    assert study.attributes["schema_version"] == SCHEMA_VERSION
+    assert len(solved) < 22 + 40
+
+
+def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.toml").write_text(CONFIGURATION)
+    assert main(["sweep", "s.toml", "--quiet", "--workers", "1"]) == 130
+    assert capsys.readouterr().err.splitlines() == [
+        "escapement: what was finished is in s.h5.partial; continue with --resume",
+        "escapement: error: interrupted",
+    ]
+    assert main(["sweep", "s.toml", "--quiet"]) == 73
+    assert "continue with --resume" in capsys.readouterr().err
+    assert main(["sweep", "s.toml", "--resume"]) == 0
+    errors = capsys.readouterr().err
+    assert re.search(r"40 cases in s.h5, \d+ of them from before", errors)
+    assert main(["sweep", "s.toml", "--resume", "--json"]) == 0
+    assert '"resumed": 40' in capsys.readouterr().out
+
+
+def test_a_real_study_survives_its_process(tmp_path, monkeypatch):
+    """Killed by SIGKILL as a whole program, then continued."""
+    text = CONFIGURATION.replace("num = 40", "num = 100_000").replace('"ivp"', '"energy"')
+    (tmp_path / "s.toml").write_text(text)
+    program = [sys.executable, "-m", "escapement", "sweep", "s.toml", "--quiet", "--workers", "1"]
+    with subprocess.Popen(program, cwd=tmp_path, stdout=subprocess.PIPE) as process:
+        partial = tmp_path / "s.h5.partial"
+        while process.poll() is None and not (partial.exists() and partial.stat().st_size > 1500):
+            pass
+        process.kill()
+    assert process.returncode == -9
+    assert not (tmp_path / "s.h5").exists()
+    monkeypatch.chdir(tmp_path)
+    assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
+    assert main(["sweep", "s.toml", "--quiet", "-o", "t.h5"]) == 0
+    assert without_date(tmp_path / "s.h5") == without_date(tmp_path / "t.h5")

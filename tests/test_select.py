@@ -1,0 +1,101 @@
+"""A single case of a study file, simulated again as a full motion."""
+
+import json
+
+import h5py
+import pytest
+
+from escapement.cli import main
+from escapement.store import SCHEMA_VERSION, read_study
+
+STUDY = """
+units = "in-lbf-s"
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-6
+follower = 50e-6
+[sweep]
+friction = [0.2, 0.35]
+torque = { start = 0.08, stop = 0.14, num = 4 }
+load_torque = 0.001
+"""
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """A study in the working folder; runs a command and returns its code and output."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.toml").write_text(STUDY)
+    assert main(["sweep", "s.toml", "--quiet", "--workers", "1"]) == 0
+    capsys.readouterr()
+
+    def command(*argv):
+        return main([*argv]), *capsys.readouterr()
+
+    return command
+
+
+@pytest.mark.parametrize("engine", [(), ("--engine", "energy", "--rtol", "1e-9")])
+def test_a_case_is_redone(run, engine):
+    code, out, _ = run(
+        "run", "--from", "s.h5", "--select", "friction=0.35, torque=.1", "--json", *engine
+    )
+    record = json.loads(out)
+    assert code == 0
+    results = read_study("s.h5").results
+    for name in ("velocity_max", "period", "rise_time"):
+        assert record[name] == pytest.approx(results[name][1, 1, 0], rel=1e-8)
+    assert len(record["handoff_times"]) == 20
+    code, _, _ = run("run", "--from", "s.h5", "--select", "friction=0.2,torque=0.14", "-o", "m.h5")
+    assert code == 0
+    assert run("plot", "m.h5")[0] == 0
+
+
+REFUSED = {
+    "friction=0.3,torque=0.1": "friction must be a value of s.h5, got 0.3; the nearest is 0.35",
+    "torque=0.1": "--select must choose one of the 2 values of friction in s.h5, got none",
+    "slots=4": "--select must name axes of s.h5, got 'slots'; it has friction, torque, load_torque",
+    "friction": "--select must be NAME=VALUE[,NAME=VALUE...], got 'friction'",
+    "friction=a": "--select must be NAME=VALUE[,NAME=VALUE...], got 'friction=a'",
+    "friction=nan,torque=.1": "friction must be a value of s.h5, got nan",
+}
+
+
+@pytest.mark.parametrize("selection", REFUSED)
+def test_a_selection_that_names_no_case(run, selection):
+    code, out, err = run("run", "--from", "s.h5", "--select", selection)
+    assert (code, out) == (2, "")
+    assert REFUSED[selection] in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("argv", "code", "message"),
+    [
+        (["--select", "friction=1"], 2, "--select must come with --from"),
+        (["--from", "s.h5", "--friction", "1"], 2, "--friction must not come with --from"),
+        (["--from", "s.h5", "--torque", "1"], 2, "--torque must not come with --from"),
+        (["--from", "s.h5", "--slots", "5"], 2, "--slots must not come with --from"),
+        (["--from", "none.h5"], 66, "does not exist"),
+        (["--from", "s.toml"], 65, "must be an HDF5 file"),
+    ],
+)
+def test_wrong_use(run, argv, code, message):
+    found, out, err = run("run", *argv)
+    assert (found, out) == (code, "")
+    assert message in err
+
+
+def test_files_of_other_versions(run):
+    """An older file and one with more in it are read, a newer layout is refused."""
+    with h5py.File("s.h5", "r+") as file:
+        file["note"] = 1.0
+        file.attrs["package_version"] = "0.0.1"
+    code, _, _ = run("run", "--from", "s.h5", "--select", "friction=0.2,torque=0.1")
+    assert code == 0
+    with h5py.File("s.h5", "r+") as file:
+        file.attrs["schema_version"] = SCHEMA_VERSION + 1
+    code, _, err = run("run", "--from", "s.h5", "--select", "friction=0.2,torque=0.1")
+    assert code == 65
+    assert "install a newer" in err
