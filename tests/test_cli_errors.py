@@ -118,7 +118,7 @@ USAGE = {
     "rtol 1": (run("--rtol", "1"), "rtol", "below 1", "got 1.0"),
     "rtol too small": (run("--rtol", "1e-14"), "rtol", "1e-13", "got 1e-14"),
     "force without output": (run("--force"), "--force", "--output"),
-    "ratio out of range": (run("--torque", "1e-320"), "torque and follower_inertia", "ratio"),
+    "ratio out of range": (run("--torque", "1e-320"), "follower_inertia / torque", "between"),
     "one inertia": (["mechanism", "--driver-inertia", "1"], "--follower-inertia", "--driver"),
     "other inertia": (["mechanism", "--follower-inertia", "1"], "--driver-inertia must"),
     "angle without drawing": (["mechanism", "--angle", "3"], "--angle", "--plot"),
