@@ -78,14 +78,19 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
     scratch = np.empty(SCRATCH)
     count = lay_out(store, breaks, path, rho, loose)
     time = 0.0
+    start = w
+    same = store[0, GEOMETRY, ENDS] ** 2 + rho == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
-        status, out, length, exponent, _s, _side, _r, count, _u = march(
+        status, out, length, exponent, source, _side, _r, count, _u = march(
             store, count, path, rho, mu, load, w, 0.0, 0.0, loose, strict, False, events, scratch
         )
         if status != OK:
             times[k] = (time + length) * clock
             return status, k, out
         out, free = free_turn(out, dwell, rho)
+        if mu == 0.0 and same:
+            # every engagement adds the same energy: no sum, no rounding that adds up
+            out = start + (k + 1) * (source / rho + 2.0 * dwell / rho)
         length += free
         time += length
         times[k] = time * clock

@@ -269,21 +269,22 @@ def way_from_rest(row, w, z, rho, scratch):
 
 
 @jit
-def rough_from_rest(z, limit, scratch):
+def rough_from_rest(way, limit, scratch):
     """Whether 1/sqrt(w) over its singular part is less smooth than `limit`."""
     for i in range(N):
-        scratch[K + i] = np.sqrt(POINTS[i] + z) * scratch[F + i]
+        scratch[K + i] = np.sqrt(1.0 + POINTS[i] + way) * scratch[F + i]
     return tail_of(scratch, K) > limit * scratch[K + N // 2]
 
 
 @jit
-def time_from_low_speed(row, z, scratch):
-    """Time over a panel whose speed vanishes at x = -z, just before its left end.
+def time_from_low_speed(row, way, scratch):
+    """Time over a panel whose speed vanishes at x = -1 - way, just before its left end.
 
-    1/sqrt(w) is a smooth function over sqrt(x + z); the generating function of
-    the Legendre polynomials gives the moments of the weight in closed form.
+    1/sqrt(w) is a smooth function over sqrt(x + 1 + way); the generating function
+    of the Legendre polynomials gives the moments of the weight in closed form. The
+    way itself counts, by its square root, long after 1 + way is 1.
     """
-    t = 1.0 / (z + np.sqrt((z - 1.0) * (z + 1.0)))
+    t = 1.0 / (1.0 + way + np.sqrt(way * (2.0 + way)))
     scale = np.sqrt(2.0 * t)
     total = 0.0
     for i in range(N):
@@ -296,5 +297,5 @@ def time_from_low_speed(row, z, scratch):
             before, now = now, after
             power *= -t
             weight += power * now
-        total += WEIGHTS[i] * scale * weight * np.sqrt(x + z) * scratch[F + i]
+        total += WEIGHTS[i] * scale * weight * np.sqrt(1.0 + x + way) * scratch[F + i]
     return row[HALF] * total

@@ -356,8 +356,9 @@ def _crossings(function: Any, x: FloatArray, f: FloatArray) -> list[float]:
     changes = np.nonzero(f[:-1] * f[1:] < 0.0)[0]
     roots = [
         brentq(function, x[i], x[i + 1], xtol=1e-300, rtol=1e-15)
-        for i in changes
         if function(x[i]) * function(x[i + 1]) < 0.0
+        else x[i]  # two reversals within rounding of each other: back at once
+        for i in changes
     ]
     return [float(r) for r in roots]
 

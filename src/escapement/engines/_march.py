@@ -152,6 +152,7 @@ def march(
     time, exponent, source = 0.0, 0.0, 0.0
     panel = 0
     noted = False
+    way = 0.0
     row = store[0, GEOMETRY]
     energy = w * (rho + row[ENDS] ** 2)
     if side == 0.0:
@@ -190,8 +191,8 @@ def march(
             if z < SMOOTH:
                 split = z > 1.05 or tail > strict or reversal >= 0
                 if not split:
-                    z = 1.0 + way_from_rest(row, w, z, rho, scratch)
-                    split = rough_from_rest(z, strict, scratch)
+                    way = way_from_rest(row, w, z, rho, scratch)
+                    split = rough_from_rest(way, strict, scratch)
             else:
                 # near a stop the errors of all panels have one sign, hence the tenth
                 limit = strict if reversal >= 0 else 0.1 * loose
@@ -241,7 +242,7 @@ def march(
                 used = _note(events, used, kind, angle, time + elapsed, w_top)
                 rising = -rising
             if z < SMOOTH:
-                time += time_from_low_speed(row, z, scratch)
+                time += time_from_low_speed(row, way, scratch)
             else:
                 time += row[HALF] * whole(scratch, F)
             exponent += solution[RIGHT + 2]
