@@ -22,6 +22,7 @@ COMMANDS = {
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "drive-torque": "torque and pin reversals at constant driver speed",
     "reproduce": "a source's printed numbers beside computed ones",
+    "bench": "run time against error of all engines",
 }
 
 SOME_FAILED = 3

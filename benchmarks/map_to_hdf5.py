@@ -1,0 +1,122 @@
+"""A map of torque and friction to HDF5: wall time, share of solving, peak memory.
+
+``python benchmarks/map_to_hdf5.py [--side 1000] [--workers 2] [--folder DIR]``
+
+Torque by friction, all figures of merit, 10^6 cases; ``--side 10000`` writes 10^8 (about
+5 GB) to show that memory stays bounded. Every run is a process of its own with compiled
+code cached, so that its peak memory is its own. The file is removed afterwards.
+"""
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.benchmark import machine, tables
+from escapement.benchmark.problems import PROBLEMS
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Map(NamedTuple):
+    """One sweep: times in seconds, memory and file in MB.
+
+    wall, processor : of the sweep into the file; the processor's in all threads.
+    solving : processor time within the engine's batches, summed over threads.
+    """
+
+    workers: int
+    cases: int
+    failed: int
+    importing: float
+    wall: float
+    processor: float
+    solving: float
+    peak_memory_mb: float
+    file_mb: float
+
+
+def sweep(side: int, workers: int, path: Path) -> dict[str, float]:
+    """One sweep in this process, watched."""
+    begin = time.perf_counter()
+    import escapement as esc
+    from escapement.configuration import plan_from
+    from escapement.engines import _energy_batch
+    from escapement.sweeping import write_plan
+
+    timer = PROBLEMS[0].escapement
+    esc.simulate(timer)
+    importing = time.perf_counter() - begin
+    solve, spent = _energy_batch.solve, []
+
+    def watched(*arguments: Any) -> Any:
+        start = time.thread_time()
+        solved = solve(*arguments)
+        spent.append(time.thread_time() - start)
+        return solved
+
+    _energy_batch.solve = watched
+    torque = timer.torque * np.linspace(0.5, 2.0, side)
+    friction = np.linspace(0.05, 0.40, side)
+    start, used = time.perf_counter(), time.process_time()
+    plan = plan_from(timer, {"torque": torque, "friction": friction})
+    tally = write_plan(plan, path, workers=workers)
+    return {
+        "cases": tally.cases,
+        "failed": tally.failed,
+        "importing": importing,
+        "wall": time.perf_counter() - start,
+        "processor": time.process_time() - used,
+        "solving": sum(spent),
+        "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+    }
+
+
+def measure(side: int, workers: int, folder: Path) -> Map:
+    """Run one sweep in a process of its own."""
+    path = folder / "map.h5"
+    command = [sys.executable, __file__, "--sweep", str(side), str(workers), str(path)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    record = json.loads(done.stdout)
+    size = path.stat().st_size / 1e6
+    path.unlink()
+    return Map(workers=workers, file_mb=size, **record)
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--side", type=int, default=1000, help="values of each axis")
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, machine.describe()["cores"]])
+    parser.add_argument("--rounds", type=int, default=3, help="runs, the fastest counts")
+    parser.add_argument("--folder", type=Path, help="where the file goes (default: temporary)")
+    parser.add_argument("--sweep", nargs=3, help=argparse.SUPPRESS)
+    parser.add_argument("-o", "--output", type=Path, default=ROOT / "benchmarks" / "results")
+    args = parser.parse_args()
+    if args.sweep:
+        side, workers, path = args.sweep
+        print(json.dumps(sweep(int(side), int(workers), Path(path))))
+        return
+    with tempfile.TemporaryDirectory(dir=args.folder) as folder:
+        maps = [
+            min(
+                (measure(args.side, workers, Path(folder)) for _ in range(args.rounds)),
+                key=lambda line: line.wall,
+            )
+            for workers in args.workers
+        ]
+    args.output.mkdir(parents=True, exist_ok=True)
+    name = "map_to_hdf5.csv" if args.side == 1000 else f"map_to_hdf5_{args.side}.csv"
+    tables.write_csv(args.output / name, maps)
+    print(tables.aligned(Map._fields, maps), end="")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,328 @@
+"""The error asked for against the error got, and what becomes of it at the edges.
+
+    python benchmarks/tolerance.py [--energy 1000] [--ivp 60] [--only NAME ...]
+
+Five studies, each a CSV and a figure in benchmarks/results, judged by the Taylor
+integrator of `independent.py`:
+
+    tolerance     error over tolerance of random cases, both engines
+    order         observed order of solve_ivp's methods with a fixed step
+    painleve      error and run time towards the Painleve limit
+    long_run      drift of time and energy over a million engagements
+    conditioning  relative change of each figure of merit by each parameter
+"""
+
+import argparse
+import csv
+import math
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import independent
+import stress
+
+import escapement as esc
+from escapement.dynamics import critical_friction
+from escapement.plots._style import (
+    LOOKS,
+    TWO_COLUMN,
+    dress,
+    legend_above,
+    new_axes,
+    new_figure,
+    save,
+)
+
+RESULTS = Path(__file__).resolve().parent / "results"
+SEED = 1954
+ENGAGEMENTS = 3
+
+
+def write(name, head, rows):
+    RESULTS.mkdir(exist_ok=True)
+    with open(RESULTS / f"{name}.csv", "w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows(rows)
+    for row in [head, *rows]:
+        print(
+            "  ".join(
+                f"{cell:>12.4g}" if isinstance(cell, float) else f"{cell!s:>12.22}" for cell in row
+            )
+        )
+
+
+def exact(case, w, engagements=ENGAGEMENTS):
+    """Handoff times and speeds, or None of a case that stops."""
+    rows = np.empty((engagements, independent.ROW))
+    status, _done = independent.motion(case, w, rows)
+    return np.concatenate([rows[:, 2], np.sqrt(rows[:, 1])]) if status == independent.OK else None
+
+
+def error_of(problem, engine, rtol, truth, **more):
+    """Greatest relative error of handoff times and speeds; infinite without them."""
+    motion = esc.simulate(
+        problem.model,
+        ENGAGEMENTS,
+        engine=engine,
+        rtol=rtol,
+        initial_speed=problem.speed,
+        **more,
+    )
+    found = np.concatenate([motion.handoff_times, motion.handoff_velocities])
+    return float(np.abs(found / truth - 1.0).max()) if found.size == truth.size else math.inf
+
+
+def study_tolerance(options):
+    """Share of random cases whose error is at most ten times the one asked for."""
+    rows, lines = [], {}
+    for engine, count, lowest in (("energy", options.energy, 13), ("ivp", options.ivp, 12)):
+        random = np.random.default_rng(SEED)
+        problems = []
+        while len(problems) < count:
+            problem = stress.draw(random)
+            truth = exact(independent.case_of(*problem.physics[:6]), problem.speed**2)
+            if truth is not None:
+                problems.append((problem, truth))
+        for power in range(3, lowest + 1):
+            rtol = 10.0**-power
+            began = time.perf_counter()
+            errors = np.array([error_of(p, engine, rtol, truth) for p, truth in problems])
+            spent = (time.perf_counter() - began) / count
+            errors = np.maximum(errors, 1e-17)
+            worst = int(errors.argmax())
+            middle, most = np.quantile(errors, [0.5, 0.95])
+            share = float(np.mean(errors <= 10.0 * rtol))
+            rest = [float(errors[worst] / rtol), share, spent * 1e3, *problems[worst][0].physics]
+            rows.append(
+                [engine, rtol, count, float(middle), float(most), float(errors[worst]), *rest]
+            )
+            lines.setdefault(engine, []).append((rtol, middle, most, errors[worst]))
+    head = ["engine", "rtol", "cases", "median", "q95", "worst", "worst / rtol", "share <= 10 rtol"]
+    write("tolerance", [*head, "ms a case", *stress.Problem._fields[:7]], rows)
+    figure = new_figure(TWO_COLUMN, 3.2)
+    for axes, (engine, table) in zip(
+        figure.subplots(1, 2, sharey=True), lines.items(), strict=True
+    ):
+        dress(axes)
+        rtol, *curves = np.array(table).T
+        for curve, look, label in zip(curves, LOOKS, ("median", "95 %", "worst"), strict=False):
+            axes.loglog(
+                rtol, curve, look.marker, ls=look.linestyle, color=look.color, label=label, ms=4
+            )
+        axes.loglog(rtol, rtol, "k-", lw=0.8, label="asked for")
+        axes.loglog(rtol, 10 * rtol, "k:", lw=0.8, label="ten times that")
+        axes.set_xlabel(f"relative error asked for, {engine}")
+    figure.axes[0].set_ylabel("relative error")
+    legend_above(figure.axes[0], 3)
+    save(figure, RESULTS / "tolerance.png")
+
+
+def study_order(_options):
+    """Order of solve_ivp's methods by regression of error on step."""
+    problem = stress.Problem(4, 4, False, 1.0, 0.2, 0.0, 1.0, 1e-9, 0.1)
+    truth = exact(independent.case_of(*problem.physics[:6]), 1.0)
+    cell = truth[0]
+    rows = []
+    axes = new_axes()
+    for method, parts, look in (
+        ("RK23", 2 ** np.arange(6, 12), LOOKS[0]),
+        ("RK45", 2 ** np.arange(5, 10), LOOKS[1]),
+        ("DOP853", np.array([23, 32, 45, 64, 91, 128]), LOOKS[2]),
+    ):
+        errors = np.array(
+            [
+                error_of(problem, "ivp", 0.9, truth, method=method, max_step=cell / n, atol=1e6)
+                for n in parts
+            ]
+        )
+        order = -np.polyfit(np.log(parts), np.log(errors), 1)[0]
+        rows += [
+            [method, int(n), float(e), float(order)] for n, e in zip(parts, errors, strict=True)
+        ]
+        axes.loglog(
+            1.0 / parts, errors, look.marker, ls=look.linestyle, color=look.color, ms=4,
+            label=f"{method}, order {order:.1f}",
+        )  # fmt: skip
+    write("order", ["method", "steps a cell", "error", "order"], rows)
+    axes.set_xlabel("longest step over first engagement")
+    axes.set_ylabel("relative error")
+    legend_above(axes, 1)
+    save(axes.figure, RESULTS / "order.png")
+
+
+def study_painleve(_options):
+    """Error and run time against the distance to the limit."""
+    rows, lines = [], {}
+    for slots, rho in ((4, 0.06), (3, 0.6), (6, 0.075)):
+        wheel, inertia = esc.Geneva(slots), esc.Inertia(rho, 1.0)
+        limit = critical_friction(wheel, inertia)
+        for power in np.arange(1.0, 7.01, 0.5):
+            gap = 10.0**-power
+            mu = (1.0 - gap) * limit
+            problem = stress.Problem(slots, wheel.pins, False, rho, mu, 0.0, 0.0, 1e-12, 1.0 - gap)
+            truth = exact(independent.case_of(*problem.physics[:6]), 0.0)
+            for engine, rtol in (("energy", 1e-12), ("ivp", 1e-10)):
+                repeats = 20 if engine == "energy" else 1
+                error = error_of(problem, engine, rtol, truth)
+                began = time.perf_counter()
+                for _ in range(repeats):
+                    error_of(problem, engine, rtol, truth)
+                spent = (time.perf_counter() - began) / repeats * 1e3
+                rows.append([slots, rho, gap, engine, rtol, max(error, 1e-17), spent])
+                lines.setdefault((slots, engine), []).append((gap, max(error, 1e-17), spent))
+    write("painleve", ["slots", "rho", "1 - mu/mu_c", "engine", "rtol", "error", "ms"], rows)
+    figure = new_figure(TWO_COLUMN, 3.2)
+    left, right = (dress(axes) for axes in figure.subplots(1, 2))
+    for k, ((slots, engine), table) in enumerate(lines.items()):
+        gap, error, spent = np.array(table).T
+        look = LOOKS[k]
+        style = {"marker": look.marker, "ls": look.linestyle, "color": look.color, "ms": 4}
+        left.loglog(gap, error, label=f"{engine}, {slots} slots", **style)
+        right.loglog(gap, spent, label=f"{engine}, {slots} slots", **style)
+    for axes in (left, right):
+        axes.set_xlabel("$1 - \\mu/\\mu_c$")
+        axes.invert_xaxis()
+    left.set_ylabel("relative error after 3 engagements")
+    right.set_ylabel("run time [ms]")
+    legend_above(left, 2)
+    save(figure, RESULTS / "painleve.png")
+
+
+@independent.compiled
+def _followed(case, known, times, squares):
+    """Handoff times and squared speeds, both added with care; speeds from `known` if any."""
+    work, turns = np.empty((24, independent.SIZE)), np.empty(16)
+    row = np.empty(independent.ROW)
+    time, time_lost, w, w_lost = 0.0, 0.0, 0.0, 0.0
+    for k in range(times.size):
+        independent.engage(case, w, work, turns, row)
+        y = row[2] - time_lost
+        t = time + y
+        time_lost = (t - time) - y
+        time = times[k] = t
+        if known.size:
+            w = known[k]
+        else:
+            y = row[4] / case[4] + w * math.expm1(row[3]) - w_lost
+            t = w + y
+            w_lost = (t - w) - y
+            w = t
+        squares[k] = w
+
+
+def study_long_run(_options):
+    """Drift without friction, where the speeds have a closed form, and with very little."""
+    count, rows = 1_000_000, []
+    axes = new_axes()
+    for mu, look in ((0.0, LOOKS[0]), (1e-6, LOOKS[1])):
+        case = independent.case_of(4, 4, False, 1.0, mu, 0.0)
+        model = stress.Problem(4, 4, False, 1.0, mu, 0.0, 0.0, 1e-12, 0.0).model
+        began = time.perf_counter()
+        motion = esc.simulate(model, count, rtol=1e-12)
+        spent = time.perf_counter() - began
+        # without friction w = 2 torque angle / driver inertia
+        known = np.arange(1, count + 1) * math.pi if mu == 0.0 else np.empty(0)
+        times, squares = np.empty(count), np.empty(count)
+        _followed(case, known, times, squares)
+        drift = np.abs(motion.handoff_times / times - 1.0)
+        energy = np.abs(motion.handoff_velocities**2 / squares - 1.0)
+        for k in [10**p for p in range(7)]:
+            rows.append([mu, k, float(drift[k - 1]), float(energy[k - 1]), spent])
+        at = np.unique(np.geomspace(1, count, 60).astype(int)) - 1
+        name = "no friction" if mu == 0.0 else "$\\mu = 10^{-6}$"
+        axes.loglog(
+            at + 1,
+            np.maximum(drift[at], 1e-17),
+            look.marker,
+            color=look.color,
+            ms=3,
+            label=f"time, {name}",
+        )
+        axes.loglog(
+            at + 1, np.maximum(energy[at], 1e-17), "-", color=look.color, label=f"energy, {name}"
+        )
+    write("long_run", ["friction", "engagements", "time drift", "energy drift", "s in all"], rows)
+    axes.set_xlabel("engagements")
+    axes.set_ylabel("relative drift")
+    legend_above(axes, 2)
+    save(axes.figure, RESULTS / "long_run.png")
+
+
+FIGURES = (
+    "velocity_max",
+    "velocity_min",
+    "velocity_mean",
+    "period",
+    "rise_time",
+    "settling_time",
+    "acceleration_max",
+    "follower_acceleration_max",
+    "contact_moment_max",
+    "contraction",
+    "critical_friction",
+)
+PARAMETERS = ("torque", "friction", "driver_inertia", "follower_inertia", "load_torque")
+
+
+def study_conditioning(_options):
+    """d ln(figure) / d ln(parameter) by central differences."""
+    designs = {
+        "four pins": (4, 0.10, 0.35, 3e-6, 50e-6),
+        "three pins": (6, 0.08, 0.20, 3e-6, 40e-6),
+        "six pins": (3, 0.03, 0.20, 6e-6, 10e-6),
+    }
+    rows, tables = [], {}
+    for name, (slots, *given) in designs.items():
+        numbers = dict(zip(PARAMETERS, [*given, 0.1 * given[0]], strict=True))
+
+        def figures(values, slots=slots):
+            inertia = esc.Inertia(values["driver_inertia"], values["follower_inertia"])
+            rest = values["torque"], values["friction"], values["load_torque"]
+            found = esc.terminal(esc.Escapement(esc.Geneva(slots), inertia, *rest), rtol=1e-13)
+            return np.array([getattr(found, figure) for figure in FIGURES])
+
+        table = np.empty((len(FIGURES), len(PARAMETERS)))
+        step = 1e-5
+        for j, parameter in enumerate(PARAMETERS):
+            up, down = (
+                figures(numbers | {parameter: numbers[parameter] * (1.0 + sign * step)})
+                for sign in (1.0, -1.0)
+            )
+            table[:, j] = (np.log(up) - np.log(down)) / (2.0 * step)
+        tables[name] = table
+        for figure, values in zip(FIGURES, table, strict=True):
+            rows.append([name, figure, *(float(value) for value in values)])
+    write("conditioning", ["design", "figure", *PARAMETERS], rows)
+    figure = new_figure(TWO_COLUMN, 3.6)
+    for axes, (name, table) in zip(figure.subplots(1, 3, sharey=True), tables.items(), strict=True):
+        axes.imshow(np.clip(table, -2, 2), cmap="RdBu_r", vmin=-2, vmax=2, aspect="auto")
+        for (i, j), value in np.ndenumerate(table):
+            ink = "white" if abs(value) > 1.3 else "black"
+            axes.text(j, i, f"{value:.2g}", ha="center", va="center", fontsize=7, color=ink)
+        axes.set_xticks(
+            range(len(PARAMETERS)), [p.replace("_", "\n") for p in PARAMETERS], fontsize=7
+        )
+        axes.set_yticks(range(len(FIGURES)), [f.replace("_", " ") for f in FIGURES], fontsize=8)
+        axes.set_title(name, fontsize=9)
+    save(figure, RESULTS / "conditioning.png")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--energy", type=int, default=1000)
+    parser.add_argument("--ivp", type=int, default=60)
+    names = ("tolerance", "order", "painleve", "long_run", "conditioning")
+    parser.add_argument("--only", nargs="+", choices=names, default=names)
+    options = parser.parse_args()
+    for name in options.only:
+        globals()[f"study_{name}"](options)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""`escapement bench`: run time against error, all engines and their peers."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from escapement.cli import _arguments, _files, _output
+from escapement.cli._parser import Parser
+
+if TYPE_CHECKING:
+    from escapement.benchmark.suite import Results
+
+SUMMARY = "Run time against error of the engines, SciPy's solvers and the peers installed here."
+
+FOLDER = Path("benchmarks") / "results"
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help=f"folder for tables (CSV), figures and the machine's description; "
+        f"created, files in it replaced (default: {FOLDER}; with --quick none)",
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="about 20 seconds instead of many minutes"
+    )
+    _arguments.add_common(parser)
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Measure, print, and fill the folder."""
+    folder = args.output
+    if folder is None and not args.quick:
+        folder = FOLDER
+        _files.make_folder(folder.parent)
+    if folder is not None:
+        _files.make_folder(folder)
+    from escapement.benchmark import suite
+
+    results = suite.run(quick=args.quick, note=_output.note)
+    for peer in results.missing:
+        _output.note(f"{peer} is not installed and takes no part; it is in the extra 'bench'")
+    written = suite.write(results, folder) if folder is not None else []
+    if args.json:
+        _output.print_json(results.as_dict())
+    else:
+        _print_tables(results)
+    for path in written:
+        _output.note(f"wrote {path}")
+    return 0
+
+
+def _print_tables(results: "Results") -> None:
+    print(", ".join(f"{name} {value}" for name, value in results.machine.items()), end="\n\n")
+    _output.print_columns(
+        [("problem", "solver", "error", "time", "times energy", "first call"),
+         ("", "", "", "us", "", "s")],
+        [
+            (row.problem, row.contestant, row.error, 1e6 * row.time, row.ratio, row.first)
+            for row in results.standings
+        ],
+    )  # fmt: skip
+    print()
+    _output.print_columns(
+        [("scene", "cases", "time by case", "left out"), ("", "", "us", "")],
+        [(row.scene, row.cases, 1e6 * row.time_per_case, row.left_out) for row in results.scenes],
+    )
+    print()
+    _output.print_columns(
+        [("against", "engine", "size", "time by item"), ("", "", "", "us")],
+        [(row.against, row.engine, row.size, 1e6 * row.time / row.items) for row in results.costs],
+    )

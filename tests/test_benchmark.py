@@ -1,0 +1,127 @@
+"""The benchmark measures what it says: its reference, its error, its contestants, its files.
+
+Nothing here looks at a time.
+"""
+
+import json
+import math
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from escapement.benchmark import contestants, headline, tables
+from escapement.benchmark.problems import PROBLEMS, REFERENCE
+from escapement.benchmark.work_precision import Point, time_at
+
+MEYER = PROBLEMS[0]
+HERE = list(contestants.contestants())
+PEERS = contestants.PEERS
+RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8, "CyRK": 1e-8}
+
+PAIRS = [
+    (contestant, problem)
+    for contestant in HERE
+    for problem in PROBLEMS
+    if problem is MEYER or contestant.family != "solve_ivp"
+]
+
+each_problem = pytest.mark.parametrize("problem", PROBLEMS, ids=lambda problem: problem.name)
+
+
+def reference_file():
+    import escapement.benchmark
+
+    path = Path(escapement.benchmark.__file__).with_name(REFERENCE)
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def point(error, time, contestant="x", rtol=1e-9):
+    return Point("meyer", contestant, contestant, "", "", rtol, error, time, 1.0)
+
+
+@each_problem
+def test_reference_belongs_to_the_problem_as_it_is_stated(problem):
+    record = reference_file()[problem.name]
+    for name in ("friction", "slots", "driver_inertia", "follower_inertia", "torque"):
+        assert record[name] == getattr(problem, name)
+    assert record["pins"] == problem.escapement.mechanism.pins
+    assert float(record["error"]) <= 1e-20
+    assert [len(values) for values in problem.reference] == [problem.engagements] * 2
+
+
+def test_reference_agrees_with_that_of_the_tests():
+    """Same run in inch-pounds: only the rounding of its inputs differs."""
+    path = Path(__file__).with_name("reference") / "motions.json"
+    (case,) = (
+        case
+        for case in json.loads(path.read_text(encoding="utf-8"))
+        if case["name"] == "meyer four pins"
+    )
+    expected = [[float(x) for x in case[name]] for name in ("handoff_times", "handoff_velocities")]
+    np.testing.assert_allclose(MEYER.reference, expected, rtol=1e-15)
+
+
+def test_error_is_the_largest_relative_one():
+    times, speeds = (values.copy() for values in MEYER.reference)
+    assert MEYER.error(times, speeds) == 0.0
+    speeds[3] *= 1.0 + 1e-6
+    assert MEYER.error(times, speeds) == pytest.approx(1e-6)
+    assert math.isnan(MEYER.error(times[:-1], speeds[:-1]))
+
+
+@pytest.mark.parametrize(
+    ("contestant", "problem"), PAIRS, ids=[f"{c.name}, {p.name}" for c, p in PAIRS]
+)
+def test_contestants_solve_the_problem(contestant, problem):
+    rtol = RTOL.get(contestant.family, 1e-4)
+    run = contestant.prepare(problem, rtol)
+    error = problem.error(*run())
+    assert error < 100 * rtol
+    if contestant.family in PEERS:
+        assert problem.error(*run()) == error  # a reset leaves nothing behind
+
+
+def test_peers_take_part_where_they_are_installed():
+    assert contestants.installed_peers() == [name for name in PEERS if find_spec(name) is not None]
+    families = {contestant.family for contestant in HERE}
+    assert families == {"energy", "ivp", "solve_ivp", *contestants.installed_peers()}
+    assert len({contestant.name for contestant in HERE}) == len(HERE)
+
+
+def test_time_at_an_error_lies_between_the_points_around_it():
+    line = [point(1e-8, 1.0), point(1e-12, 4.0)]
+    assert time_at(line, 1e-10) == pytest.approx(2.0)
+    assert time_at(line, 1e-6) == 1.0
+    assert math.isnan(time_at(line, 1e-13))
+
+
+def test_a_point_that_another_beats_does_not_count():
+    line = [point(1e-8, 5.0), point(1e-9, 2.0), point(1e-11, 8.0), point(1e-10, 9.0)]
+    assert time_at(line, 1e-8) == 2.0
+    assert time_at(line, 1e-10) == pytest.approx(4.0)
+
+
+def test_energy_stands_at_its_default_tolerance_and_the_others_at_the_error():
+    points = [
+        point(1e-7, 1.0, "energy", 1e-6),
+        point(1e-15, 2.0, "energy", 1e-12),
+        point(1e-8, 10.0, "peer"),
+        point(1e-12, 40.0, "peer"),
+        point(1e-3, 1.0, "coarse"),
+    ]
+    energy, peer, coarse = headline.standings(points)
+    assert (energy.contestant, energy.time, energy.error) == ("energy", 2.0, 1e-15)
+    assert (peer.contestant, peer.time, peer.ratio) == (
+        "peer",
+        pytest.approx(20.0),
+        pytest.approx(10.0),
+    )
+    assert coarse.contestant == "coarse"
+    assert math.isnan(coarse.time)
+
+
+def test_tables_leave_out_what_does_not_exist():
+    assert tables.as_csv([point(math.nan, 0.5)]).splitlines()[1] == "meyer,x,x,,,1e-09,,0.5,1"
+    assert tables.aligned(("a", "b"), [("x", math.nan)]) == "a  b\nx  -\n"
