@@ -34,6 +34,7 @@ from escapement.status import MESSAGES, Status
 _PER_STEP = 8  # looks per solver step when searching the dense output for crossings
 _TIGHTER = 0.02  # local tolerance over the one asked for: errors add up over a run
 _FLOOR = 2.3e-14  # solve_ivp clips a smaller rtol with a warning
+_CEILING = 1e-9  # with longer steps a solver leaps over the narrow peak of 1/J near the limit
 
 
 @jit
@@ -257,7 +258,7 @@ def simulate(
         return no_motion(escapement, "ivp", rtol)
     pieces = _Pieces(clock, escapement.torque)
     entry, end = mechanism.breaks[0], mechanism.breaks[0] + mechanism.cell_angle
-    local = max(rtol * _TIGHTER, _FLOOR)
+    local = min(max(rtol * _TIGHTER, _FLOOR), _CEILING)
     fast = np.sqrt(2.0 * mechanism.cell_angle / (rho + 1.0))
     floor = (
         [local * 1e-2, local * 1e-2 * fast, local]
