@@ -100,7 +100,7 @@ def _engage(case, w):
                 ended = _stop(case, angle, sign, w, here, stops[0], end)
                 if ended is not None:
                     raise _Stop(angle + stops[0], time + ended)
-            h = min(here.reach, end - angle, *falls) if falls else min(here.reach, end - angle)
+            h = min([here.reach, smooth, *falls])
             reverses = bool(falls) and h == min(falls)
             time += taylor.elapsed(here, h)
             w = value(here.w, h)

@@ -37,17 +37,19 @@ def against_engagements(
     """One motion of each length by each engine, up to runs of `longest` [s]."""
     costs, calls = [], []
     for engine in ENGINES:
+        by_item = 0.0
         for count in counts:
+            if by_item * count > longest:
+                break
 
             def call(engine: str = engine, count: int = count) -> object:
                 return simulate(problem.escapement, count, engine=engine)
 
             call()
             time, _ = timed(call)
+            by_item = time / count
             costs.append(Cost("engagements", engine, count, count, time))
             calls.append(call)
-            if time > longest:
-                break
     times = shortest(calls, rounds)
     return [cost._replace(time=time) for cost, time in zip(costs, times, strict=True)]
 
