@@ -77,7 +77,7 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
     events = np.empty((EVENTS_OF_ONE, EVENTS))
     scratch = np.empty(SCRATCH)
     count = lay_out(store, breaks, path, rho, loose)
-    time = 0.0
+    time, carry = 0.0, 0.0
     start = w
     same = store[0, GEOMETRY, ENDS] ** 2 + rho == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
@@ -92,7 +92,11 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
             # every engagement adds the same energy: no sum, no rounding that adds up
             out = start + (k + 1) * (source / rho + 2.0 * dwell / rho)
         length += free
-        time += length
+        # Kahan's sum: the rounding errors of a million engagements must not add up
+        step = length - carry
+        total = time + step
+        carry = (total - time) - step
+        time = total
         times[k] = time * clock
         speeds[k] = np.sqrt(out) / clock
         if time >= limit:
