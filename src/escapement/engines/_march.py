@@ -53,7 +53,7 @@ from escapement.engines._panels import (
 from escapement.mechanisms._slotted import singularities
 
 OK, STALL, GAVE_UP = 0, 2, 4
-NEARLY_STOPPED = 1e-9  # half width of a panel in which a stop is taken as even braking
+NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
 EVENTS = 4  # columns of an event: kind, angle from dead centre, time, w
 
@@ -167,6 +167,7 @@ def march(
         tail = solution[TAIL]
         split = tail > loose
         reversal, extremum = -1, -1
+        even = False
         z = 2.0
         e_right = solution[RIGHT] * energy + solution[RIGHT + 1]
         w_right = e_right / (rho + row[ENDS + 3] ** 2)
@@ -197,6 +198,9 @@ def march(
                 # near a stop the errors of all panels have one sign, hence the tenth
                 limit = strict if reversal >= 0 else 0.1 * loose
                 split = rough(scratch, max(limit, solution[NOISE]))
+                if split and reversal < 0 and row[HALF] <= NEARLY_STOPPED:
+                    # next to a stop: so short a way is braked evenly
+                    split, even = False, True
         if record and not split:
             if row[KINK] > 0.0 and not noted:
                 used = _note(events, used, BREAK, row[LEFT], time, w)
@@ -241,7 +245,9 @@ def march(
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
                 used = _note(events, used, kind, angle, time + elapsed, w_top)
                 rising = -rising
-            if z < SMOOTH:
+            if even:
+                time += 4.0 * row[HALF] / (np.sqrt(w) + np.sqrt(w_right))
+            elif z < SMOOTH:
                 time += time_from_low_speed(row, way, scratch)
             else:
                 time += row[HALF] * whole(scratch, F)
