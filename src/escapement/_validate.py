@@ -17,7 +17,7 @@ def fail(name: str, rule: str, value: Any, remedy: str) -> InvalidValue:
 
 def number(name: str, value: Any, remedy: str = "give a finite real number") -> float:
     """`value` as a finite float."""
-    if isinstance(value, bool | str | bytes):
+    if isinstance(value, bool | str | bytes | complex):
         raise fail(name, "a finite number", value, remedy)
     try:
         result = float(value)
