@@ -5,7 +5,8 @@
 Three mechanisms, log10 of the inertia ratio uniform in -2 to 1, friction uniform up to
 0.99 of the Painlevé limit, six engagements from rest. The error is the largest relative
 one of all handoff times and speeds: of every case against the engine itself at its
-tightest tolerance, and of some against the 40-digit integrator of the tests.
+tightest tolerance, and of some, half of them the worst by that measure, against the
+integrator of the tests in 34 digits.
 """
 
 import argparse
@@ -75,7 +76,7 @@ def handoffs(scene: esc.Escapement, rtol: float, engagements: int) -> np.ndarray
 
 
 def reference(scene: esc.Escapement, engagements: int) -> np.ndarray:
-    """The same from the 40-digit integrator."""
+    """The same from the tests' integrator."""
     from mpmath import mp
     from taylor import dimensionless, motion
 
@@ -140,15 +141,18 @@ def main() -> int:
         judge(scene, share, handoffs(scene, TIGHTEST, args.engagements), "energy at 1e-13")
         for scene, share in scenes
     ]
-    for scene, share in scenes[: args.references]:
+    # the finest tool looks at some cases as they come and at those that look worst
+    worst = sorted(range(len(scenes)), key=lambda place: -cases[place].error_default)
+    chosen = [*range(args.references // 2), *worst[: (args.references + 1) // 2]]
+    for scene, share in (scenes[place] for place in dict.fromkeys(chosen)):
         cases.append(judge(scene, share, reference(scene, args.engagements), "34 digits"))
     lines = summaries(cases)
     args.output.mkdir(parents=True, exist_ok=True)
     tables.write_csv(args.output / "energy_accuracy.csv", lines)
     tables.write_csv(args.output / "energy_accuracy_cases.csv", cases)
     print(tables.aligned(Summary._fields, lines), end="")
-    worst = max(cases, key=lambda case: case.error_default)
-    print(f"\nworst at the default tolerance: {worst}")
+    case = max(cases, key=lambda case: case.error_default)
+    print(f"\nworst at the default tolerance: {case}")
     return 1 if any(line.broken_promises for line in lines) else 0
 
 

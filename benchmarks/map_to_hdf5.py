@@ -1,9 +1,9 @@
 """A map of torque and friction to HDF5: wall time, share of solving, peak memory.
 
-``python benchmarks/map_to_hdf5.py [--side 1000] [--workers 2] [--folder DIR]``
+``python benchmarks/map_to_hdf5.py [--side 1000] [--first torque] [--workers 2] [--folder DIR]``
 
-Torque by friction, all figures of merit, 10^6 cases; ``--side 10000`` writes 10^8 (about
-5 GB) to show that memory stays bounded. Every run is a process of its own with compiled
+All figures of merit of 10^6 cases, with either axis as the first; ``--side 10000`` writes
+10^8 (about 4 GB) to show that memory stays bounded. Every run is a process of its own with compiled
 code cached, so that its peak memory is its own. The file is removed afterwards.
 """
 
@@ -22,16 +22,19 @@ import numpy as np
 from escapement.benchmark import machine, tables
 from escapement.benchmark.problems import PROBLEMS
 
+AXES = {"torque": "torque, friction", "friction": "friction, torque"}
 ROOT = Path(__file__).resolve().parents[1]
 
 
 class Map(NamedTuple):
     """One sweep: times in seconds, memory and file in MB.
 
+    axes : their order, the first varying slowest.
     wall, processor : of the sweep into the file; the processor's in all threads.
     solving : processor time within the engine's batches, summed over threads.
     """
 
+    axes: str
     workers: int
     cases: int
     failed: int
@@ -43,7 +46,7 @@ class Map(NamedTuple):
     file_mb: float
 
 
-def sweep(side: int, workers: int, path: Path) -> dict[str, float]:
+def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
     """One sweep in this process, watched."""
     begin = time.perf_counter()
     import escapement as esc
@@ -63,10 +66,14 @@ def sweep(side: int, workers: int, path: Path) -> dict[str, float]:
         return solved
 
     _energy_batch.solve = watched
-    torque = timer.torque * np.linspace(0.5, 2.0, side)
-    friction = np.linspace(0.05, 0.40, side)
+    axes = {
+        "torque": timer.torque * np.linspace(0.5, 2.0, side),
+        "friction": np.linspace(0.05, 0.40, side),
+    }
+    if first == "friction":
+        axes = dict(reversed(axes.items()))
     start, used = time.perf_counter(), time.process_time()
-    plan = plan_from(timer, {"torque": torque, "friction": friction})
+    plan = plan_from(timer, axes)
     tally = write_plan(plan, path, workers=workers)
     return {
         "cases": tally.cases,
@@ -79,37 +86,39 @@ def sweep(side: int, workers: int, path: Path) -> dict[str, float]:
     }
 
 
-def measure(side: int, workers: int, folder: Path) -> Map:
+def measure(side: int, first: str, workers: int, folder: Path) -> Map:
     """Run one sweep in a process of its own."""
     path = folder / "map.h5"
-    command = [sys.executable, __file__, "--sweep", str(side), str(workers), str(path)]
+    command = [sys.executable, __file__, "--sweep", str(side), first, str(workers), str(path)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     record = json.loads(done.stdout)
     size = path.stat().st_size / 1e6
     path.unlink()
-    return Map(workers=workers, file_mb=size, **record)
+    return Map(AXES[first], workers, file_mb=size, **record)
 
 
 def main() -> None:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--side", type=int, default=1000, help="values of each axis")
+    parser.add_argument("--first", nargs="+", default=list(AXES), choices=AXES, help="slow axis")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, machine.describe()["cores"]])
     parser.add_argument("--rounds", type=int, default=3, help="runs, the fastest counts")
     parser.add_argument("--folder", type=Path, help="where the file goes (default: temporary)")
-    parser.add_argument("--sweep", nargs=3, help=argparse.SUPPRESS)
+    parser.add_argument("--sweep", nargs=4, help=argparse.SUPPRESS)
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "benchmarks" / "results")
     args = parser.parse_args()
     if args.sweep:
-        side, workers, path = args.sweep
-        print(json.dumps(sweep(int(side), int(workers), Path(path))))
+        side, first, workers, path = args.sweep
+        print(json.dumps(sweep(int(side), first, int(workers), Path(path))))
         return
     with tempfile.TemporaryDirectory(dir=args.folder) as folder:
         maps = [
             min(
-                (measure(args.side, workers, Path(folder)) for _ in range(args.rounds)),
+                (measure(args.side, first, workers, Path(folder)) for _ in range(args.rounds)),
                 key=lambda line: line.wall,
             )
+            for first in args.first
             for workers in args.workers
         ]
     args.output.mkdir(parents=True, exist_ok=True)
