@@ -54,7 +54,7 @@ def test_a_corner_between_two_edges_is_refused():
         chebyshev_table(lambda theta: np.abs(theta - 0.3), (0.0, 1.0))
     broken = chebyshev_table(lambda theta: np.abs(theta - 0.3), (0.0, 0.3, 1.0))
     assert transmission(broken, 0.2).g == pytest.approx(0.1, abs=2e-16)
-    assert transmission(broken, 0.3).dg == pytest.approx(1.0, abs=1e-13)
+    assert transmission(broken, 0.3).dg == pytest.approx(1.0, abs=5e-13)  # rounding times 17^2
 
 
 @pytest.mark.parametrize("load", [0.0, 0.2])
