@@ -1,6 +1,7 @@
 """The planetary drive with elliptical gears against its geometry and the paper's equations."""
 
 import math
+from itertools import pairwise
 
 import mpmath
 import numpy as np
@@ -69,7 +70,7 @@ def test_position_function_of_the_paper_to_1e_14():
     with mpmath.workdps(20):
         pieces = [
             mpmath.quad(lambda x: analogue(PAPER, x), [low, high])
-            for low, high in zip(theta[:-1], theta[1:], strict=True)
+            for low, high in pairwise(theta)
         ]
     np.testing.assert_allclose(
         PAPER.follower_angle(theta[1:]), -np.cumsum(pieces).astype(float), rtol=0.0, atol=1e-14
