@@ -92,6 +92,11 @@ def _join_negative_numbers(argv: Sequence[str]) -> list[str]:
     return tokens
 
 
+def option(name: str) -> str:
+    """Spelling of an argument on the command line."""
+    return "--" + name.replace("_", "-")
+
+
 def checked(check: Callable[[str], Any]) -> Callable[[str], Any]:
     """`check` as an argparse type whose own message reaches the user."""
 

@@ -6,7 +6,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from escapement import _validate
-from escapement.configuration._parameters import KINDS, Kind, Option, Parameter
+from escapement.configuration._kinds import KINDS, Kind, Option
+from escapement.configuration._parameters import Parameter
 from escapement.configuration._parse import parse_plan
 from escapement.configuration._plan import StudyPlan
 from escapement.configuration._solver import DEFAULT_ENGINE

@@ -8,7 +8,8 @@ from typing import Any
 from escapement import _validate, units
 from escapement.configuration._axes import axis_values
 from escapement.configuration._keys import check_keys, table
-from escapement.configuration._parameters import KINDS, MODEL, Kind, Parameter
+from escapement.configuration._kinds import KINDS, Kind, other_keys
+from escapement.configuration._parameters import MODEL, Parameter
 from escapement.configuration._plan import StudyPlan
 from escapement.configuration._solver import Solver, parse_solver
 from escapement.errors import InvalidValue
@@ -63,7 +64,8 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
 def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
     """Refuse keys that no part of a study has, naming where each would belong."""
     parameters = {**kind.parameters, **MODEL}
-    homes = {setting.name: "[solver]" for setting in fields(Solver)}
+    homes = other_keys(kind)
+    homes |= {setting.name: "[solver]" for setting in fields(Solver)}
     homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
     keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
     keys["mechanism"] = ["kind", *kind.options]

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement import units
-from escapement.configuration._parameters import MODEL, Kind, Parameter
+from escapement.configuration._kinds import Kind
+from escapement.configuration._parameters import MODEL, Parameter
 from escapement.configuration._solver import Solver
 from escapement.model import Escapement, Inertia, Mechanism
 

@@ -1,0 +1,98 @@
+"""Kinds of mechanism in a study file: who builds each, from what.
+
+A new kind of mechanism is one more entry.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from escapement import _validate, units
+from escapement.configuration._parameters import Parameter
+
+
+@dataclass(frozen=True)
+class Option:
+    """A setting of a mechanism that cannot be an axis.
+
+    check : the value that a user gave, or InvalidValue.
+    quantity : key in `escapement.units`, None for what is no number.
+    required : whether the mechanism has no default of its own.
+    """
+
+    check: Callable[[str, Any], Any]
+    quantity: str | None = None
+    required: bool = False
+
+    def to_si(self, value: Any, system: str) -> Any:
+        """A value in units of `system` in SI."""
+        return value if self.quantity is None else value * units.factor(self.quantity, system)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of mechanism: who builds it, from what.
+
+    factory : "module:class", imported when the first mechanism is built.
+    parameters : numbers that may be axes. options : everything else.
+    """
+
+    factory: str
+    parameters: Mapping[str, Parameter]
+    options: Mapping[str, Option] = field(default_factory=dict)
+
+
+def _truth(label: str, value: Any) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise _validate.fail(label, "true or false", value, "give a truth value")
+    return bool(value)
+
+
+def _length(label: str, value: Any) -> float:
+    return _validate.positive(label, value, "give a length")
+
+
+KINDS = {
+    "geneva": Kind(
+        factory="escapement.mechanisms.geneva:Geneva",
+        parameters={
+            "slots": Parameter(
+                "slots of the follower",
+                "ratio",
+                "a Geneva wheel needs 3 slots or more",
+                key="slots",
+                section="mechanism",
+                minimum=3,
+                whole=True,
+                required=True,
+            ),
+            "pins": Parameter(
+                "pins of the driver",
+                "ratio",
+                "give the number of crank pins",
+                key="pins",
+                section="mechanism",
+                minimum=1,
+                whole=True,
+            ),
+        },
+        options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
+    ),
+}
+"""Kinds of mechanism by the name a file gives them."""
+
+
+def other_keys(kind: Kind) -> dict[str, str]:
+    """Keys of [mechanism] that `kind` lacks and others have, each with where it belongs."""
+    owners: dict[str, list[str]] = {}
+    for name, other in KINDS.items():
+        for key in (*(p.key for p in other.parameters.values()), *other.options):
+            owners.setdefault(key, []).append(name)
+    own = {*(p.key for p in kind.parameters.values()), *kind.options}
+    return {
+        key: "[mechanism] of kind " + " or ".join(map(repr, kinds))
+        for key, kinds in owners.items()
+        if key not in own
+    }
