@@ -69,8 +69,7 @@ def test_position_function_of_the_paper_to_1e_14():
     theta = np.linspace(0.0, 3.0 * PAPER.cell_angle, 13)
     with mpmath.workdps(20):
         pieces = [
-            mpmath.quad(lambda x: analogue(PAPER, x), [low, high])
-            for low, high in pairwise(theta)
+            mpmath.quad(lambda x: analogue(PAPER, x), [low, high]) for low, high in pairwise(theta)
         ]
     np.testing.assert_allclose(
         PAPER.follower_angle(theta[1:]), -np.cumsum(pieces).astype(float), rtol=0.0, atol=1e-14

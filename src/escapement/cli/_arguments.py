@@ -42,6 +42,8 @@ QUANTITIES = {
     "crank_radius": Quantity(
         "length", _validate.positive, "distance of the pins from the driver's axis"
     ),
+    "sun_radius": Quantity("length", _validate.positive, "pitch radius of the fixed sun gear"),
+    "planet_radius": Quantity("length", _validate.positive, "pitch radius of the spur planet"),
     "initial_speed": Quantity(
         "speed", _validate.non_negative, "driver speed at the first pin entry"
     ),

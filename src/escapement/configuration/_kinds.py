@@ -80,6 +80,29 @@ KINDS = {
         },
         options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
     ),
+    "elliptical-planetary": Kind(
+        factory="escapement.mechanisms.elliptical_planetary:EllipticalPlanetary",
+        parameters={
+            "sun_radius": Parameter(
+                "pitch radius of the fixed sun gear",
+                "length",
+                "give the radius R1",
+                key="sun_radius",
+                section="mechanism",
+                exclusive=True,
+                required=True,
+            ),
+            "planet_radius": Parameter(
+                "pitch radius of the spur planet",
+                "length",
+                "give the radius R2, less than the sun's",
+                key="planet_radius",
+                section="mechanism",
+                exclusive=True,
+                required=True,
+            ),
+        },
+    ),
 }
 """Kinds of mechanism by the name a file gives them."""
 
