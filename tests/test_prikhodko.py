@@ -233,7 +233,8 @@ def test_reproduce(command, tmp_path):
         *("prikhodko.csv", "prikhodko.json", "prikhodko_figure_2.png"),
         *("prikhodko_figure_3.png", "prikhodko_figure_6.png"),
     }
-    rows = list(csv.DictReader((tmp_path / "there" / "prikhodko.csv").open(encoding="utf-8")))
+    text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(text.splitlines()))
     assert [row["right"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
     record = json.loads(command("reproduce", "prikhodko", "--json")[1])
     assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
