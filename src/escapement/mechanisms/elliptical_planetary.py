@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from escapement import _validate
 from escapement.mechanisms._pitch_ellipses import PitchEllipse
 from escapement.mechanisms._slotted import Transmission
+from escapement.mechanisms._table import chebyshev_table
 from escapement.model import FloatArray
 
 _MOST_STATIONS = 1000
@@ -194,12 +195,8 @@ class EllipticalPlanetary:
 
     @cached_property
     def path(self) -> FloatArray:
-        """Flat numbers of the transmission for the kernels.
-
-        As `transmission_at` has them; what it gives as sliding means nothing here.
-        """
-        k, gain = self.ratio, self.ratio_max
-        return np.array([0.5 * k, 1.0, gain, gain, -gain, 0.5 * k * gain, -2.0])
+        """Flat numbers of the transmission for the kernels: a table."""
+        return chebyshev_table(lambda theta: self.transmission(theta).g, self.breaks)
 
     def transmission(self, theta: ArrayLike) -> Transmission:
         """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
