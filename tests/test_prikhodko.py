@@ -239,3 +239,86 @@ def test_reproduce(command, tmp_path):
     record = json.loads(command("reproduce", "prikhodko", "--json")[1])
     assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
     assert (record["agreeing"], record["judged"]) == (8, 11)
+
+
+def test_run_with_a_mesh_that_loses(command):
+    options = ("--torque", 0.01, "--driver-inertia", 1e-5, "--follower-inertia", 2e-5)
+    code, out, _ = command("run", *DRIVE, *options, "--efficiency", 0.9, "--json", "-o", "m.h5")
+    record = json.loads(out)
+    assert (code, record["status"]) == (0, "ok")
+    assert record["critical_friction"] is None
+    slow = json.loads(
+        command("run", *DRIVE, *options, "--efficiency", 0.9, "--json", "--engine", "ivp")[1]
+    )
+    for name in ("velocity_max", "velocity_min", "period", "rise_time", "settling_time"):
+        assert record[name] == pytest.approx(slow[name], rel=1e-8)
+    code, out, _ = command("run", *DRIVE, *options, "--json")
+    assert json.loads(out)["status"] == "no_terminal"
+    code, _, err = command("run", *DRIVE, *options, "--friction", 0.1)
+    assert code == 2
+    assert "friction must be 0 for a mechanism without a slot" in err
+    assert command("plot", "m.h5")[0] == 0
+
+
+def test_drive_torque(command):
+    code, out, _ = command(
+        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
+        "--efficiency", 0.8, "--json",
+    )  # fmt: skip
+    record = json.loads(out)
+    assert code == 0
+    theta = np.linspace(*PAPER.breaks, 20001)
+    table = PAPER.transmission(theta)
+    torque = table.g * (0.01 + 2e-5 * 100.0 * table.dg) / 0.8
+    assert record["torque_max"] == pytest.approx(torque.max(), rel=1e-7)
+    code, _, err = command(
+        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
+        "--friction", 0.1,
+    )  # fmt: skip
+    assert code == 2
+    assert "friction must be 0" in err
+
+
+def test_sweep_over_efficiency_is_terminal_case_by_case():
+    timer = esc.Escapement(PAPER, esc.Inertia(1e-5, 2e-5), 0.01, efficiency=0.9)
+    study = esc.sweep(timer, efficiency=[0.6, 0.9, 1.0], torque=[0.01, 0.04])
+    for i, efficiency in enumerate((0.6, 0.9)):
+        one = esc.terminal(esc.Escapement(PAPER, timer.inertia, 0.01, efficiency=efficiency))
+        for name in ("velocity_max", "period", "rise_time"):
+            expected = getattr(one, name) * np.array([1.0, 0.5 if name != "velocity_max" else 2.0])
+            np.testing.assert_allclose(study.results[name][i], expected, rtol=1e-9)
+    assert np.isnan(study.results["period"][2]).all()
+    wide = esc.sweep(timer, sun_radius=[0.016, 0.02], engine="ivp")
+    assert wide.results["velocity_max"][0] == pytest.approx(
+        study.results["velocity_max"][1, 0], rel=1e-8
+    )
+
+
+@pytest.mark.parametrize(
+    ("axes", "words"),
+    [
+        ({"friction": [0.0, 0.1]}, ["friction"]),
+        ({"efficiency": [0.5, 1.5]}, ["efficiency[1]", "[0.001, 1]", "1.5"]),
+        ({"planet_radius": [0.0]}, ["planet_radius[0]", "greater than 0"]),
+    ],
+)
+def test_studies_that_cannot_be(axes, words):
+    timer = esc.Escapement(PAPER, esc.Inertia(1e-5, 2e-5), 0.01, efficiency=0.9)
+    with pytest.raises(InvalidValue) as caught:
+        esc.sweep(timer, **axes)
+    assert all(word in str(caught.value) for word in words)
+
+
+def test_a_study_names_the_loss_of_its_mechanism():
+    study = {
+        "mechanism": {"kind": "elliptical-planetary", "sun_radius": 2.0, "planet_radius": 1.0},
+        "inertia": {"driver": 1.0, "follower": 1.0},
+        "friction": 0.1,
+        "sweep": {"torque": [1.0]},
+    }
+    with pytest.raises(InvalidValue, match=r"'friction' .* a mechanism with a slot"):
+        parse_plan(study)
+    study["mechanism"] = {"slots": 4}
+    study["efficiency"] = study.pop("friction")
+    with pytest.raises(InvalidValue, match=r"'efficiency' .* a mechanism without a slot"):
+        parse_plan(study)

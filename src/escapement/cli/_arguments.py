@@ -36,6 +36,11 @@ QUANTITIES = {
     "friction": Quantity(
         "ratio", _validate.non_negative, "coefficient of friction between pin and slot"
     ),
+    "efficiency": Quantity(
+        "share",
+        _validate.positive,
+        "share of the power that a mesh passes on, in place of friction",
+    ),
     "load_torque": Quantity(
         "torque", _validate.non_negative, "constant torque opposing the follower"
     ),
@@ -54,6 +59,7 @@ _METAVARS = {
     "torque": "M",
     "inertia": "I",
     "ratio": "MU",
+    "share": "E",
     "length": "R",
     "speed": "W",
     "time": "S",
@@ -133,6 +139,7 @@ def read_escapement(args: argparse.Namespace) -> "Escapement":
         torque=si(args, "torque"),
         friction=args.friction,
         load_torque=si(args, "load_torque"),
+        efficiency=args.efficiency,
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from escapement import _validate, units
-from escapement.configuration._parameters import Parameter
+from escapement.configuration._parameters import MODEL, Parameter
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,29 @@ class Kind:
 
     factory : "module:class", imported when the first mechanism is built.
     parameters : numbers that may be axes. options : everything else.
+    meshed : whether it loses by an efficiency rather than by friction in a slot.
     """
 
     factory: str
     parameters: Mapping[str, Parameter]
     options: Mapping[str, Option] = field(default_factory=dict)
+    meshed: bool = False
+
+    @property
+    def all_parameters(self) -> dict[str, Parameter]:
+        """Every number of an escapement with such a mechanism, by name."""
+        model = {name: entry for name, entry in MODEL.items() if name != self.other_loss}
+        return {**self.parameters, **model}
+
+    @property
+    def loss(self) -> str:
+        """Name of the loss that such a mechanism has."""
+        return "efficiency" if self.meshed else "friction"
+
+    @property
+    def other_loss(self) -> str:
+        """Name of the loss that it does not have."""
+        return "friction" if self.meshed else "efficiency"
 
 
 def _truth(label: str, value: Any) -> bool:
@@ -102,6 +120,7 @@ KINDS = {
                 required=True,
             ),
         },
+        meshed=True,
     ),
 }
 """Kinds of mechanism by the name a file gives them."""

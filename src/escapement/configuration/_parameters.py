@@ -4,6 +4,7 @@ The table is the only place that knows a parameter: its key in the file, its rul
 its unit and its default. What a kind of mechanism adds is in its own table.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ class Parameter:
     """A number of the model.
 
     long_name, quantity : what it is, and its key in `escapement.units`.
-    minimum, exclusive, whole : the rule its values obey.
+    minimum, maximum, exclusive, whole : the rule its values obey.
     section, key : where its fixed value stands in the file ("" is top level).
     required, default : the fixed value when the file has none; None leaves the
         choice to the mechanism.
@@ -30,6 +31,7 @@ class Parameter:
     key: str
     section: str = ""
     minimum: float = 0.0
+    maximum: float = math.inf
     exclusive: bool = False
     whole: bool = False
     required: bool = False
@@ -51,11 +53,16 @@ class Parameter:
             whole = int(number) if number == int(number) else value
             return _validate.integer(label, whole, int(self.minimum), self.remedy)
         rule = _validate.positive if self.exclusive else _validate.non_negative
-        return rule(label, value, self.remedy)
+        checked = rule(label, value, self.remedy)
+        if not self.minimum <= checked <= self.maximum:
+            raise _validate.fail(
+                label, f"in [{self.minimum:g}, {self.maximum:g}]", value, self.remedy
+            )
+        return checked
 
     def check_all(self, label: str, values: NDArray[np.float64]) -> NDArray[Any]:
         """`values`, whole ones as integers; raises for the first that breaks the rule."""
-        good = np.isfinite(values) & (values >= self.minimum)
+        good = np.isfinite(values) & (values >= self.minimum) & (values <= self.maximum)
         if self.exclusive:
             good &= values > self.minimum
         if self.whole:
@@ -75,6 +82,15 @@ MODEL = {
         "give a coefficient of friction, 0 for none",
         key="friction",
         default=0.0,
+    ),
+    "efficiency": Parameter(
+        "share of the power that the mesh passes on",
+        "ratio",
+        "give a share of 1, 1 for no loss",
+        key="efficiency",
+        minimum=1e-3,
+        maximum=1.0,
+        default=1.0,
     ),
     "torque": Parameter(
         "driving torque",
@@ -117,4 +133,7 @@ MODEL = {
         required=True,
     ),
 }
-"""Parameters of every escapement, by the name of their axis."""
+"""Parameters of an escapement, by the name of their axis.
+
+A slot loses by friction, a mesh by its efficiency: no mechanism has both.
+"""
