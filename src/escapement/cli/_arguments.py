@@ -42,6 +42,7 @@ QUANTITIES = {
     "crank_radius": Quantity(
         "length", _validate.positive, "distance of the pins from the driver's axis"
     ),
+    "fixed_radius": Quantity("length", _validate.positive, "radius of the fixed gear"),
     "initial_speed": Quantity(
         "speed", _validate.non_negative, "driver speed at the first pin entry"
     ),

@@ -18,7 +18,8 @@ class Parameter:
     """A number of the model.
 
     long_name, quantity : what it is, and its key in `escapement.units`.
-    minimum, exclusive, whole : the rule its values obey.
+    minimum, exclusive, whole, fraction : the rule its values obey; a fraction may
+        be written as text, "1/2".
     section, key : where its fixed value stands in the file ("" is top level).
     required, default : the fixed value when the file has none; None leaves the
         choice to the mechanism.
@@ -32,6 +33,7 @@ class Parameter:
     minimum: float = 0.0
     exclusive: bool = False
     whole: bool = False
+    fraction: bool = False
     required: bool = False
     default: float | None = None
 
@@ -50,6 +52,8 @@ class Parameter:
             number = _validate.number(label, value, self.remedy)
             whole = int(number) if number == int(number) else value
             return _validate.integer(label, whole, int(self.minimum), self.remedy)
+        if self.fraction:
+            return float(_validate.rational(label, value, self.remedy))
         rule = _validate.positive if self.exclusive else _validate.non_negative
         return rule(label, value, self.remedy)
 

@@ -1,5 +1,6 @@
 """Mechanisms: each gives its transmission over a cell of driver angle."""
 
+from escapement.mechanisms.gear_driven import GearDriven
 from escapement.mechanisms.geneva import Geneva
 
-__all__ = ["Geneva"]
+__all__ = ["GearDriven", "Geneva"]
