@@ -21,6 +21,7 @@ _HOMES = {
     "Escapement": "model",
     "Inertia": "model",
     "Geneva": "mechanisms",
+    "GearDriven": "mechanisms",
     "EllipticalPlanetary": "mechanisms",
     "critical_friction": "dynamics",
     "Motion": "motion",

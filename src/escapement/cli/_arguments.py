@@ -47,6 +47,7 @@ QUANTITIES = {
     "crank_radius": Quantity(
         "length", _validate.positive, "distance of the pins from the driver's axis"
     ),
+    "fixed_radius": Quantity("length", _validate.positive, "radius of the fixed gear"),
     "sun_radius": Quantity("length", _validate.positive, "pitch radius of the fixed sun gear"),
     "planet_radius": Quantity("length", _validate.positive, "pitch radius of the spur planet"),
     "initial_speed": Quantity(

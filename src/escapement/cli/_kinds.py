@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 KINDS = {
     "geneva": "wheel with radial slots, pins on a crank",
+    "gear-driven": "such a wheel, pins on a planet gear (Dijksman)",
     "elliptical-planetary": "planetary drive with a pair of elliptical gears, always in mesh",
 }
 """Kinds by the name that the command line gives them; the first is the default."""

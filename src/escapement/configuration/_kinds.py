@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from escapement import _validate, units
+from escapement._curves import CURVES
 from escapement.configuration._parameters import MODEL, Parameter
 
 
@@ -72,6 +73,10 @@ def _length(label: str, value: Any) -> float:
     return _validate.positive(label, value, "give a length")
 
 
+def _curve(label: str, value: Any) -> str:
+    return _validate.choice(label, value, CURVES)
+
+
 KINDS = {
     "geneva": Kind(
         factory="escapement.mechanisms.geneva:Geneva",
@@ -97,6 +102,60 @@ KINDS = {
             ),
         },
         options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
+    ),
+    "gear-driven": Kind(
+        factory="escapement.mechanisms.gear_driven:GearDriven",
+        parameters={
+            "stations": Parameter(
+                "stations of the follower",
+                "ratio",
+                "the wheel needs 3 stations or more",
+                key="stations",
+                section="mechanism",
+                minimum=3,
+                whole=True,
+                required=True,
+            ),
+            "lobes": Parameter(
+                "unreal lobes between two lobes of the pin's path",
+                "ratio",
+                "give a whole number or a fraction such as '1/2'",
+                key="lobes",
+                section="mechanism",
+                fraction=True,
+                required=True,
+            ),
+            "pins": Parameter(
+                "pins on the planet",
+                "ratio",
+                "give the number of pins",
+                key="pins",
+                section="mechanism",
+                minimum=1,
+                whole=True,
+                default=1,
+            ),
+            "unused_lobes": Parameter(
+                "lobes without a slot between two that have one",
+                "ratio",
+                "give 0 to use every lobe",
+                key="unused_lobes",
+                section="mechanism",
+                whole=True,
+                default=0,
+            ),
+            "solution": Parameter(
+                "place of the mechanism in order of alpha",
+                "ratio",
+                "they count from 1",
+                key="solution",
+                section="mechanism",
+                minimum=1,
+                whole=True,
+                default=1,
+            ),
+        },
+        options={"curve": Option(_curve, required=True), "fixed_radius": Option(_length, "length")},
     ),
     "elliptical-planetary": Kind(
         factory="escapement.mechanisms.elliptical_planetary:EllipticalPlanetary",

@@ -19,7 +19,8 @@ class Parameter:
     """A number of the model.
 
     long_name, quantity : what it is, and its key in `escapement.units`.
-    minimum, maximum, exclusive, whole : the rule its values obey.
+    minimum, maximum, exclusive, whole, fraction : the rule its values obey; a
+        fraction may be written as text, "1/2".
     section, key : where its fixed value stands in the file ("" is top level).
     required, default : the fixed value when the file has none; None leaves the
         choice to the mechanism.
@@ -34,6 +35,7 @@ class Parameter:
     maximum: float = math.inf
     exclusive: bool = False
     whole: bool = False
+    fraction: bool = False
     required: bool = False
     default: float | None = None
 
@@ -52,6 +54,8 @@ class Parameter:
             number = _validate.number(label, value, self.remedy)
             whole = int(number) if number == int(number) else value
             return _validate.integer(label, whole, int(self.minimum), self.remedy)
+        if self.fraction:
+            return float(_validate.rational(label, value, self.remedy))
         rule = _validate.positive if self.exclusive else _validate.non_negative
         checked = rule(label, value, self.remedy)
         if not self.minimum <= checked <= self.maximum:
