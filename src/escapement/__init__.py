@@ -23,6 +23,7 @@ _HOMES = {
     "Geneva": "mechanisms",
     "GearDriven": "mechanisms",
     "EllipticalPlanetary": "mechanisms",
+    "Tabulated": "mechanisms",
     "critical_friction": "dynamics",
     "Motion": "motion",
     "Figures": "metrics",

@@ -77,6 +77,17 @@ def _curve(label: str, value: Any) -> str:
     return _validate.choice(label, value, CURVES)
 
 
+def _angles(label: str, value: Any) -> tuple[float, ...]:
+    remedy = "give a list of angles in rad"
+    if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
+        raise _validate.fail(label, "a list of numbers", value, remedy)
+    return tuple(_validate.number(f"{label}[{i}]", x, remedy) for i, x in enumerate(value))
+
+
+def _angle(label: str, value: Any) -> float:
+    return _validate.positive(label, value, "give an angle in rad")
+
+
 KINDS = {
     "geneva": Kind(
         factory="escapement.mechanisms.geneva:Geneva",
@@ -178,6 +189,18 @@ KINDS = {
                 exclusive=True,
                 required=True,
             ),
+        },
+        meshed=True,
+    ),
+    "tabulated": Kind(
+        factory="escapement.mechanisms.tabulated:Tabulated",
+        parameters={},
+        options={
+            "theta": Option(_angles, required=True),
+            "phi": Option(_angles, required=True),
+            "measured": Option(_truth),
+            "cell_angle": Option(_angle),
+            "follower_step": Option(_angle),
         },
         meshed=True,
     ),

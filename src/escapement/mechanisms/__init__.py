@@ -3,5 +3,6 @@
 from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
 from escapement.mechanisms.gear_driven import GearDriven
 from escapement.mechanisms.geneva import Geneva
+from escapement.mechanisms.tabulated import Tabulated
 
-__all__ = ["EllipticalPlanetary", "GearDriven", "Geneva"]
+__all__ = ["EllipticalPlanetary", "GearDriven", "Geneva", "Tabulated"]
