@@ -123,6 +123,15 @@ def test_smooth_tables_follow_the_drive():
                   - DRIVE.follower_angle(ANGLES)).max() < math.radians(0.05)  # fmt: skip
 
 
+def test_a_cell_begins_at_a_stop():
+    """Rows of any cells: the cell about zero that begins where the follower is slowest."""
+    table = measured(1000, math.radians(0.05))
+    assert table.breaks[0] <= 0.0 < table.breaks[1]
+    assert table.breaks[0] == pytest.approx(DRIVE.breaks[0], abs=0.1)
+    assert float(table.transmission(table.breaks[0]).g) < 0.01
+    assert exact(60).breaks == DRIVE.breaks
+
+
 def test_an_exact_table_makes_no_doubt():
     doubt = exact(60).deviation([0.0, 1.0])
     np.testing.assert_array_equal(doubt.g, 0.0)

@@ -27,6 +27,7 @@ FEWEST = 12
 MOST_EXACT = 600
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
+_CLOSE = 1e-9  # of a cell: knots this near its ends are the ends
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,7 @@ class Tabulated:
     def sense(self) -> float:
         """+1 or -1: how the table's follower turns; here it counts so that it grows."""
         theta, phi = np.array(self.theta), np.array(self.phi)
-        if theta[0] + self.cell_angle == theta[-1] or (np.diff(theta) > 0.0).all():
+        if self._is_one_cell:
             return math.copysign(1.0, phi[-1] - phi[0])
         slope = np.polynomial.polynomial.polyfit(theta, phi, 1)[1]
         return math.copysign(1.0, slope)
@@ -143,7 +144,7 @@ class Tabulated:
         """The position function less its mean rise, over the cell."""
         theta, phi = np.array(self.theta), self.sense * np.array(self.phi)
         rest = phi - self._mean * (theta - theta[0])
-        if not self.measured and theta[-1] - theta[0] == self.cell_angle:
+        if not self.measured and self._is_one_cell:
             rest[-1] = rest[0]
             return interpolating(theta, rest)
         start = float(theta.min())
@@ -163,14 +164,26 @@ class Tabulated:
     def _mean(self) -> float:
         return self.follower_step / self.cell_angle
 
-    @property
+    @cached_property
     def breaks(self) -> tuple[float, float]:
         """Both ends of the cell [rad].
 
-        The third derivative of g has a step at each knot between them. It costs an
-        engine a few digits of its tolerance, less than any table is worth.
+        Those of the table; where its rows are of any cells, the cell about zero that
+        begins where the follower is slowest. Between them the third derivative of g
+        has a step at each knot. It costs an engine a few digits of its tolerance,
+        less than any table is worth.
         """
-        return float(self.spline.knots[0]), float(self.spline.knots[-1])
+        first = float(self.spline.knots[0])
+        if self._is_one_cell:
+            return first, float(self.spline.knots[-1])
+        theta = np.linspace(first, first + self.cell_angle, _SAMPLES)
+        slowest = float(theta[np.argmin(self.transmission(theta).g)])
+        start = slowest - self.cell_angle * math.ceil(slowest / self.cell_angle)
+        return start, start + self.cell_angle
+
+    @property
+    def _is_one_cell(self) -> bool:
+        return self.theta[-1] - self.theta[0] == self.cell_angle
 
     @property
     def motion_ratio(self) -> float:
@@ -221,7 +234,12 @@ class Tabulated:
                 f"against its sense at theta = {theta[worst]:.6g} rad; correct the table, or "
                 "measure more of it"
             )
-        return chebyshev_table(lambda x: self.transmission(x).g, self.spline.knots.tolist(), DEGREE)
+        start, end = self.breaks
+        # the last knot is the first again
+        knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
+        near = _CLOSE * self.cell_angle
+        inside = knots[(knots > start + near) & (knots < end - near)].tolist()
+        return chebyshev_table(lambda x: self.transmission(x).g, [start, *inside, end], DEGREE)
 
 
 def _column(name: str, values: Any) -> FloatArray:
