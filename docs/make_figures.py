@@ -313,5 +313,14 @@ def measured_table() -> Figure:
     return ax.figure
 
 
+@drawn
+def measurement() -> Figure:
+    """Synthetic readings of the planetary drive."""
+    drive = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
+    encoder = esc.Encoder(resolution=4096, linearity=0.003)
+    readings = RUNS / "encoder_synthetic.csv"
+    return plots.plot_measurement(esc.measure(readings, drive, encoder=encoder))
+
+
 if __name__ == "__main__":
     main(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE / "images")

@@ -21,8 +21,13 @@ DRIVES = [
     esc.Geneva(4, pins=1),
     esc.Geneva(5),
     esc.Geneva(6, internal=True),
+    esc.GearDriven(4, 2, curve="epicycloid"),
+    esc.Tabulated(
+        np.linspace(0.0, 2.0, 41),
+        np.linspace(0.0, 1.0, 41) + 0.1 * np.sin(np.pi * np.arange(41) / 20),
+    ),
 ]
-NAMES = ["planetary", "3", "4", "4 with dwell", "5", "internal"]
+NAMES = ["planetary", "3", "4", "4 with dwell", "5", "internal", "gear-driven", "table"]
 
 
 def read(mechanism=PRIKHODKO, **planted):
@@ -235,6 +240,23 @@ def test_published_test_rejects_normal_errors_twice_too_often(normal_errors):
     assert 0.10 < (measurement.published_chi_squared(classes).p_value < 0.05).mean() < 0.13
 
 
+def test_an_outlier_where_none_is_expected():
+    errors = np.random.default_rng(0).standard_normal(5000)
+    for far in (60.0, -60.0):
+        errors[7] = far
+        result = measurement.published_chi_squared(measurement.histogram(errors, 40))
+        assert result.statistic > 1e6
+        assert result.p_value == 0.0
+
+
+def test_classes_of_both_tails_expect_alike():
+    errors = np.array([-9.0, 9.0, *np.random.default_rng(0).standard_normal(400)])
+    errors = np.concatenate([errors, -errors])
+    expected = measurement.histogram(errors, 20).expected
+    np.testing.assert_allclose(expected, expected[::-1], rtol=1e-9)
+    assert expected[0] > 0.0
+
+
 def test_tests_tell_other_laws_from_the_normal():
     random = np.random.default_rng(4)
     for draws in (random.laplace(size=(400, 300)), random.uniform(size=(400, 300))):
@@ -311,7 +333,7 @@ def test_eccentricity_of_the_output_is_the_peak_of_the_periodogram():
 
 
 def test_without_eccentricity_nothing_is_found_more_often_than_by_chance():
-    sets = 400
+    sets = 200
     least, peaks = [], []
     for seed in range(sets):
         result = esc.measure(read(seed=seed, samples=150, noise=0.3 * DEG), PRIKHODKO)
@@ -337,6 +359,18 @@ def test_periodogram_is_a_least_squares_fit_of_a_sinusoid():
         assert found.power[i] == pytest.approx(explained, rel=5e-3, abs=1e-4)
         amplitude = np.hypot(*solution[1:])
         assert found.amplitude[i] == pytest.approx(amplitude, rel=5e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize(("samples", "turns"), [(60, 10.0), (40, 20.0), (24, 0.5), (20, 30.0)])
+def test_periodogram_of_few_samples_a_turn(samples, turns):
+    alarms = []
+    for seed in range(40):
+        readings = read(seed=seed, samples=samples, turns=turns, noise=0.1 * DEG)
+        found = esc.measure(readings, PRIKHODKO).periodogram
+        assert np.isfinite(found.power).all()
+        assert found.power.max() < 0.99
+        alarms.append(found.false_alarm_probability(found.power.max()) < 0.05)
+    assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 40)
 
 
 def test_a_shaft_that_did_not_turn_round_is_not_judged():
@@ -442,6 +476,7 @@ WRONG = {
     "a table": (lambda: esc.Readings(ROW.reshape(6, 10), ROW), "row of real numbers"),
     "standstill": (lambda: esc.Readings(ROW * 0.0, ROW), "input must turn"),
     "no mechanism": (lambda: esc.measure(read(), "geneva"), "mechanism", "'geneva'"),
+    "no readings": (lambda: esc.measure([1.0, 2.0], PRIKHODKO), "Readings or a path", "[1.0, 2.0]"),
     "no encoder": (lambda: esc.measure(read(), PRIKHODKO, encoder=4096), "encoder", "4096"),
     "confidence": (lambda: esc.measure(read(), PRIKHODKO, confidence=99), "between 0 and 1"),
     "zeros": (lambda: esc.measure(read(), PRIKHODKO, zeros=1.0), "phase and an offset"),

@@ -2,6 +2,7 @@
 
 import time
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -198,6 +199,19 @@ def test_written_readings_come_back(tmp_path):
         esc.write_readings(readings, path)
     esc.write_readings(readings, path, force=True)
     assert [entry.name for entry in tmp_path.iterdir()] == ["made.csv"]
+
+
+def test_readings_of_the_documentation_are_those_it_says():
+    path = Path(__file__).parents[1] / "runs" / "encoder_synthetic.csv"
+    kept = esc.read_readings(path)
+    made = esc.synthetic_readings(
+        DRIVE, seed=2020, samples=148, turns=3.0, encoder=esc.Encoder(4096),
+        noise=np.radians(0.9), output_eccentricity=np.radians(1.0), phase=np.radians(20.0),
+        offset=np.radians(-50.0), sense=-1, missing=0.02,
+    )  # fmt: skip
+    assert kept.synthetic
+    np.testing.assert_allclose(kept.input, made.input, atol=1e-8)
+    np.testing.assert_allclose(kept.output, made.output, atol=1e-8)
 
 
 def test_measured_readings_are_not_called_synthetic(tmp_path):

@@ -85,7 +85,7 @@ def _add_statistics(parser: Parser) -> None:
     )
     statistics.add_argument(
         "--linearity",
-        type=number("--linearity", _validate.non_negative, "give a share, 0.003 for 0.3 %%"),
+        type=number("--linearity", _validate.non_negative, "give a share, 0.003 for 0.3 %"),
         metavar="SHARE",
         help="greatest deviation of the encoders as a share of a turn (default: 0)",
     )
@@ -277,13 +277,15 @@ def _print_tests(record: dict[str, Any]) -> None:
 def _print_shafts(record: dict[str, Any]) -> None:
     print("\nerrors that come back")
     rows = [
-        [f"{error['shaft']}, order {error['order']}", error["amplitude_deg"],
-         error["standard_error_deg"], error["p_value"]]
+        [_recurrence(error), error["amplitude_deg"], error["standard_error_deg"], error["p_value"]]
         for error in record["shaft_errors"]
-    ]  # fmt: skip
+    ]
     peak = record["periodogram_peak"]
-    rows.append(
-        [f"{peak['cycles_per_input_turn']:.4g} a turn", peak["amplitude_deg"], None,
-         peak["false_alarm_probability"]]
-    )  # fmt: skip
-    _output.print_columns([["once or twice a turn of", "amplitude", "+-", "p"]], rows)
+    name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
+    rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])
+    _output.print_columns([["", "amplitude/deg", "+-", "p"]], rows)
+
+
+def _recurrence(error: dict[str, Any]) -> str:
+    often = "once" if error["order"] == 1 else "twice"
+    return f"{often} a cell" if error["shaft"] == "cell" else f"{often} a turn, {error['shaft']}"

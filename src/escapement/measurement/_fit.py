@@ -13,8 +13,8 @@ from escapement.measurement._position import position, slope
 from escapement.measurement.readings import TURN
 from escapement.model import FloatArray, Mechanism
 
-_START_SAMPLES = 1500
-_START_PHASES = 180
+_START_SAMPLES = 1000
+_START_PHASES = 120
 _ROUNDS = 60
 _HALVINGS = 40
 
@@ -102,7 +102,7 @@ def fit(
     if zeros is None:
         every = -(-angle.size // _START_SAMPLES)
         few = _Task(mechanism, angle[::every], output[::every], wraps)
-        start = min(_improved(few, _start(few, sense)) for sense in (1, -1))
+        start = min(_improved(few, zeros) for zeros in _starts(few))
         best = _reduced(task, _improved(task, task.centred(*start[1:])))
     else:
         best = min(task.at(sense, *zeros) for sense in (1, -1))
@@ -114,16 +114,21 @@ def fit(
     )  # fmt: skip
 
 
-def _start(task: _Task, sense: int) -> _Zeros:
-    """The best phase on a grid over one cell.
+def _starts(task: _Task) -> list[_Zeros]:
+    """For each sense the best phase on a grid over one cell.
 
     The mean direction of the residuals on a circle tells the offset, and its length
     how well they agree, whether the turns of the output are counted or not.
     """
     phases = np.arange(_START_PHASES) / _START_PHASES * task.mechanism.cell_angle
-    turns = [np.exp(1j * task.residual(sense, phase, 0.0)).mean() for phase in phases]
-    best = int(np.argmax(np.abs(turns)))
-    return task.centred(sense, float(phases[best]), float(np.angle(turns[best])))
+    angles = np.add.outer(phases, task.input)
+    phi = position(task.mechanism, angles.reshape(-1)).reshape(angles.shape)
+    starts = []
+    for sense in (1, -1):
+        turns = np.exp(1j * (task.output - sense * phi)).mean(axis=1)
+        best = int(np.argmax(np.abs(turns)))
+        starts.append(task.centred(sense, float(phases[best]), float(np.angle(turns[best]))))
+    return starts
 
 
 def _improved(task: _Task, zeros: _Zeros) -> _Zeros:

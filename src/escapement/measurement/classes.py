@@ -86,8 +86,6 @@ def histogram(errors: ArrayLike, bins: int) -> Histogram:
 
     Source: Prikhodko (2020), eqs. 11 to 14. Eq. 12 lacks the sum over the classes.
     """
-    from scipy.special import ndtr
-
     values = np.asarray(errors, dtype=float)
     n = values.shape[-1]
     low = values.min(axis=-1, keepdims=True)
@@ -98,8 +96,17 @@ def histogram(errors: ArrayLike, bins: int) -> Histogram:
     mean = (observed * middle).sum(axis=-1, keepdims=True) / n
     variance = (observed * (middle - mean) ** 2).sum(axis=-1, keepdims=True) / n
     deviation = np.sqrt(variance)
-    expected = n * np.diff(ndtr((edges - mean) / deviation), axis=-1)
+    expected = n * _shares((edges - mean) / deviation)
     return Histogram(edges, observed, expected, mean[..., 0], deviation[..., 0])
+
+
+def _shares(edges: FloatArray) -> FloatArray:
+    """Probability of each class; from the nearer tail, where ends differ by little."""
+    from scipy.special import ndtr
+
+    low, high = edges[..., :-1], edges[..., 1:]
+    above = low > 0.0
+    return np.asarray(ndtr(np.where(above, -low, high)) - ndtr(np.where(above, -high, low)))
 
 
 def counts(classes: np.ndarray, bins: int) -> np.ndarray:

@@ -198,6 +198,10 @@ def measure(
     if not 0.0 < share < 1.0:
         raise _validate.fail("confidence", "between 0 and 1", confidence, "give a share, as 0.99")
     known = None if zeros is None else _checked_zeros(zeros)
+    if not isinstance(readings, Readings | str | PathLike):
+        raise _validate.fail(
+            "readings", "Readings or a path", readings, "give Readings(input, output) in rad"
+        )
     taken = readings if isinstance(readings, Readings) else read_readings(readings)
     place = np.flatnonzero(taken.complete)
     angle, output = taken.input[place], taken.output[place]

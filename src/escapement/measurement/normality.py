@@ -37,8 +37,10 @@ def published_chi_squared(classes: Histogram) -> NormalityTest:
 
     Source: Prikhodko (2020), eqs. 15 and 16.
     """
-    expected = classes.expected
-    statistic = ((classes.observed - expected) ** 2 / expected).sum(axis=-1)
+    observed, expected = classes.observed, classes.expected
+    with np.errstate(all="ignore"):  # classes in which nothing is expected
+        terms = (observed - expected) ** 2 / expected
+    statistic = np.where(observed == expected, 0.0, terms).sum(axis=-1)
     return _compared(statistic, classes.observed.shape[-1] - 3)
 
 

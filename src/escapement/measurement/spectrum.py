@@ -20,6 +20,7 @@ MOST_TURNS = 1000.0
 _PER_TURN = 12.0  # highest frequency, unless samples or cells ask for another
 _FINE = 64  # nodes to a period of the highest frequency
 _OVERSAMPLING = 6
+_SINGULAR = 1e-3  # of a greatest value of 1/4; far above the error of the sums
 
 
 @dataclass(frozen=True)
@@ -140,6 +141,8 @@ class _Sums:
         ss = 0.5 * (1.0 - self.ww.real) - s * s
         cs = -0.5 * self.ww.imag - c * s
         scale = cc * ss - cs * cs
+        told = scale > _SINGULAR  # else all samples lie at one phase, or two opposite ones
+        scale = np.where(told, scale, np.inf)
         a, b = (yc * ss - ys * cs) / scale, (ys * cc - yc * cs) / scale
         return np.clip((a * yc + b * ys) / self.variance, 0.0, 1.0), np.hypot(a, b)
 
