@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy import stats
 
 import escapement as esc
@@ -118,6 +120,15 @@ def test_wrapped_or_counting_on_is_the_same():
     assert a.fit.phase == pytest.approx(b.fit.phase, abs=1e-11)
 
 
+def test_samples_in_step_with_the_cells_tell_the_phase():
+    drive = esc.Geneva(4, pins=1)
+    # two hundred a turn: every two hundredth meets the same place of the cell
+    readings = read(drive, samples=200_000, turns=1000.0, noise=0.1 * DEG, phase=0.3)
+    result = esc.measure(readings, drive)
+    assert result.fit.phase == pytest.approx(0.3, abs=4 * result.fit.phase_error)
+    assert result.standard_deviation == pytest.approx(0.1 * DEG, rel=0.01)
+
+
 def test_turning_back_and_forth_is_no_obstacle():
     theta = 4.0 * np.sin(np.linspace(0.0, 20.0, 900))
     readings = esc.Readings(np.mod(theta, 2 * np.pi), measurement.position(PRIKHODKO, theta + 0.2))
@@ -159,6 +170,33 @@ def test_even_output_tells_no_phase(samples):
         assert result.standard_deviation < 1.1e-3
     else:
         assert "the phase cannot be told" in result.message
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    drive=st.sampled_from(DRIVES),
+    seed=st.integers(0, 2**32 - 1),
+    samples=st.integers(20, 80),
+    spread=st.sampled_from([1e-9, 1e-3, 1.0, 30.0, 1e6]),
+    counts=st.booleans(),
+)
+def test_whatever_is_measured_the_figures_are_finite(drive, seed, samples, spread, counts):
+    random = np.random.default_rng(seed)
+    columns = spread * random.standard_normal((2, samples)).round(2)
+    if counts:
+        columns = np.cumsum(np.abs(columns), axis=1)
+    try:
+        result = esc.measure(esc.Readings(*columns), drive)
+    except InvalidValue:
+        return
+    assert np.isfinite(result.errors).all()
+    assert math.isfinite(result.fit.phase + result.fit.offset)
+    tests = (result.chi_squared_test, result.published_test, result.anderson_darling_test)
+    assert all(0.0 <= test.p_value <= 1.0 for test in tests)
+    assert all(not error.p_value < 0.0 for error in result.shaft_errors)
+    assert np.isfinite(result.periodogram.power).all()
+    assert 0.0 < result.periodogram.level(0.01) <= 1.0
+    assert "\n" not in result.message
 
 
 # --- statistics ---------------------------------------------------------------------------
@@ -389,9 +427,16 @@ def test_correlated_errors_are_remarked_upon():
     assert "neighbouring errors are alike" in result.message
 
 
+def test_many_turns_are_cut_for_the_periodogram_alone():
+    result = esc.measure(read(samples=60_000, turns=1500.0, noise=0.1 * DEG), PRIKHODKO)
+    assert "the periodogram covers the first 1000 turns" in result.message
+    assert result.periodogram.samples == pytest.approx(40_000, abs=2)
+    assert shown(result, "input").turns == pytest.approx(1500.0, abs=0.1)
+
+
 def test_a_wrong_mechanism_is_remarked_upon():
     result = esc.measure(read(noise=0.1 * DEG), esc.Geneva(5))
-    assert "as large as the motion itself" in result.message
+    assert "large against a step of" in result.message
 
 
 # --- encoders -----------------------------------------------------------------------------

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import escapement as esc
 from escapement import measurement
@@ -151,6 +153,40 @@ def test_what_is_not_understood(file, monkeypatch, content, said, block):
         assert words in message
     assert "\n" not in message
     assert len(message) < 300
+
+
+GOOD_BYTES = text().encode()
+
+
+@settings(
+    deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(
+    cuts=st.lists(
+        st.tuples(
+            st.integers(0, len(GOOD_BYTES)),
+            st.integers(0, 30),
+            st.one_of(st.binary(max_size=12), st.text('0123456789.,;-+eE#"\n\r nai', max_size=12)),
+        ),
+        min_size=1,
+        max_size=5,
+    )
+)
+def test_whatever_happens_to_a_file_it_is_read_or_refused_in_one_line(file, cuts):
+    content = GOOD_BYTES
+    for place, length, new in cuts:
+        piece = new if isinstance(new, bytes) else new.encode()
+        content = content[:place] + piece + content[place + length :]
+    try:
+        readings = esc.read_readings(file(content))
+    except (InputFileError, InvalidValue) as error:
+        message = str(error)
+    else:
+        assert readings.input.shape == readings.output.shape == readings.line.shape
+        assert (np.diff(readings.line) > 0).all()
+        message = "data.csv"
+    assert "\n" not in message
+    assert "data.csv" in message
 
 
 def test_a_file_without_line_ends(file, monkeypatch):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.measurement._position import position, slope
-from escapement.measurement.readings import TURN
+from escapement.measurement.readings import TURN, spread
 from escapement.model import FloatArray, Mechanism
 
 _START_SAMPLES = 1000
@@ -100,8 +100,8 @@ def fit(
     """
     task = _Task(mechanism, angle, output, wraps)
     if zeros is None:
-        every = -(-angle.size // _START_SAMPLES)
-        few = _Task(mechanism, angle[::every], output[::every], wraps)
+        some = spread(angle.size, _START_SAMPLES)
+        few = _Task(mechanism, angle[some], output[some], wraps)
         start = min(_improved(few, zeros) for zeros in _starts(few))
         best = _reduced(task, _improved(task, task.centred(*start[1:])))
     else:

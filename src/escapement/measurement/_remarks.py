@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from escapement.measurement.readings import TURN, wraps
-from escapement.measurement.spectrum import MOST_TURNS
 
 if TYPE_CHECKING:
     from escapement.measurement.comparison import Measurement
@@ -31,8 +30,9 @@ def _of_the_fit(result: "Measurement") -> Iterator[str]:
     rms = math.hypot(result.mean, result.standard_deviation)
     if rms > 0.25 * abs(result.mechanism.follower_step):
         yield (
-            f"errors of {math.degrees(rms):.3g} degrees are as large as the motion itself: "
-            "check the mechanism, which column is the input, and the unit of the angles"
+            f"errors of {math.degrees(rms):.3g} degrees are large against a step of "
+            f"{math.degrees(abs(result.mechanism.follower_step)):.3g}: check the mechanism, "
+            "which column is the input, and the unit of the angles"
         )
     if math.isnan(result.fit.phase_error):
         yield "the output turns evenly over these samples, so the phase cannot be told"
@@ -65,5 +65,5 @@ def _of_shafts(result: "Measurement") -> Iterator[str]:
                 f"an error of {math.degrees(error.amplitude):.3g} degrees comes back "
                 f"{'once' if error.order == 1 else 'twice'} a {where}"
             )
-    if np.ptp(result.input) > MOST_TURNS * TURN:
-        yield f"the periodogram covers the first {MOST_TURNS:.0f} turns"
+    if result.periodogram.turns < (1.0 - 1e-9) * np.ptp(result.input) / TURN:
+        yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"

@@ -11,6 +11,7 @@ from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 
 TURN = 2.0 * np.pi
+_GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 LEAST_SAMPLES = 20
 """Fewer leave nothing to test once a fit and the classes have taken their share."""
 
@@ -98,6 +99,17 @@ def _column(name: str, values: ArrayLike) -> FloatArray:
 
 def _shape(array: np.ndarray) -> str:
     return f"{array.dtype} of shape {array.shape}"
+
+
+def spread(count: int, most: int) -> np.ndarray:
+    """Indices of at most `most` of `count` samples, in step with no period of theirs.
+
+    Every tenth sample of an even motion could always meet the same pin; steps of the
+    golden ratio cannot.
+    """
+    if count <= most:
+        return np.arange(count)
+    return np.unique((count * np.mod(np.arange(1, most + 1) * _GOLDEN, 1.0)).astype(int))
 
 
 def wraps(angle: FloatArray) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from escapement import _validate
 from escapement.errors import InvalidValue
-from escapement.measurement.readings import TURN
+from escapement.measurement.readings import LEAST_SAMPLES, TURN
 from escapement.model import FloatArray
 
 MOST_TURNS = 1000.0
@@ -31,6 +31,7 @@ class Periodogram:
     power : share of the variance that a sinusoid explains, 0 to 1, shape (m,).
     amplitude : of that sinusoid, shape (m,), in the unit of the errors.
     samples : number of errors.
+    turns : of the angle from the first of them to the last.
     bandwidth : frequencies that can be told apart, W of Baluev (2008) [-].
     """
 
@@ -38,6 +39,7 @@ class Periodogram:
     power: FloatArray
     amplitude: FloatArray
     samples: int
+    turns: float
     bandwidth: float
 
     def false_alarm_probability(self, power: ArrayLike) -> FloatArray:
@@ -86,7 +88,8 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
     Parameters
     ----------
     angle : array_like, shape (n,)
-        Angles in any order [rad]. Of more than 1000 turns the first 1000 are used.
+        Angles in any order [rad]. Of many samples over more than 1000 turns those of
+        the first 1000 are used.
     errors : array_like, shape (n,)
         Errors at them, not all equal.
     highest : float, optional
@@ -102,17 +105,18 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
 
     Source: Zechmeister and Kuerster (2009), Astron. Astrophys. 496, eqs. 4 to 16.
     """
-    turns, values = _within(np.asarray(angle, dtype=float) / TURN, np.asarray(errors, dtype=float))
+    turns, values = np.asarray(angle, dtype=float) / TURN, np.asarray(errors, dtype=float)
+    if highest is not None:
+        highest = _validate.positive("highest", highest, "give cycles a turn")
+    turns, values, top = _bounded(turns, values, highest)
+    if not (np.ptp(values) > 0.0 and np.ptp(turns) > 0.0):
+        raise InvalidValue("errors and angles must differ for a periodogram, got one value only")
     span = float(np.ptp(turns))
-    if highest is None:
-        highest = min(_PER_TURN, 0.5 * values.size / span)
-    highest = max(_validate.positive("highest", highest, "give cycles a turn"), 1.0 / span)
-    if not np.ptp(values) > 0.0:
-        raise InvalidValue("errors must differ for a periodogram, got one value only")
-    sums = _Sums(turns, values - values.mean(), highest, span)
+    top = max(top, 1.0 / span)
+    sums = _Sums(turns, values - values.mean(), top, span)
     power, amplitude = sums.power()
-    width = highest * math.sqrt(4.0 * math.pi * float(turns.var()))
-    return Periodogram(sums.frequency, power, amplitude, values.size, width)
+    width = top * math.sqrt(4.0 * math.pi * float(turns.var()))
+    return Periodogram(sums.frequency, power, amplitude, values.size, span, width)
 
 
 class _Sums:
@@ -155,11 +159,19 @@ def _shared(first: np.ndarray, second: FloatArray, values: FloatArray, length: i
     return nodes
 
 
-def _within(turns: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    if np.ptp(turns) <= MOST_TURNS:
-        return turns, values
-    near = np.abs(turns - turns[0]) <= MOST_TURNS
-    return turns[near], values[near]
+def _bounded(
+    turns: FloatArray, values: FloatArray, highest: float | None
+) -> tuple[FloatArray, FloatArray, float]:
+    """Samples and highest frequency that a grid of bounded length can hold."""
+    span = float(np.ptp(turns))
+    if highest is None:
+        highest = min(_PER_TURN, 0.5 * values.size / span) if span > 0.0 else _PER_TURN
+    if span * highest <= _PER_TURN * MOST_TURNS:
+        return turns, values, highest
+    near = np.abs(turns - turns[0]) <= MOST_TURNS * min(1.0, _PER_TURN / highest)
+    if np.count_nonzero(near) >= LEAST_SAMPLES and np.ptp(values[near]) > 0.0:
+        return turns[near], values[near], highest
+    return turns, values, _PER_TURN * MOST_TURNS / span
 
 
 def _gamma_ratio(n: int) -> float:

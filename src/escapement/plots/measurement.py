@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from escapement import _validate
 from escapement.measurement import Measurement, position
 from escapement.measurement.encoder import sensor_uncertainty
+from escapement.measurement.readings import spread
 from escapement.model import FloatArray
 from escapement.plots import _style
 from escapement.plots._labels import label
@@ -41,7 +42,7 @@ def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
     ax.plot(
         np.degrees(angles), np.degrees(phi), color=_style.BLUE, lw=1.0, label="theory", zorder=3
     )
-    some = _thinned(driver.size)
+    some = spread(driver.size, _MOST_POINTS)
     found = position(result.mechanism, driver[some]) + result.fit.sense * result.errors[some]
     ax.plot(
         np.degrees(driver[some]), np.degrees(found), "o", ms=2.5, mfc="none", mew=0.7,
@@ -72,7 +73,7 @@ def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
     Source: Prikhodko (2020), figure 7.
     """
     ax = _ready(result, ax)
-    some = _thinned(result.errors.size)
+    some = spread(result.errors.size, _MOST_POINTS)
     angle = np.degrees(result.input[some] - result.input[0])
     if result.encoder is not None:
         width = 2.0 * np.degrees(sensor_uncertainty(result.encoder, result.fit.slope[some]))
@@ -230,11 +231,6 @@ def _ready(result: Measurement, ax: Axes | None) -> Axes:
 
 def _title(result: Measurement) -> str | None:
     return "synthetic data" if result.readings.synthetic else None
-
-
-def _thinned(count: int) -> slice:
-    """Evenly spread samples, as many as a print can show."""
-    return slice(None, None, max(1, -(-count // _MOST_POINTS)))
 
 
 def _outline(count: int, values: FloatArray) -> np.ndarray:
