@@ -189,6 +189,13 @@ class GearDriven:
         return abs(abs(self.arms.first) - abs(self.arms.second))
 
     @property
+    def reach_over_fixed(self) -> float:
+        """Radius of the circle that holds both gears and the pin path, over R0 [-]."""
+        planet = abs(1.0 / float(self.gear_ratio))
+        longest = self.carrier_over_fixed + max(self.arm_over_fixed, planet)
+        return max(1.0, longest)
+
+    @property
     def slots(self) -> int:
         """Slots g the wheel needs (16) [-]; unused lobes and more pins change it."""
         return self._slot_turn(self.unused_lobes + 1).denominator

@@ -67,10 +67,7 @@ class GearWheels:
     @property
     def reach(self) -> float:
         """Radius of the whole drawing."""
-        k = float(self.mechanism.gear_ratio)
-        arms = self.mechanism.carrier_over_fixed + self.mechanism.arm_over_fixed
-        wheels = self.mechanism.carrier_over_fixed + self.planet
-        return max(self.rim, arms + self.pin, wheels if k < 1.0 else 1.0)
+        return max(self.rim, self.mechanism.reach_over_fixed + self.pin)
 
     def outlines(self) -> list[ComplexArray]:
         """Closed outlines of the wheel at zero: its body with the slots cut out."""
