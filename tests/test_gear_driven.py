@@ -257,7 +257,7 @@ def follow(wheel, arrivals):
         ((12, 0, "epicycloid", 1, 1), 4),
         ((12, 2, "hypocycloid", 1, 0), 3),
         ((9, "1/2", "epicycloid"), 18),
-        ((11, "1/3", "hypocycloid", 1, 2), 11),
+        ((11, "1/2", "hypocycloid", 1, 2), 2),
     ],
 )
 def test_slots(arguments, slots):
@@ -334,6 +334,8 @@ IMPOSSIBLE = {
     "no pin": ((4, 1, "epicycloid", 0), "pins must be .* at least 1, got 0"),
     "too many pins": ((4, 1, "epicycloid", 9), "pins must be at most 8 .*0.119282"),
     "negative lobe": ((4, 1, "epicycloid", 1, -1), "unused_lobes must be .* at least 0"),
+    "slot in the way": ((6, "1/2", "epicycloid", 1, 1), "unused_lobes .*where lobe 1 passes"),
+    "dwell at full speed": ((12, 4, "hypocycloid", 1, 2), "unused_lobes must be 0 .*jump"),
     "second of one": ((4, 1, "epicycloid", 1, 0, 2), "solution must be at most 1 here, got 2"),
     "no radius": ((4, 1, "epicycloid", 1, 0, 1, 0.0), "fixed_radius must be greater than 0"),
 }

@@ -39,6 +39,7 @@ _HOMES = {
     "units": "",
     "plots": "",
     "published": "",
+    "synthesis": "",
 }
 
 __all__ = sorted([*_HOMES, "__version__"])

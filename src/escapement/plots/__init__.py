@@ -7,6 +7,7 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 from escapement.plots._style import new_axes, save
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
+from escapement.plots.gear_driven import plot_gear_driven
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
 
@@ -15,6 +16,7 @@ __all__ = [
     "plot_configurations",
     "plot_contact_moment",
     "plot_drive_torque",
+    "plot_gear_driven",
     "plot_lines",
     "plot_map",
     "plot_mechanism",
