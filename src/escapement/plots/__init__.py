@@ -7,6 +7,7 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 from escapement.plots._style import new_axes, save
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
+from escapement.plots.gear_driven import plot_gear_driven
 from escapement.plots.measurement import (
     plot_error_histogram,
     plot_errors,
@@ -26,6 +27,7 @@ __all__ = [
     "plot_error_histogram",
     "plot_errors",
     "plot_frequencies",
+    "plot_gear_driven",
     "plot_lines",
     "plot_map",
     "plot_measurement",
