@@ -23,7 +23,7 @@ from escapement.store import blocks_of, encode_block
 from escapement.store._image import write_blocks
 from escapement.sweeping import frame_of, write_plan
 from escapement.sweeping._blocks import in_threads
-from escapement.sweeping._evaluate import evaluate
+from escapement.sweeping._evaluate import Evaluator
 
 
 def study(cases: int) -> StudyPlan:
@@ -34,10 +34,10 @@ def study(cases: int) -> StudyPlan:
 
 def write_once(plan: StudyPlan, path: Path, workers: int) -> None:
     frame = frame_of(plan)
-    cut = blocks_of(frame)
+    cut, evaluate = blocks_of(frame), Evaluator(plan)
 
     def work(number: int):
-        return encode_block(cut, number, evaluate(plan, *cut.span(number)))
+        return encode_block(cut, number, evaluate(*cut.span(number)))
 
     with closing(in_threads(work, range(len(cut)), workers)) as blocks:
         write_blocks(frame, path, blocks, True, threading.Event())

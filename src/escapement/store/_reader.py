@@ -105,9 +105,11 @@ def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:
 
 def _read(hdf5: Any) -> Study:
     axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
-    names = [*axes, *RESULTS]
+    sampled = str(hdf5["status"].attrs.get("coordinates", "")).split()
+    names = [*axes, *sampled, *RESULTS]
     return Study(
         axes={name: hdf5[name][()] for name in axes},
+        sampled={name: hdf5[name][()] for name in sampled},
         results={name: hdf5[name][()] for name in RESULTS},
         units={name: str(hdf5[name].attrs["units"]) for name in names},
         long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},

@@ -27,7 +27,7 @@ from escapement.store import (
 )
 from escapement.sweeping._blocks import in_threads
 from escapement.sweeping._cluster import connect, in_cluster
-from escapement.sweeping._evaluate import evaluate
+from escapement.sweeping._evaluate import Evaluator
 from escapement.sweeping._numerics import numerics
 
 Report = Callable[[int, int, int], object]
@@ -136,11 +136,11 @@ def run_plan(
         raise _validate.fail("scheduler", "left out without a path", scheduler, "name a file")
     frame, count = frame_of(plan), _count(workers)
     results = {name: np.empty(plan.cases, result.dtype) for name, result in RESULTS.items()}
-    cut = blocks_of(frame)
+    cut, evaluate = blocks_of(frame), Evaluator(plan)
 
     def work(number: int) -> tuple[int, int]:
         start, stop = cut.span(number)
-        block = evaluate(plan, start, stop)
+        block = evaluate(start, stop)
         for name, values in results.items():
             values[start:stop] = block[name]
         return stop - start, count_failed(block["status"])
@@ -191,11 +191,12 @@ def _blocks(
     plan: StudyPlan, writer: StudyWriter, workers: int, scheduler: Any
 ) -> Iterator[Iterable[Block]]:
     """What a study still lacks, block after block, from threads or from a cluster."""
-
-    def work(number: int) -> Block:
-        return encode_block(writer.cut, number, evaluate(plan, *writer.cut.span(number)))
-
     if scheduler is None or not writer.missing:
+        evaluate = Evaluator(plan)
+
+        def work(number: int) -> Block:
+            return encode_block(writer.cut, number, evaluate(*writer.cut.span(number)))
+
         with closing(in_threads(work, writer.missing, workers)) as blocks:
             yield blocks
         return
@@ -208,11 +209,14 @@ def _blocks(
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    units = {name: plan.unit(name) for name in plan.axes}
-    names = {name: plan.parameters[name].long_name for name in plan.axes}
+    sampled = {} if plan.sample is None else plan.sample.values
+    varied = (*plan.dimensions, *sampled)
+    units = {name: plan.unit(name) for name in varied}
+    names = {name: plan.long_name(name) for name in varied}
     rtol = plan.solver.rtol
     return Study(
-        axes=plan.axes,
+        axes=plan.dimensions,
+        sampled=sampled,
         results={},
         units=units | {name: result.units for name, result in RESULTS.items()},
         long_names=names | {name: result.long_name for name, result in RESULTS.items()},
