@@ -84,6 +84,7 @@ def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
     parameters = {**kind.parameters, **MODEL}
     homes = {setting.name: "[solver]" for setting in fields(Solver)}
     homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
+    homes |= dict.fromkeys(["size", "seed"], "[sample]")
     keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
     keys["mechanism"] = ["kind", *kind.options]
     for name, parameter in parameters.items():

@@ -8,6 +8,8 @@ from escapement.plots._style import new_axes, save
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
+from escapement.plots.sample import plot_sample
+from escapement.plots.spread import plot_spread
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
 
 __all__ = [
@@ -20,6 +22,8 @@ __all__ = [
     "plot_mechanism",
     "plot_phase_portrait",
     "plot_rise_and_terminal",
+    "plot_sample",
+    "plot_spread",
     "plot_study",
     "plot_velocities",
     "save",

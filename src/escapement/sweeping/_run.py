@@ -1,6 +1,6 @@
-"""Running a study: every case of a grid, into memory or into a file."""
+"""Running a study: every case of a grid or a sample, into memory or into a file."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -45,6 +45,7 @@ class Tally:
 def sweep(
     escapement: Escapement,
     *,
+    sample: Mapping[str, Any] | None = None,
     engine: str = simulation.DEFAULT_ENGINE,
     rtol: float | None = None,
     initial_speed: ArrayLike = 0.0,
@@ -56,12 +57,17 @@ def sweep(
     scheduler: Any = None,
     **axes: ArrayLike,
 ) -> Study:
-    """Figures of merit over a grid of parameters.
+    """Figures of merit over a grid of parameters, or a sample of them.
 
     Parameters
     ----------
     escapement : Escapement
         The nominal design.
+    sample : Mapping, optional
+        Parameters that vary together, at every point of the grid: `method`
+        ("latin-hypercube", "sobol" or "list"), `size`, `seed` (default 0), and a
+        distribution [SI] of each parameter, such as {"relative_tolerance": 0.05} or
+        {"low": 0.2, "high": 0.3}; with "list" its values, case by case.
     engine, rtol : optional
         As for `terminal`.
     initial_speed : float or array
@@ -82,7 +88,7 @@ def sweep(
     **axes : array
         Values [SI] of any of friction, torque, load_torque, driver_inertia,
         follower_inertia and the numbers of the mechanism (slots, pins); the
-        order is that of the results' dimensions.
+        order is that of the results' dimensions. A sample adds the last one, `case`.
 
     Returns
     -------
@@ -98,7 +104,14 @@ def sweep(
     """
     if np.ndim(initial_speed) > 0:
         axes["initial_speed"], initial_speed = initial_speed, 0.0
-    plan = plan_from(escapement, axes, initial_speed=initial_speed, engine=engine, rtol=rtol)  # type: ignore[arg-type]
+    plan = plan_from(
+        escapement,
+        axes,
+        sample=sample,
+        initial_speed=initial_speed,  # type: ignore[arg-type]
+        engine=engine,
+        rtol=rtol,
+    )
     return run_plan(
         plan,
         path,
@@ -170,7 +183,8 @@ def write_plan(
     Arguments and errors as `sweep`.
     """
     count = _count(workers)
-    writer = StudyWriter(path, frame_of(plan), numerics=numerics(), force=force, resume=resume)
+    version = numerics() + ("" if plan.sample is None else plan.sample.fingerprint)
+    writer = StudyWriter(path, frame_of(plan), numerics=version, force=force, resume=resume)
 
     with (
         writer,
