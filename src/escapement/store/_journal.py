@@ -9,6 +9,7 @@ taken for good and costs only itself. The file is its own lock.
 import errno
 import json
 import os
+import re
 import socket
 import struct
 import threading
@@ -25,7 +26,7 @@ import numpy as np
 from escapement.errors import CannotCreate
 from escapement.store._block import Block
 from escapement.store._chunks import Tiling
-from escapement.store._lock import try_lock
+from escapement.store._lock import is_ending, try_lock
 from escapement.store._study import RESULTS
 from escapement.store._target import sync_folder
 
@@ -33,7 +34,8 @@ SYNC_EVERY = 1.0
 """Seconds of finished work that a crash of the machine may cost; of the process, none."""
 
 _RECENT = 16  # blocks that are kept in memory for the file to come: 10 MB
-_PATIENCE = 0.5  # s: a killed process needs a moment to let go of its files
+_PATIENCE = 0.5  # s for which a lock may be held by someone who is about to let go
+_LONG_PATIENCE = 20.0  # s for a killed process: as long as a disk may take
 _SIGNATURE = b"escapement partial results, "
 _OWNER = 128
 _MARK = b"\x89ESCblk\n"
@@ -77,6 +79,11 @@ class Journal:
         self._recent: dict[int, Block] = {}
         self._next_sync, self._dropped = 0.0, 0
 
+    def sign(self) -> None:
+        """Say who is writing it, for whoever comes second."""
+        if self.ours:
+            self._write(0, _owner())
+
     def start(self, head: Mapping[str, Any], cut: Tiling) -> None:
         """Begin anew, whatever was there."""
         text = json.dumps(head, allow_nan=False).encode()
@@ -102,7 +109,6 @@ class Journal:
     def carry_on(self) -> None:
         """Continue after the last block found."""
         self._file.truncate(self._end)
-        self._write(0, _owner())
         self.sync()
 
     def _prepare(self, head: Mapping[str, Any], cut: Tiling, end: int) -> None:
@@ -278,32 +284,41 @@ def _record_size(block: Block) -> int:
 
 
 def _owner() -> bytes:
-    """First line of the file: who is writing it, for whoever comes second."""
+    """First line of the file: who is writing it."""
     line = _SIGNATURE + f"process {os.getpid()} on {socket.gethostname()}".encode()
     return line[: _OWNER - 1].ljust(_OWNER - 1) + b"\n"
 
 
 def _open_locked(path: Path) -> BinaryIO:
     """The file under `path`, for this process alone."""
-    last = time.monotonic() + _PATIENCE
+    begin = time.monotonic()
     while True:
         file = open(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b", buffering=0)  # noqa: SIM115
         try:
-            if try_lock(file.fileno()):
-                if _same_file(file.fileno(), path):
-                    return file  # else its last owner has just finished and removed it
-            elif time.monotonic() > last:
-                line = file.read(_OWNER).removeprefix(_SIGNATURE).decode(errors="replace").strip()
-                raise CannotCreate(
-                    f"output {path.with_suffix('')} must not be in use, and "
-                    f"{line or 'another process'} is writing it; wait, or name another output"
-                )
-            else:
-                time.sleep(0.05)
+            if not try_lock(file.fileno()):
+                _wait_for(file, path, time.monotonic() - begin)
+            elif _same_file(file.fileno(), path):
+                return file  # else its last owner has just finished and removed it
         except BaseException:
             file.close()
             raise
         file.close()
+
+
+def _wait_for(file: BinaryIO, path: Path, waited: float) -> None:
+    """Wait a little for the owner of the lock; raises CannotCreate where that is no use."""
+    line = file.read(_OWNER)
+    owner = re.match(_SIGNATURE + rb"(process (\d+) on (.*?)) *\n", line)
+    here = owner is not None and owner[3].decode(errors="replace") == socket.gethostname()
+    # who has not even said its name was killed before it could
+    ending = not line or (owner is not None and here and is_ending(int(owner[2])))
+    if waited > (_LONG_PATIENCE if ending else _PATIENCE):
+        name = "another process" if owner is None else owner[1].decode(errors="replace")
+        raise CannotCreate(
+            f"output {path.with_suffix('')} must not be in use, and {name} is writing it; "
+            "wait, or name another output"
+        )
+    time.sleep(0.05)
 
 
 def _same_file(descriptor: int, path: Path) -> bool:
