@@ -162,7 +162,7 @@ def terminal(
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)
     if message is not None:
         return replace(base, status=Status.PAINLEVE, message=message)
-    if escapement.friction == 0.0:
+    if escapement.loss[0] == 0.0:
         gain = escapement.torque * mechanism.cell_angle
         carries = gain > escapement.load_torque * mechanism.follower_step
         status = Status.NO_TERMINAL if carries else Status.STALL

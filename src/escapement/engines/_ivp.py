@@ -20,6 +20,7 @@ from scipy.optimize import brentq, minimize_scalar
 from escapement._jit import jit
 from escapement.dynamics import (
     acceleration,
+    bend,
     contact,
     contact_moment,
     critical_friction,
@@ -45,7 +46,7 @@ def _derivative(x, y, path, sign, rho, mu, load):
     w = y[1] * y[1]
     out[0] = y[1]
     out[1] = acceleration(g, u, dg, w, sign, rho, mu, load)
-    out[2] = mu * abs(u * contact_moment(g, u, dg, w, sign, rho, mu, load)) * y[1]
+    out[2] = abs(bend(sign, mu) * u * contact_moment(g, u, dg, w, sign, rho, mu, load)) * y[1]
     return out
 
 
@@ -102,7 +103,7 @@ class _Run:
 
     path: FloatArray
     rho: float
-    mu: float
+    mu: tuple[float, float]
     load: float
     cell: float
     clock: float
@@ -268,7 +269,7 @@ def simulate(
     run = _Run(
         mechanism.path,
         rho,
-        escapement.friction,
+        escapement.loss,
         escapement.load_ratio,
         mechanism.cell_angle,
         clock,
