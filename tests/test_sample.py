@@ -161,7 +161,7 @@ REFUSED = [
     ),
     (
         {"size": 64, "friction": {"standard_deviation": 0.2}},
-        "cut its distribution off with low = ...",
+        "cut its distribution off with low or high",
     ),
     (
         {"size": 4, "friction": {"standard_deviation": 0.1, "low": 0.4}},

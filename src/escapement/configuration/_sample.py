@@ -170,4 +170,4 @@ def _check_drawn(name: str, values: FloatArray, parameter: Parameter) -> None:
         parameter.check_all(f"sample.{name}", values)
     except InvalidValue as error:
         rule = str(error).partition(";")[0]
-        raise InvalidValue(f"{rule}; cut its distribution off with low = ...") from None
+        raise InvalidValue(f"{rule}; cut its distribution off with low or high") from None

@@ -147,7 +147,8 @@ def _around(
                     f"{label}.{end}", f"left out with {key}", form[end], "give one or the other"
                 )
         low = parameter.check(f"the lowest value of {label}", nominal - width)
-        return Spread(low, nominal + width, plain)
+        high = parameter.check(f"the highest value of {label}", nominal + width)
+        return Spread(low, high, plain)
     ends = {"low": -np.inf, "high": np.inf}
     for end in ends:
         if end in form:
