@@ -105,5 +105,7 @@ def test_impossible_numbers_mark_their_own_case_and_no_other():
     assert np.isnan(grid.results["period"][[0, 2]]).all()
     loaded = run_plan(plan_from(TIMER, {"load_torque": [0.0, 1e300], "friction": [0.2]}))
     assert loaded.results["status"][:, 0].tolist() == [0, bad]
+    alone = run_plan(plan_from(TIMER, {"driver_inertia": [1e-300]}))
+    assert alone.results["status"].tolist() == [bad]
     unequal = run_plan(plan_from(TIMER, {"driver_inertia": [1e-300, 3e-7], "torque": [0.01, 0.02]}))
     assert unequal.results["status"].tolist() == [[bad, bad], [0, 0]]

@@ -54,6 +54,8 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
         except InvalidValue:
             continue
         rows = rows[sound[rows]]
+        if rows.size == 0:
+            continue
         figures[:, rows], status[rows] = _solve_distinct(mechanism, scene[:, rows], rtol)
     return figures, status
 
