@@ -177,6 +177,12 @@ def torque_friction_map() -> Figure:
 
 
 @drawn
+def four_pins_tolerances() -> Figure:
+    """What tolerances do to a period."""
+    return plots.plot_study(run_plan(load_plan(RUNS / "four_pins_tolerances.toml")))
+
+
+@drawn
 def published_cell() -> Figure:
     """Transmission over driver angle, real and as the 1973 program has it."""
     figure, axes = panels(3, 2.5)
