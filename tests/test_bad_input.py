@@ -80,6 +80,7 @@ NUMBERS = {
     "torque": (built, "torque", "greater than 0", [0, -0.0, -3e-6]),
     "friction": (built, "friction", "at least 0", [-1e-300, -0.35]),
     "load_torque": (built, "load_torque", "at least 0", [-0.5]),
+    "efficiency": (built, "efficiency", "in [0.001, 1]", [1.5, 1e-4]),
     "driver_inertia": (inertia, "driver", "greater than 0", [0.0, -3e-6]),
     "follower_inertia": (inertia, "follower", "greater than 0", [0.0, -1]),
     "crank_radius": (wheel, "crank_radius", "greater than 0", [0, -0.02]),
@@ -157,6 +158,8 @@ def together():
     for name, value in (("atol", 1e-9), ("method", "RK45"), ("max_step", 1.0)):
         call = partial(first_steps, **{name: value})
         yield Bad(call, name, "left out with engine 'energy'", show(value))
+    yield Bad(partial(built, efficiency=0.0), "efficiency", "greater than 0", "0.0")
+    yield Bad(partial(built, efficiency=0.9), "efficiency", "1 for a slotted mechanism", "0.9")
     tiny = partial(built, torque=1e-300)
     yield Bad(tiny, "follower_inertia / torque", "between 1e-100 and 1e100", "e+294")
     light = partial(built, inertia=inertia(driver=1e-300))

@@ -223,6 +223,22 @@ def test_kernels_follow_the_lagrangian(dimensionless):
     states = random_states()
     g, _, dg, w, _, r, _, m = states
     everything, some = dimensionless["state"], dimensionless["contact_state"]
-    compare(dynamics.acceleration, dimensionless["acceleration"], everything, states)
-    compare(dynamics.contact_moment, dimensionless["moment"], everything, states)
+
+    def with_pin(kernel):
+        return lambda g, u, dg, w, s, rho, mu, load: kernel(g, u, dg, w, s, rho, (mu, mu), load)
+
+    acceleration, moment = with_pin(dynamics.acceleration), with_pin(dynamics.contact_moment)
+    compare(acceleration, dimensionless["acceleration"], everything, states)
+    compare(moment, dimensionless["moment"], everything, states)
     compare(dynamics.contact, dimensionless["contact"], some, (g, dg, w, r, m))
+
+
+def test_a_mesh_divides_by_its_efficiency_what_it_passes_on_and_multiplies_what_comes_back():
+    from escapement import dynamics
+
+    table = np.array([0.0])  # its first number alone tells a table from a pin path
+    for eta in (0.3, 0.87, 1.0):
+        pair = dynamics.losses(table, 1.0 / eta - 1.0)
+        for g in (1e-9, 0.7, 6.0):
+            assert dynamics.effective_ratio(g, g, 1.0, pair) == pytest.approx(g / eta, rel=1e-15)
+            assert dynamics.effective_ratio(g, g, -1.0, pair) == pytest.approx(g * eta, rel=1e-15)

@@ -271,7 +271,7 @@ def test_without_friction_both_halves_are_mirror_images(wheel, exponent, place, 
     assert (float(left.g), float(left.u)) == (float(right.g), -float(right.u))
     assert float(left.dg) == -float(right.dg)
     a = [
-        acceleration(float(x.g), float(x.u), float(x.dg), w, 1.0, rho, 0.0, 0.0)
+        acceleration(float(x.g), float(x.u), float(x.dg), w, 1.0, rho, (0.0, 0.0), 0.0)
         for x in (left, right)
     ]
     reduced = rho + right.g**2

@@ -3,14 +3,18 @@
 With the follower's inertia, the driving torque and sqrt(I_f/torque) as units of
 inertia, torque and time, three numbers remain beside the mechanism:
 
-    rho   driver over follower inertia         mu    friction of pin on slot
+    rho   driver over follower inertia         mu    losses on either side (a pair)
     load  load torque over driving torque
 
 and with w = theta_dot^2, the side s = +1 or -1 of the slot that carries the
-force and the ratio as friction bends it, p = g + s mu |u|,
+force and the ratio as friction bends it, p = g + s mu_s |u|,
 
     (rho + g p) theta_ddot + p (g' w + load) = 1
     contact moment on the follower  N R = (rho (g' w + load) + g) / (rho + g p)
+
+A pin loses by sliding: both mu_s are its coefficient of friction. A mesh of
+efficiency eta has p = g eta^(-s), power that flows back being multiplied by it: that
+is the same with |u| = g, mu_+ = 1/eta - 1 and mu_- = 1 - eta.
 
 With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta).
 """
@@ -19,6 +23,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms._table import is_table
 from escapement.model import Inertia, Mechanism
 
 
@@ -33,9 +38,21 @@ def contact(g, dg, w, rho, load):
 
 
 @jit
+def losses(path, forward):
+    """Pair of losses on the two sides, from friction or a mesh's 1/efficiency - 1."""
+    return forward, forward / (1.0 + forward) if is_table(path) else forward
+
+
+@jit
+def bend(sign, mu):
+    """Signed loss s mu_s of the side that carries the force."""
+    return mu[0] if sign > 0.0 else -mu[1]
+
+
+@jit
 def effective_ratio(g, u, sign, mu):
-    """Transmission function as friction bends it, p = g + s mu |u|."""
-    return g + sign * mu * abs(u)
+    """Transmission function as friction bends it, p = g + s mu_s |u|."""
+    return g + bend(sign, mu) * abs(u)
 
 
 @jit
@@ -56,11 +73,12 @@ def side_at(g, dg, w, rho, load):
     """Side that carries the force where a piece begins: +1 or -1.
 
     At pin entry g is zero up to rounding, and at rest nothing else decides: there
-    the side is that of the motion to come, by the sign of g'.
+    the side is that of the motion to come, by the sign of g'. Where that is zero as
+    well, at the stop of a mesh, the follower is about to be taken along.
     """
     value = contact(g, dg, w, rho, load)
     if abs(value) <= 1e-15 * (1.0 + abs(rho * dg * w)):
-        value = dg
+        value = dg if abs(dg) > 1e-12 else 1.0
     return 1.0 if value >= 0.0 else -1.0
 
 
@@ -113,6 +131,8 @@ def _stationary(first, second, rho, end):
 @jit
 def painleve_limit(path, rho, entry, exit_):
     """Least painleve_ratio over the engagement, and a driver angle that has it."""
+    if is_table(path):
+        return np.inf, entry
     limit, angle = painleve_ratio(path, entry, rho), entry
     at_exit = painleve_ratio(path, exit_, rho)
     if at_exit < limit:
@@ -139,8 +159,11 @@ def beyond_painleve(path, rho, mu, entry, exit_):
     """Whether `mu` is at or above the Painleve limit.
 
     (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| at most the radius of the
-    circle that (g, u) runs on: most scenes need no more than this bound.
+    circle that (g, u) runs on: most scenes need no more than this bound. A mesh
+    has no such limit: rho + g^2 eta is positive.
     """
+    if is_table(path):
+        return False
     first = path[3] / path[1]
     second = (path[3] + path[4]) / (path[1] + path[2])
     if mu * abs(first - second) < 4.0 * np.sqrt(rho):
@@ -188,8 +211,14 @@ def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> f
         return entry
     from scipy.optimize import brentq
 
-    # the limit is met symmetrically about dead centre, before it first
-    first = -angle if entry < -angle < angle else angle
+    # the transmission repeats with the half angle's half turns, mirrored about dead centre
+    period = np.pi / abs(path[0])
+    first = min(
+        place
+        for turn in (-abs(angle), abs(angle))
+        for place in turn + period * np.arange(np.ceil((entry - turn) / period), 1.0)
+        if entry <= place <= exit_
+    )
     if painleve_ratio(path, first, rho) >= friction:
         return float(first)
     return float(brentq(lambda theta: painleve_ratio(path, theta, rho) - friction, entry, first))

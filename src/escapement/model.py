@@ -12,8 +12,8 @@ from escapement import _validate
 
 FloatArray = NDArray[np.float64]
 
-Scene = tuple[FloatArray, FloatArray, float, float, float, float]
-"""Path, breaks, dwell angle [rad], inertia ratio, friction and load ratio [-]."""
+Scene = tuple[FloatArray, FloatArray, float, float, tuple[float, float], float]
+"""Path, breaks, dwell angle [rad], inertia ratio, losses and load ratio [-]."""
 
 
 @runtime_checkable
@@ -43,7 +43,7 @@ class Mechanism(Protocol):
 
     @property
     def path(self) -> FloatArray:
-        """Flat numbers that kernels evaluate the transmission from."""
+        """Flat numbers that kernels evaluate the transmission from: a pin path or a table."""
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""
@@ -73,7 +73,7 @@ class Inertia:
 
 @dataclass(frozen=True)
 class Escapement:
-    """A mechanism with inertia and friction under a constant driving torque.
+    """A mechanism with inertia and losses under a constant driving torque.
 
     Parameters
     ----------
@@ -87,6 +87,9 @@ class Escapement:
         Coefficient of friction between pin and slot [-], >= 0.
     load_torque : float
         Constant torque opposing the follower while it moves [N m], >= 0.
+    efficiency : float
+        Share of the power that a mesh passes on, either way [-], in (0, 1]. It stands
+        for friction in a mechanism without a slot; a slotted one has 1.
 
     Source: Meyer (1973), chapter I; the load torque is an extension.
     """
@@ -96,6 +99,7 @@ class Escapement:
     torque: float
     friction: float = 0.0
     load_torque: float = 0.0
+    efficiency: float = 1.0
 
     def __post_init__(self) -> None:
         # a class has the attributes that its instances have
@@ -117,10 +121,33 @@ class Escapement:
             "load_torque": _validate.non_negative(
                 "load_torque", self.load_torque, "give the opposing torque in N m, 0 for none"
             ),
+            "efficiency": _validate.positive(
+                "efficiency", self.efficiency, "give a share of 1, 1 for no loss"
+            ),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        self._check_losses()
         self._check_ratios()
+
+    def _check_losses(self) -> None:
+        """A slot loses by friction, a mesh by its efficiency."""
+        if not 1e-3 <= self.efficiency <= 1.0:
+            raise _validate.fail(
+                "efficiency", "in [0.001, 1]", self.efficiency, "give a share of 1, 1 for no loss"
+            )
+        if self._meshed and self.friction > 0.0:
+            raise _validate.fail(
+                "friction", "0 for a mechanism without a slot", self.friction, "give its efficiency"
+            )
+        if not self._meshed and self.efficiency < 1.0:
+            raise _validate.fail(
+                "efficiency", "1 for a slotted mechanism", self.efficiency, "give its friction"
+            )
+
+    @property
+    def _meshed(self) -> bool:
+        return bool(self.mechanism.path[0] == 0.0)
 
     def _check_ratios(self) -> None:
         """Refuse numbers whose ratios a double cannot hold with room to spare."""
@@ -149,9 +176,19 @@ class Escapement:
             breaks,
             dwell,
             self.inertia_ratio,
-            self.friction,
+            self.loss,
             self.load_ratio,
         )
+
+    @property
+    def loss(self) -> tuple[float, float]:
+        """Losses where the follower is driven, and where it drives [-].
+
+        A pin's friction on both sides; of a mesh 1/efficiency - 1 and 1 - efficiency.
+        """
+        if self._meshed:
+            return 1.0 / self.efficiency - 1.0, 1.0 - self.efficiency
+        return self.friction, self.friction
 
     @property
     def inertia_ratio(self) -> float:

@@ -224,7 +224,7 @@ class Motion:
             free = zero + scene.torque / scene.inertia.driver
             locked = indexed + mechanism.follower_angle(zero + mechanism.breaks[-1])
             return np.array([theta + turned, speed, free, locked, zero, zero, zero, zero + np.nan])
-        numbers = (sign, scene.inertia_ratio, scene.friction, scene.load_ratio)
+        numbers = (sign, scene.inertia_ratio, scene.loss, scene.load_ratio)
         table = np.empty((4, t.size))
         tabulate(mechanism.path, theta, (speed * clock) ** 2, *numbers, table)
         g, dg, driver, moment = table

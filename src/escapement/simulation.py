@@ -176,7 +176,7 @@ def terminal(
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)
     if message is not None:
         return replace(base, status=Status.PAINLEVE, message=message)
-    if escapement.friction == 0.0:
+    if escapement.loss[0] == 0.0:
         status, message = _without_friction(escapement, engine, settings)
         return replace(base, status=status, message=message)
     return _engine(f"{engine}_terminal").terminal(escapement, base, **settings)

@@ -26,7 +26,7 @@ def tabulate_torque(path, theta, load, inertial, mu, eta, out):
     for i in range(theta.size):
         g, u, dg = transmission_at(path, theta[i])
         moment = load[i] + inertial * dg
-        torque = effective_ratio(g, u, 1.0 if moment >= 0.0 else -1.0, mu) * moment
+        torque = effective_ratio(g, u, 1.0 if moment >= 0.0 else -1.0, (mu, mu)) * moment
         out[0, i] = g
         out[1, i] = moment
         out[2, i] = torque / eta if torque >= 0.0 else torque * eta
@@ -37,7 +37,7 @@ def tabulate_ratio(path, theta, sign, mu, out):
     """Fill `out` with the ratio as friction bends it, for one side of the slot."""
     for i in range(theta.size):
         g, u, _dg = transmission_at(path, theta[i])
-        out[i] = effective_ratio(g, u, sign, mu)
+        out[i] = effective_ratio(g, u, sign, (mu, mu))
 
 
 @jit

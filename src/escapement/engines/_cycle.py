@@ -70,7 +70,7 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
     status, done, angle
         Engagements completed; on a stall its angle, its time being in times[done].
     """
-    if beyond_painleve(path, rho, mu, breaks[0], breaks[-1]):
+    if beyond_painleve(path, rho, mu[1], breaks[0], breaks[-1]):
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
     store = np.empty((MAX_PANELS, 3, COLUMNS))
@@ -88,7 +88,7 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
             times[k] = (time + length) * clock
             return status, k, out
         out, free = free_turn(out, dwell, rho)
-        if mu == 0.0 and same:
+        if mu[0] == 0.0 and same:
             # every engagement adds the same energy: no sum, no rounding that adds up
             out = start + (k + 1) * (source / rho + 2.0 * dwell / rho)
         length += free
@@ -225,7 +225,7 @@ def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, sc
     """
     for i in range(FIGURES):
         out[i] = np.nan
-    if mu == 0.0:
+    if mu[0] == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     count = lay_out(store, breaks, path, rho, loose)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from escapement._jit import jit
-from escapement.dynamics import beyond_painleve
+from escapement.dynamics import beyond_painleve, losses
 from escapement.engines._cycle import FIGURES, figures, workspace
 from escapement.model import FloatArray, Mechanism
 
@@ -15,11 +15,12 @@ def solve_scenes(path, breaks, dwell, rho, mu, load, w, rtol, table, status):
     """Fill table[i] and status[i] for every scene i; natural units."""
     store, events, seen, scratch = workspace()
     for i in range(rho.size):
-        if beyond_painleve(path, rho[i], mu[i], breaks[0], breaks[-1]):
+        loss = losses(path, mu[i])
+        if beyond_painleve(path, rho[i], loss[1], breaks[0], breaks[-1]):
             status[i] = _PAINLEVE
         else:
             status[i] = figures(
-                path, breaks, dwell, rho[i], mu[i], load[i], w[i], rtol,
+                path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
                 store, events, seen, scratch, table[i],
             )  # fmt: skip
         if status[i] != _OK:
@@ -42,7 +43,7 @@ def solve(
     mechanism : Mechanism
         Shared by all scenes.
     rho, mu, load : ndarray, shape (n,)
-        Inertia ratio, friction, load over driving torque [-].
+        Inertia ratio, friction (of a mesh: 1/efficiency - 1), load over driving torque [-].
     w : ndarray, shape (n,)
         Squared driver speed at the first entry in units of torque / I_f [-].
     rtol : float

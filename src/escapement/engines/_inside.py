@@ -7,6 +7,7 @@ places; a march decides what is asked of which panel.
 import numpy as np
 
 from escapement._jit import jit
+from escapement.dynamics import bend
 from escapement.engines._panels import (
     ALPHA,
     BETA,
@@ -44,14 +45,14 @@ SMOOTH = 1.6  # a stop this far (x = -1.6) before a panel's left end needs no sp
 @jit
 def rate(row, i, side, w, mu, load):
     """J theta_ddot at a point: the sign of the driver's acceleration."""
-    return 1.0 - (row[G + i] + side * mu * row[U + i]) * (row[DG + i] * w + load)
+    return 1.0 - (row[G + i] + bend(side, mu) * row[U + i]) * (row[DG + i] * w + load)
 
 
 @jit(inline=True)
 def rate_at_end(row, end, side, w, mu, load):
     """J theta_ddot at the left (0) or right (1) end."""
     at = ENDS + 3 * end
-    return 1.0 - (row[at] + side * mu * row[at + 1]) * (row[at + 2] * w + load)
+    return 1.0 - (row[at] + bend(side, mu) * row[at + 1]) * (row[at + 2] * w + load)
 
 
 @jit(inline=True)
@@ -65,7 +66,7 @@ def contact_at_end(row, end, w, rho, load):
 def braking(row, side, w, rho, mu, load):
     """Slope of w by driver angle at the left end."""
     at = ENDS
-    j = rho + row[at] * (row[at] + side * mu * row[at + 1])
+    j = rho + row[at] * (row[at] + bend(side, mu) * row[at + 1])
     return 2.0 * rate_at_end(row, 0, side, w, mu, load) / j
 
 

@@ -188,7 +188,7 @@ def simulate(
     mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque
     if escapement.friction >= critical_friction(mechanism, escapement.inertia):
         return no_motion(escapement, "ivp", rtol)
-    ratios = (escapement.inertia_ratio, escapement.friction, escapement.load_ratio)
+    ratios = (escapement.inertia_ratio, escapement.loss, escapement.load_ratio)
     run = _Run(
         Scene(mechanism.path, *ratios),
         Options(

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from escapement._jit import jit
-from escapement.dynamics import acceleration, contact, contact_moment
+from escapement.dynamics import acceleration, bend, contact, contact_moment
 from escapement.dynamics import tabulate as tabulate_motion
 from escapement.engines._ivp_crossings import crossings, refine
 from escapement.mechanisms._slotted import transmission_at
@@ -35,7 +35,7 @@ class Scene(NamedTuple):
 
     path: FloatArray
     rho: float
-    mu: float
+    mu: tuple[float, float]
     load: float
 
 
@@ -57,8 +57,8 @@ def _derivative(x, y, path, anchor, unit, sign, rho, mu, load):
     out[0] = y[1]
     out[1] = acceleration(g, u, dg, w, sign, rho, mu, load) / unit**2
     # signed, so that it stays smooth where a step runs past the reversal
-    moment = sign * contact_moment(g, u, dg, w, sign, rho, mu, load)
-    out[2] = mu * abs(u) * moment * y[1] / unit**2
+    moment = contact_moment(g, u, dg, w, sign, rho, mu, load)
+    out[2] = bend(sign, mu) * abs(u) * moment * y[1] / unit**2
     return out
 
 
@@ -258,7 +258,7 @@ def _absolute(
         g, u, dg = transmission_at(scene.path, middle)
         moment = (scene.rho * abs(dg) + abs(g) / unit**2) / (scene.rho + g * g)
         small = 1e-2 * options.rtol
-        scales = (small, small, small * scene.mu * abs(u) * moment)
+        scales = (small, small, small * scene.mu[0] * abs(u) * moment)
     else:
         angle, speed, loss = options.atol
         scales = (angle, speed / unit, loss / unit**2)

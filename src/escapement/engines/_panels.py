@@ -2,7 +2,7 @@
 
 Twice the kinetic energy, E = (rho + g^2) w, obeys on a panel with side s
 
-    E' = A - B E,   c = s mu |u|,   J = rho + g^2 + g c,
+    E' = A - B E,   c = p - g,   J = rho + g^2 + g c,
     A = 2 (1 - g load) - 2 c (rho load + g)/J,   B = 2 c rho g'/(J (rho + g^2)),
 
 so E = alpha E_left + beta with alpha = exp(-int B), beta = alpha int A/alpha:
@@ -17,6 +17,7 @@ coefficients and is halved when what is asked of it needs better.
 import numpy as np
 
 from escapement._jit import jit
+from escapement.dynamics import bend
 from escapement.mechanisms._slotted import transmission_at, transmission_on
 
 N = 16
@@ -164,10 +165,11 @@ def _decay(row, at, to):
 def solve_side(row, solution, side, rho, mu, load, scratch):
     """Solve the energy equation on a panel for one side of the slot."""
     twice = 2.0 * row[HALF]
+    lost = bend(side, mu)
     for k in range(N):
         g = row[G + k]
         inverse = row[INVERSE + k]
-        c = side * mu * row[U + k]
+        c = lost * row[U + k]
         share = 1.0 / (1.0 + g * c * inverse)  # (rho + g^2) / J
         scratch[k] = twice * c * rho * row[DG + k] * share * inverse * inverse
         scratch[N + k] = twice * ((1.0 - g * load) - c * (rho * load + g) * share * inverse)

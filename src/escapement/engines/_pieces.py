@@ -7,6 +7,7 @@ panels of its own, fine enough to be interpolated, and its time is inverted.
 import numpy as np
 
 from escapement._jit import jit
+from escapement.dynamics import bend
 from escapement.engines._cycle import tolerances
 from escapement.engines._inside import SCRATCH
 from escapement.engines._march import EVENTS, lay_out, march
@@ -155,8 +156,8 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
             length += WEIGHTS[i] * half * slowness[i]
             g, v = row[G + i], energies[i] * row[INVERSE + i]
             moment = rho * (row[DG + i] * v + load) + g
-            moment /= rho + g * (g + side * mu * row[U + i])
-            loss += WEIGHTS[i] * half * mu * row[U + i] * abs(moment)
+            moment /= rho + g * (g + bend(side, mu) * row[U + i])
+            loss += WEIGHTS[i] * half * abs(bend(side, mu) * row[U + i] * moment)
         even = even and not good
         if even:
             length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w))

@@ -20,16 +20,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement._jit import jit
+from escapement.mechanisms._table import is_table, ratio_at
 from escapement.model import FloatArray
 
 
 @jit
 def transmission_at(path, theta):
-    """Transmission (g, u, g') at one driver angle, from a path's flat numbers.
+    """Transmission (g, u, g') at one driver angle, from a mechanism's flat numbers.
 
-    path = (h/theta, L0, L1, G0, G1, U1, s) with L = |C|^2 = L0 + L1 sin^2 h,
-    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g).
+    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s) with L = |C|^2 = L0 + L1 sin^2 h,
+    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Of a table:
+    g and g' from its series; u = g, for what slides in a mesh is in proportion to it.
     """
+    if is_table(path):
+        g, dg = ratio_at(path, theta)
+        return g, g, dg
     half = path[0] * theta
     sine = np.sin(half)
     square = sine * sine
@@ -49,7 +54,7 @@ def transmission_on(path, middle, half, points, out, at_g, at_u, at_dg):
     rather than slices: making a slice takes as long as four points).
     """
     step = path[0] * half
-    if abs(step) > 0.75:
+    if is_table(path) or abs(step) > 0.75:
         for i in range(points.size):
             g, u, dg = transmission_at(path, middle + half * points[i])
             out[at_g + i], out[at_u + i], out[at_dg + i] = g, abs(u), dg
@@ -85,8 +90,10 @@ def singularities(path, rho):
     Returns
     -------
     re_c, im_c, re_d, im_d : angles with positive parts [rad]; mirror images and
-        conjugates are singular as well.
+        conjugates are singular as well. Those of a table are not known: infinite.
     """
+    if is_table(path):
+        return np.inf, np.inf, np.inf, np.inf
     x = -path[1] / path[2]
     c = np.arcsin(np.sqrt(complex(x, 0.0)))
     g = complex(0.0, np.sqrt(rho))
@@ -156,6 +163,8 @@ def transmission(path: FloatArray, theta: ArrayLike) -> Transmission:
 
 
 def radius(path: FloatArray, theta: ArrayLike) -> FloatArray:
-    """Distance of the pin from the follower's axis, in crank radii."""
+    """Distance of the pin from the follower's axis, in crank radii; NaN without a pin."""
+    if is_table(path):
+        return np.full(np.shape(theta), np.nan)
     sine = np.sin(path[0] * np.asarray(theta, dtype=float))
     return np.sqrt(path[1] + path[2] * sine * sine)

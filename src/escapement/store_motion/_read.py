@@ -114,7 +114,7 @@ class SampledTrajectory:
         scene, clock = self.escapement, self.escapement.time_unit
         if self.sign[piece] == 0.0:
             return np.full(theta.shape, scene.torque / scene.inertia.driver)
-        numbers = (self.sign[piece], scene.inertia_ratio, scene.friction, scene.load_ratio)
+        numbers = (self.sign[piece], scene.inertia_ratio, scene.loss, scene.load_ratio)
         table = np.empty((4, theta.size))
         tabulate(scene.mechanism.path, theta, (speed * clock) ** 2, *numbers, table)
         return table[2] / clock**2
