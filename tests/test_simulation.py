@@ -116,6 +116,33 @@ def test_a_shorter_longest_step_is_kept():
         assert np.diff(piece.dense.before.ts).max() <= 0.01 * piece.unit * (1.0 + 1e-12)
 
 
+@pytest.mark.parametrize(
+    ("method", "steps", "order"),
+    [
+        ("RK23", (64, 128, 256), 3.0),
+        ("RK45", (64, 128, 256), 5.0),
+        ("DOP853", (32, 40, 50, 64), 8.0),
+    ],
+)
+def test_no_event_costs_a_method_its_order(method, steps, order):
+    """By regression over a dead centre, a reversal and a handoff; a corner would leave 1 or 2.
+
+    Means over several starts, as an error that passes through zero feigns order.
+    """
+    scene, errors = drive(rho=1.0, mu=0.2), []
+    starts = np.linspace(0.5, 2.0, 6)
+    exact = [esc.simulate(scene, 1, initial_speed=v, rtol=1e-13).handoff_times[0] for v in starts]
+    for count in steps:
+        fixed = {"rtol": 0.9, "atol": 1e6, "engine": "ivp", "method": method}
+        found = [
+            esc.simulate(scene, 1, initial_speed=v, max_step=t / count, **fixed).handoff_times[0]
+            for v, t in zip(starts, exact, strict=True)
+        ]
+        errors.append(np.sqrt(np.mean((np.array(found) / exact - 1.0) ** 2)))
+    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert -slope == pytest.approx(order, abs=1.0)
+
+
 # events
 
 
