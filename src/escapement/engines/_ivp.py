@@ -15,14 +15,13 @@ import numpy as np
 
 from escapement.dynamics import critical_friction, side_at
 from escapement.engines._ivp_piece import (
-    Free,
     NotConverged,
     Options,
     Scene,
-    Solution,
     solve_piece,
     starting_rate,
 )
+from escapement.engines._ivp_solution import Free, Solution
 from escapement.mechanisms._slotted import transmission_at
 from escapement.model import Escapement, FloatArray, Mechanism
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message

@@ -18,6 +18,7 @@ from escapement._jit import jit
 from escapement.dynamics import acceleration, bend, contact, contact_moment
 from escapement.dynamics import tabulate as tabulate_motion
 from escapement.engines._ivp_crossings import crossings, refine
+from escapement.engines._ivp_solution import Landed, Solution
 from escapement.mechanisms._slotted import transmission_at
 from escapement.model import FloatArray
 
@@ -62,60 +63,6 @@ def _derivative(x, y, path, anchor, unit, sign, rho, mu, load):
     return out
 
 
-@dataclass(frozen=True)
-class Solution:
-    """A piece as solved: what became of it, and any state within.
-
-    Times are natural ones since its start. `ended` is "arrived", "reversed",
-    "stopped" or "horizon"; extrema are times, `rates` the acceleration after the
-    start and before the end.
-    """
-
-    dense: Any
-    anchor: float
-    unit: float
-    length: float
-    ended: str
-    extrema: list[float]
-    rates: tuple[float, float]
-
-    def __call__(self, time: Any) -> tuple[Any, Any, Any]:
-        """Driver angle [rad], speed and friction loss; natural units."""
-        y = self.dense(np.maximum(time * self.unit, 0.0))
-        return y[0] + self.anchor, y[1] * self.unit, y[2] * self.unit**2
-
-
-@dataclass(frozen=True)
-class _Landed:
-    """Dense output with its last step taken anew, to end where the piece ends.
-
-    The interpolant inside a step is a less accurate one than the step itself, and
-    where an event falls into a step that runs on beyond it, the error would stay.
-    """
-
-    before: Any
-    join: float
-    landing: Any
-
-    def __call__(self, x: Any) -> Any:
-        return np.where(x < self.join, self.before(x), self.landing(x))
-
-
-@dataclass(frozen=True)
-class Free:
-    """Driver turning alone under the torque: exact."""
-
-    theta: float
-    speed: float
-    rho: float
-    length: float = np.inf
-
-    def __call__(self, time: Any) -> tuple[Any, Any, Any]:
-        """Driver angle [rad], speed and friction loss; natural units."""
-        theta = self.theta + time * (self.speed + time / (2.0 * self.rho))
-        return theta, self.speed + time / self.rho, 0.0 * time
-
-
 def starting_rate(scene: Scene, theta: float, sign: float) -> float:
     """Acceleration of a driver at rest."""
     g, u, dg = transmission_at(scene.path, theta)
@@ -150,91 +97,23 @@ def solve_piece(
     """
     theta, speed, sign = start
     end, anchor = goal
-    path, rho, mu, load = scene
-    unit = max(speed, np.sqrt(2.0 * np.pi / (rho + 1.0)))
-    numbers = (path, anchor, unit, sign, rho, mu, load)
-    steps = 0
-
-    def arrive(x: float, y: FloatArray, *_: Any) -> float:
-        nonlocal steps
-        steps += 1
-        if steps > MOST_STEPS:
-            other = "" if options.method == "DOP853" else " or method 'DOP853'"
-            raise NotConverged(
-                f"method {options.method!r} needs more than {MOST_STEPS} steps for a piece of "
-                f"the motion; choose a larger rtol, a larger max_step{other}"
-            )
-        return y[0] - (end - anchor)
-
-    def reverse(x: float, y: FloatArray, *_: Any) -> float:
-        g, _u, dg = transmission_at(path, anchor + y[0])
-        return contact(g, dg, (unit * y[1]) ** 2, rho, load)
-
-    def stop(x: float, y: FloatArray, *_: Any) -> float:
-        return y[1]
-
-    def solve(span: tuple[float, float], y: Any, **more: Any) -> Any:
-        # a trial step may leave the domain: its NaN makes the solver take a shorter one
-        with np.errstate(all="ignore"):
-            solved = solve_ivp(
-                _derivative,
-                span,
-                y,
-                dense_output=True,
-                args=numbers,
-                rtol=options.rtol,
-                atol=_absolute(scene, options, unit, 0.5 * (theta + end)),
-                method=options.method,
-                max_step=options.max_step * unit,
-                **more,
-            )
-        if solved.status < 0:
-            raise NotConverged(f"method {options.method!r} gives up: {solved.message}")
-        return solved
-
-    events: Any = (arrive, reverse, stop)
-    for event, direction in zip(events, (1.0, -sign, -1.0), strict=True):
-        event.terminal = True
-        event.direction = direction
-    solved = solve((0.0, horizon * unit), [theta - anchor, speed / unit, 0.0], events=events)
-    arrived, reversed_, stopped = (times.size > 0 for times in solved.t_events)
-    grid = refine(solved.t)
-    table = np.empty((4, grid.size))
-    angle, pace = solved.sol(grid)[:2]
-    tabulate_motion(path, angle + anchor, (unit * pace) ** 2, sign, rho, mu, load, table)
-    force = rho * (table[1] * (unit * pace) ** 2 + load) + table[0]
-    force[0] = sign * abs(force[0])  # a start on the reversal itself is not one
-
-    def force_at(x: float) -> float:
-        return reverse(x, solved.sol(x))
-
-    last = float(grid[-1])
-    ended = "arrived" if arrived else "stopped" if stopped else "horizon"
-    # the solver looks at the ends of its steps only and misses two crossings inside one
-    if reversed_:
-        force[-1] = -sign * abs(force[-1])
-        turns = [*crossings(force_at, grid, force), last]
-    else:
-        turns = crossings(force_at, grid[:-1], force[:-1])
-    if turns:
-        beyond = solved.sol(turns[0])[0] >= end - anchor
-        last, ended = turns[0], "arrived" if beyond else "reversed"
+    unit = max(speed, np.sqrt(2.0 * np.pi / (scene.rho + 1.0)))
+    middle = 0.5 * (theta + end)
+    piece = _Piece(scene, options, sign, end - anchor, anchor, middle, unit)
+    y = [theta - anchor, speed / unit, 0.0]
+    solved = piece.solve((0.0, horizon * unit), y, events=piece.events())
+    grid, rates, forces = piece.looks(solved)
+    last, ended = piece.end(solved, grid, forces)
     dense: Any = solved.sol
     join = float(solved.t[max(int(np.searchsorted(solved.t, last)) - 1, 0)])
     if join < last:
-        again = solve(
-            (join, last), dense(join), first_step=min(last - join, options.max_step * unit)
-        )
-        dense = _Landed(dense, join, again.sol)
+        step = min(last - join, options.max_step * unit)
+        dense = Landed(dense, join, piece.solve((join, last), dense(join), first_step=step).sol)
         if ended == "arrived":
             y = dense(last)
-            last += float((end - anchor - y[0]) / y[1])
-
-    def rate_at(x: float) -> float:
-        return float(_derivative(x, dense(x), *numbers)[1])
-
+            last += float((piece.way - y[0]) / y[1])
     kept = grid <= last
-    extrema = crossings(rate_at, grid[kept], table[2, kept])
+    extrema = crossings(lambda x: piece.rate(x, dense(x)), grid[kept], rates[kept])
     return Solution(
         dense,
         anchor,
@@ -242,7 +121,121 @@ def solve_piece(
         last / unit,
         ended,
         [x / unit for x in extrema],
-        (float(table[2, 0]), rate_at(last)),
+        (float(rates[0]), piece.rate(last, dense(last))),
+    )
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A piece to be solved: `way` is the scaled angle where it ends at the latest."""
+
+    scene: Scene
+    options: Options
+    sign: float
+    way: float
+    anchor: float
+    middle: float
+    unit: float
+
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        path, *rest = self.scene
+        return (path, self.anchor, self.unit, self.sign, *rest)
+
+    def rate(self, x: float, y: FloatArray) -> float:
+        """Scaled acceleration."""
+        return float(_derivative(x, y, *self.numbers)[1])
+
+    def force(self, y: FloatArray) -> float:
+        """A number with the sign of the contact force."""
+        path, rho, _mu, load = self.scene
+        g, _u, dg = transmission_at(path, self.anchor + y[0])
+        return contact(g, dg, (self.unit * y[1]) ** 2, rho, load)
+
+    def events(self) -> Any:
+        """Arrival, reversal and stop as solve_ivp's events; the first counts the steps."""
+        steps = 0
+
+        def arrive(x: float, y: FloatArray, *_: Any) -> float:
+            nonlocal steps
+            steps += 1
+            if steps > MOST_STEPS:
+                raise NotConverged(_too_many_steps(self.options.method))
+            return y[0] - self.way
+
+        def reverse(x: float, y: FloatArray, *_: Any) -> float:
+            return self.force(y)
+
+        def stop(x: float, y: FloatArray, *_: Any) -> float:
+            return y[1]
+
+        events: Any = (arrive, reverse, stop)
+        for event, direction in zip(events, (1.0, -self.sign, -1.0), strict=True):
+            event.terminal = True
+            event.direction = direction
+        return events
+
+    def solve(self, span: tuple[float, float], y: Any, **more: Any) -> Any:
+        """What solve_ivp answers, with dense output."""
+        options = self.options
+        # a trial step may leave the domain: its NaN makes the solver take a shorter one
+        with np.errstate(all="ignore"):
+            solved = solve_ivp(
+                _derivative,
+                span,
+                y,
+                dense_output=True,
+                args=self.numbers,
+                rtol=options.rtol,
+                atol=_absolute(self.scene, options, self.unit, self.middle),
+                method=options.method,
+                max_step=options.max_step * self.unit,
+                **more,
+            )
+        if solved.status < 0:
+            raise NotConverged(f"method {options.method!r} gives up: {solved.message}")
+        return solved
+
+    def looks(self, solved: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Times within every step, with the acceleration and the force there."""
+        path, rho, mu, load = self.scene
+        grid = refine(solved.t)
+        angle, pace = solved.sol(grid)[:2]
+        w = (self.unit * pace) ** 2
+        table = np.empty((4, grid.size))
+        tabulate_motion(path, angle + self.anchor, w, self.sign, rho, mu, load, table)
+        forces = rho * (table[1] * w + load) + table[0]
+        forces[0] = self.sign * abs(forces[0])  # a start on the reversal itself is not one
+        return grid, table[2], forces
+
+    def end(self, solved: Any, grid: FloatArray, forces: FloatArray) -> tuple[float, str]:
+        """When the piece ends, and how.
+
+        The solver looks at the ends of its steps only and misses two crossings of the
+        force inside one, so its own steps are searched again.
+        """
+        arrived, reversed_, stopped = (times.size > 0 for times in solved.t_events)
+        last = float(grid[-1])
+
+        def force_at(x: float) -> float:
+            return self.force(solved.sol(x))
+
+        if reversed_:
+            forces[-1] = -self.sign * abs(forces[-1])
+            turns = [*crossings(force_at, grid, forces), last]
+        else:
+            turns = crossings(force_at, grid[:-1], forces[:-1])
+        if turns:
+            beyond = solved.sol(turns[0])[0] >= self.way
+            return turns[0], "arrived" if beyond else "reversed"
+        return last, "arrived" if arrived else "stopped" if stopped else "horizon"
+
+
+def _too_many_steps(method: str) -> str:
+    other = "" if method == "DOP853" else " or method 'DOP853'"
+    return (
+        f"method {method!r} needs more than {MOST_STEPS} steps for a piece of "
+        f"the motion; choose a larger rtol, a larger max_step{other}"
     )
 
 
