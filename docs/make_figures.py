@@ -35,6 +35,7 @@ from escapement.sweeping import run_plan
 from escapement.units import INCH_POUND
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "benchmarks"))
 RUNS = HERE.parent / "runs"
 DPI = 200
 COLOURS = 96  # a palette keeps the files small; the eye sees no difference
@@ -47,6 +48,21 @@ LINES = (
 )
 
 FIGURES: dict[str, Callable[[], Figure]] = {}
+
+
+def measured(name: str) -> Callable[[], Figure]:
+    """A figure of benchmarks/figures.py, drawn from the results stored there."""
+
+    def make() -> Figure:
+        import figures
+
+        return getattr(figures, name)()
+
+    return make
+
+
+for _name in ("work_precision", "tolerance", "order", "painleve", "long_run", "conditioning"):
+    FIGURES[f"accuracy_{_name}.png"] = measured(_name)
 
 
 def drawn(make: Callable[[], Figure]) -> Callable[[], Figure]:

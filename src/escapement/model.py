@@ -112,7 +112,8 @@ class Escapement:
     efficiency: float = 1.0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.mechanism, Mechanism):
+        # a class has the attributes that its instances have
+        if isinstance(self.mechanism, type) or not isinstance(self.mechanism, Mechanism):
             raise _validate.fail(
                 "mechanism", "a mechanism", self.mechanism, "give for example Geneva(slots=4)"
             )
