@@ -84,6 +84,20 @@ def test_radians_by_name_or_by_wish(file):
     check(esc.read_readings(file(text(mixed, head="input,output_rad"))))
 
 
+def test_degrees_are_not_assumed_in_silence(file):
+    said = "angles without a unit are taken for degrees"
+    for head, unit, remark in (
+        ("input,output", None, said),
+        ("input_deg,output", None, said),
+        (None, None, said),
+        ("input,output", "deg", ""),
+        ("input (deg),output_deg", None, ""),
+    ):
+        readings = esc.read_readings(file(text(head=head)), angle_unit=unit)
+        assert readings.remark == remark
+        assert (said in esc.measure(readings, DRIVE).message) == bool(remark)
+
+
 def test_columns_by_name(file):
     rows = [(a, a, b, b) for a, b in ROWS]
     path = file(text(rows, head="in A,in B,out A,out B"))

@@ -82,8 +82,8 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
     for key, rows in tables.items():
         if len(rows) > 1:
             print(f"\n{_output.words(key)}")
-            units = [" (deg)" if name.endswith("_deg") else "" for name in rows[0]]
-            header = [_output.words(name) + unit for name, unit in zip(rows[0], units, strict=True)]
+            marks = [" (deg)" if name.endswith("_deg") else "" for name in rows[0]]
+            header = [_output.words(name) + mark for name, mark in zip(rows[0], marks, strict=True)]
             _output.print_columns([header], [row.values() for row in rows])
 
 
