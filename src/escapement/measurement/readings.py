@@ -16,7 +16,7 @@ LEAST_SAMPLES = 20
 """Fewer leave nothing to test once a fit and the classes have taken their share."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Readings:
     """Readings of an encoder on the input and of one on the output.
 
