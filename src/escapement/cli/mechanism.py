@@ -82,8 +82,10 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
     for key, rows in tables.items():
         if len(rows) > 1:
             print(f"\n{_output.words(key)}")
-            units = [" (deg)" if name.endswith("_deg") else "" for name in rows[0]]
-            header = [_output.words(name) + unit for name, unit in zip(rows[0], units, strict=True)]
+            header = [
+                _output.words(name) + (" (deg)" if name.endswith("_deg") else "")
+                for name in rows[0]
+            ]
             _output.print_columns([header], [row.values() for row in rows])
 
 
