@@ -35,12 +35,19 @@ _HOMES = {
     "greatest_follower_inertia": "constant_speed",
     "least_load_torque": "constant_speed",
     "fewest_slots": "constant_speed",
+    "measure": "measurement",
+    "Encoder": "measurement",
+    "Readings": "measurement",
+    "read_readings": "measurement",
+    "write_readings": "measurement",
+    "synthetic_readings": "measurement",
     "terminal": "simulation",
     "sweep": "sweeping",
     "read_study": "store",
     "units": "",
     "plots": "",
     "published": "",
+    "synthesis": "",
 }
 
 __all__ = sorted([*_HOMES, "__version__"])

@@ -12,6 +12,7 @@ from importlib.resources import files
 
 import numpy as np
 
+from escapement.measurement import sturges
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.published._filemon_reasons import digits
 
@@ -102,11 +103,6 @@ def table() -> list[PrintedValue]:
         _judged(row["quantity"], row["place"], row["unit"], row["printed"], values)
         for row in _rows()
     ]
-
-
-def sturges(size: int) -> float:
-    """Intervals of a histogram by Sturges' rule as printed in (10), not yet whole."""
-    return 3.32 * math.log10(size) + 1.0
 
 
 def position_function_error(nodes: int = _NODES) -> float:
