@@ -104,15 +104,15 @@ def test_charts(tmp_path):
 
 def test_motions_begin_and_end_where_they_should():
     figure = gear_charts.plot_motions()
-    angle, velocity, acceleration = figure.axes
+    angle, velocity, acceleration, jerk = figure.axes
     for line in angle.lines:
         x, y = line.get_data()
-        assert (y[0], y[-1]) == (0.0, 1.0)
+        assert (y[0], y[-1]) == pytest.approx((0.0, 1.0), abs=1e-12)
         assert np.all(np.diff(y) > -1e-12)
     for line in velocity.lines:
         x, y = line.get_data()
         assert np.sum(np.diff(x) * (y[1:] + y[:-1]) / 2.0) == pytest.approx(1.0, abs=1e-3)
-    assert len(acceleration.lines) == 4
+    assert len(acceleration.lines) == len(jerk.lines) == 4
 
 
 @pytest.fixture(scope="module")

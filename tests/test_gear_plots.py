@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 
 from escapement import GearDriven
+from escapement._curves import CURVES
 from escapement.errors import InvalidValue
 from escapement.plots import gear_driven
 from escapement.plots._gear_shapes import GearWheels
@@ -17,7 +19,7 @@ WHEELS = [
     GearDriven(9, "1/2", "pericycloid"),
     GearDriven(12, 5, "epicycloid", pins=6),
     GearDriven(24, 5, "contracted-hypocycloid", pins=2),
-    GearDriven(11, "1/3", "hypocycloid", unused_lobes=2),
+    GearDriven(11, "1/2", "hypocycloid", unused_lobes=2),
     GearDriven(4, 0, "hypocycloid"),
 ]
 
@@ -55,6 +57,60 @@ def test_the_path_closes_and_gears_touch(wheel):
     ax = gear_driven.plot_gear_driven(wheel, 0.3)
     ids = {artist.get_gid() for artist in ax.get_children()}
     assert {"follower", "fixed-gear", "planet", "carrier", "path", "pin-0"} <= ids
+
+
+UNUSED = [
+    (curve, n, m, pins, unused)
+    for curve in CURVES
+    for n, m, pins in [(12, 0, 1), (11, "1/3", 1), (14, "1/2", 2), (12, "1/2", 1), (6, "1/2", 1)]
+    for unused in (1, 2, 3)
+]
+
+
+@pytest.mark.parametrize(("curve", "n", "m", "pins", "unused"), UNUSED)
+def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
+    """Where a mechanism is refused a lobe does sweep over a slot; else none does.
+
+    The wheel is locked meanwhile, half a step beyond dead centre.
+    """
+    try:
+        wheel = GearDriven(n, m, curve, pins)
+    except InvalidValue:
+        return  # too many pins
+    spacing = (unused + 1) * (wheel.lobes + 1) / pins + 1
+    slots = (spacing / n).denominator
+    pitch, swept = 2.0 * math.pi / slots, []
+    sense = 1.0 if wheel.turns_with_driver else -1.0
+    for lobe in range(1, unused + 1):
+        place = np.linspace(-0.5, 0.5, 41) * wheel.alpha
+        # every pin passes in the same way: the one that comes at this lobe
+        ahead = lobe * wheel.cell_angle
+        at = np.exp(1j * ahead) * GearWheels(wheel).pin_at(place, 0)
+        turned = np.unwrap(np.angle(at * np.exp(-0.5j * sense * wheel.follower_step)))
+        low, high = turned.min() - 1e-9, turned.max() + 1e-9
+        swept.append(math.floor(high / pitch) >= math.ceil(low / pitch))
+    if any(swept):
+        with pytest.raises(InvalidValue, match="unused_lobes must leave the pin"):
+            GearDriven(n, m, curve, pins, unused)
+    else:
+        shapes = GearWheels(GearDriven(n, m, curve, pins, unused))
+        assert shapes.mechanism.slots == slots
+        assert len(shapes.reliefs()) == unused * slots
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_the_wheel_is_cut_away_where_unused_lobes_pass(curve):
+    m, unused = ("1/2", 1) if "hypo" in curve else (0, 2)
+    wheel = GearDriven(12, m, curve, unused_lobes=unused)
+    shapes = GearWheels(wheel)
+    bands = [Path(np.column_stack([b.real, b.imag])) for b in shapes.reliefs()]
+    lobe = 2.0 * math.pi / abs(float(wheel.gear_ratio))
+    for cell in range(5):
+        for passing in range(1, unused + 1):
+            for place in (-0.49, 0.0, 0.49):
+                theta = cell * wheel.cell_angle + passing * lobe + place * wheel.alpha
+                pin = complex(shapes.pin_at(theta, 0)) * np.exp(-1j * shapes.wheel_at(theta))
+                assert any(band.contains_point((pin.real, pin.imag)) for band in bands)
 
 
 def test_rings_of_slots_do_not_cross():

@@ -12,6 +12,7 @@ from escapement.errors import InvalidValue
 from escapement.synthesis import (
     GearPair,
     find_mechanisms,
+    follower_motion,
     gear_pairs,
     lobes_for,
     motion_peaks,
@@ -46,6 +47,42 @@ def test_peaks_are_those_of_the_transmission(wheel):
     cycle = found.per_cycle()
     assert cycle.velocity_max * found.motion_ratio == pytest.approx(found.velocity_max)
     assert cycle.jerk_max * found.motion_ratio**3 == pytest.approx(found.jerk_max)
+
+
+@pytest.mark.parametrize("wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}")
+def test_motion_over_a_cycle(wheel):
+    """Each is the derivative of the one before; the follower rests in the dwell."""
+    share, h = wheel.motion_ratio, 1e-5
+    time = np.concatenate([np.linspace(0.02, 0.98, 25) * share, [share + 0.01, 0.995]])
+    nodes = time[:, None] + h * np.array([-2.0, -1.0, 1.0, 2.0])
+    found, near = follower_motion(wheel, time), follower_motion(wheel, nodes - 3.0)
+    weights = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * h)
+    for low, high in [
+        ("angle", "velocity"),
+        ("velocity", "acceleration"),
+        ("acceleration", "jerk"),
+    ]:
+        value = getattr(found, high)
+        assert getattr(near, low) @ weights == pytest.approx(value, abs=3e-7 * abs(value).max())
+    ends = follower_motion(wheel, [0.0, 0.5 * share, share, 0.999, 1.0, -2.0])
+    assert ends.angle == pytest.approx([0.0, 0.5, 1.0, 1.0, 1.0, -2.0], abs=1e-13)
+    assert ends.velocity[[0, 2, 3, 4]] == pytest.approx(0.0, abs=1e-10)
+    cycle = motion_peaks(wheel).per_cycle()
+    assert ends.velocity[1] == pytest.approx(cycle.velocity_max)
+    assert ends.acceleration[0] == pytest.approx(cycle.acceleration_start)
+    assert ends.jerk[0] == pytest.approx(cycle.jerk_start)
+    assert (found.velocity[-2:], found.jerk[-2:]) == pytest.approx((0.0, 0.0))
+
+
+def test_uniform_motion_has_no_acceleration():
+    found = follower_motion(GearDriven(4, 0), [0.1, 0.5, 0.9])
+    assert found.angle == pytest.approx([0.1, 0.5, 0.9])
+    assert found.velocity == pytest.approx(1.0)
+    assert not np.any([found.acceleration, found.jerk])
+    with pytest.raises(InvalidValue, match="a slotted wheel"):
+        follower_motion("wheel", 0.0)
+    with pytest.raises(InvalidValue, match="time must be finite"):
+        follower_motion(WHEELS[0], [0.0, math.nan])
 
 
 def test_cognates_move_the_wheel_alike():

@@ -47,6 +47,7 @@ _HOMES = {
     "units": "",
     "plots": "",
     "published": "",
+    "synthesis": "",
 }
 
 __all__ = sorted([*_HOMES, "__version__"])

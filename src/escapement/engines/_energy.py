@@ -9,6 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
+from escapement._validate import fail
+from escapement.engines._cells import cells_of
 from escapement.engines._cycle import PAINLEVE, handoffs
 from escapement.engines._march import BREAK, MAXIMUM, OK, REVERSAL
 from escapement.engines._pieces import events_of, states_in
@@ -42,7 +44,8 @@ class EnergyTrajectory:
         clock = self.escapement.time_unit
         starts = np.concatenate([_START, self.times]) / clock
         squares = (np.concatenate([[self.initial_speed], self.speeds]) * clock) ** 2
-        table = events_of(*self.escapement.scene, starts, squares, self.rtol)
+        scene = self.escapement.scene
+        table = events_of(cells_of(scene), *scene, starts, squares, self.rtol)
         return table[table[:, 3] <= self.end_time / clock]
 
     @cached_property
@@ -142,18 +145,26 @@ def simulate(
     duration: float | None,
     initial_speed: float,
     rtol: float,
+    longest: int = 10_000_000,
 ) -> Motion:
-    """Motion in the driver-angle domain; arguments are validated by `escapement.simulate`."""
-    clock = escapement.time_unit
+    """Motion in the driver-angle domain; arguments are validated by `escapement.simulate`.
+
+    A duration of more than `longest` engagements is refused.
+    """
+    clock, scene = escapement.time_unit, escapement.scene
+    cells = cells_of(scene)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64
     while True:
         times, speeds = np.empty(size), np.empty(size)
-        code, done, angle = handoffs(*escapement.scene, w, horizon, rtol, clock, times, speeds)
-        if code != OK or duration is None or done < size:
+        code, done, angle = handoffs(cells, *scene, w, horizon, rtol, clock, times, speeds)
+        if code != OK or duration is None or done < size or times[-1] >= duration:
             break
-        size *= 8
+        if size >= longest:
+            rule = f"at most {times[-1]:.6g} s, in which {longest} engagements pass"
+            raise fail("duration", rule, duration, "terminal() needs no long motion")
+        size = min(8 * size, longest)
     if code == PAINLEVE:
         return no_motion(escapement, "energy", rtol)
     # the engagement in which the motion ends, and when

@@ -119,17 +119,23 @@ class GearDriven:
         if self.pins > most:
             rule = f"at most {most} for a ratio of times of {self.lobe_ratio:.6g} a pin"
             raise _validate.fail("pins", rule, self.pins, "or two would be engaged at once")
-        used = self._slot_turn(self.unused_lobes + 1)
+        if self.through_centre and self.unused_lobes:
+            rule = "0 for a path through the wheel's centre"
+            remedy = "the wheel turns uniformly and would start and stop with a jump"
+            raise _validate.fail("unused_lobes", rule, self.unused_lobes, remedy)
+        # in the locked wheel's frame an unused lobe sweeps the angle of one station
+        slots, station = self.slots, Fraction(1, self.stations)
         for lobe in range(1, self.unused_lobes + 1):
-            if (self._slot_turn(lobe) * used.denominator).denominator == 1:
+            last = self._slot_turn(lobe)
+            if math.floor(last * slots) >= math.ceil((last - station) * slots):
                 raise InvalidValue(
-                    f"unused_lobes must leave the pin without a slot until it is wanted, got "
-                    f"{self.unused_lobes}: of the {used.denominator} slots it then needs, one "
-                    f"stands where lobe {lobe} arrives; choose another number"
+                    "unused_lobes must leave the pin without a slot until it is wanted, got "
+                    f"{self.unused_lobes}: of the {slots} slots it then needs, one stands where "
+                    f"lobe {lobe} passes; choose another number"
                 )
 
     def _slot_turn(self, lobes: int) -> Fraction:
-        """Turns of the wheel's frame from one slot to that met this many lobes later."""
+        """Turns of the wheel's frame from one slot to where a pin enters this many lobes later."""
         return (lobes * (self.lobes + 1) + self.pins) / Fraction(self.pins * self.stations)
 
     # ------------------------------------------------------------------ gears

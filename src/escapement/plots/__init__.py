@@ -7,6 +7,7 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 from escapement.plots._style import new_axes, save
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
+from escapement.plots.gear_driven import plot_gear_driven
 from escapement.plots.measurement import (
     plot_error_histogram,
     plot_errors,
@@ -16,6 +17,8 @@ from escapement.plots.measurement import (
     plot_positions,
 )
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
+from escapement.plots.sample import plot_sample
+from escapement.plots.spread import plot_spread
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
 
 __all__ = [
@@ -26,6 +29,7 @@ __all__ = [
     "plot_error_histogram",
     "plot_errors",
     "plot_frequencies",
+    "plot_gear_driven",
     "plot_lines",
     "plot_map",
     "plot_measurement",
@@ -34,6 +38,8 @@ __all__ = [
     "plot_phase_portrait",
     "plot_positions",
     "plot_rise_and_terminal",
+    "plot_sample",
+    "plot_spread",
     "plot_study",
     "plot_velocities",
     "save",

@@ -86,6 +86,30 @@ class GearWheels:
         body = np.concatenate([tooth * turn for turn in turns])
         return [body] if self.inward else [body, _circle(self.rim)]
 
+    def reliefs(self) -> list[ComplexArray]:
+        """Outlines of the room that unused lobes need while the wheel is locked, at zero."""
+        mechanism = self.mechanism
+        theta = np.linspace(-0.6, 0.6, 61) * mechanism.alpha
+        along = self.pin_at(theta, 0)
+        outside = np.gradient(along)
+        outside *= 1j * self.half_slot / np.abs(outside)
+        deeper = outside[30].real < 0.0  # at dead centre, on the real axis
+        lobe = along + (outside if deeper == self.inward else -outside)
+        back = np.linspace(np.angle(lobe[-1]), np.angle(lobe[0]), 31)
+        beyond = self.mouth * (1.1 if self.inward else 0.9)
+        band = np.concatenate([lobe, beyond * np.exp(1j * back)])
+        sense = 1.0 if mechanism.turns_with_driver else -1.0
+        lobe_turn = 2.0 * np.pi / (mechanism.pins * abs(float(mechanism.gear_ratio)))
+        places = [
+            # the lobe's direction from a wheel that is half a step beyond dead centre
+            lobe * lobe_turn
+            - 0.5 * sense * mechanism.follower_step
+            + 2.0 * np.pi * slot / mechanism.slots
+            for lobe in range(1, mechanism.unused_lobes + 1)
+            for slot in range(mechanism.slots)
+        ]
+        return [band * np.exp(1j * place) for place in places]
+
     def _stadium(self) -> ComplexArray:
         cap = self.slot_end + self.half_slot * np.exp(1j * np.linspace(-0.5, 0.5, 19) * np.pi)
         return np.concatenate([cap, -cap])

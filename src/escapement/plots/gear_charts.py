@@ -11,7 +11,7 @@ from escapement._curves import CURVES
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.plots import _style
 from escapement.plots._labels import label
-from escapement.synthesis import motion_ratio_chart
+from escapement.synthesis import follower_motion, motion_ratio_chart
 
 CHART_STATIONS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 24)
 _POINTS = 241
@@ -57,38 +57,42 @@ def plot_design_charts() -> Figure:
     return figure
 
 
-def plot_motions(stations: int = 12, lobes: int = 3) -> Figure:
-    """Follower angle, velocity and acceleration over a cycle, beside ordinary wheels.
+def plot_motions(stations: int = 12, inside: int = 3, outside: int = 0) -> Figure:
+    """Follower angle, velocity, acceleration and jerk over a cycle, beside ordinary wheels.
 
     All in the time of the cycle, so that shares of motion and dwell show; the motion
-    begins at 0.
+    begins at 0. Where it starts and stops the jerk has impulses that are not drawn.
+
+    Parameters
+    ----------
+    stations : int
+        Stations of every wheel.
+    inside, outside : int
+        Lobes of the hypocycloid and of the epicycloid.
     """
     wheels: dict[str, Geneva | GearDriven] = {
         "external": Geneva(stations, pins=1),
         "internal": Geneva(stations, internal=True),
-        "hypocycloid": GearDriven(stations, lobes, "hypocycloid"),
-        "epicycloid": GearDriven(stations, lobes, "epicycloid"),
+        f"hypocycloid, m = {inside}": GearDriven(stations, inside, "hypocycloid"),
+        f"epicycloid, m = {outside}": GearDriven(stations, outside, "epicycloid"),
     }
-    figure = _style.new_figure(_style.TWO_COLUMN, 2.9)
-    axes = [_style.dress(ax) for ax in figure.subplots(1, 3)]
+    figure = _style.new_figure(_style.TWO_COLUMN, 4.9)
+    axes = [_style.dress(ax) for ax in figure.subplots(2, 2).flat]
     for look, (name, wheel) in zip(_style.LOOKS, wheels.items(), strict=False):
-        half, cell, step = wheel.breaks[-1], wheel.cell_angle, wheel.follower_step
-        theta = np.linspace(-half, half, 401)
-        found = wheel.transmission(theta)
-        columns = (
-            (wheel.follower_angle(theta) + step / 2.0) / step,
-            found.g * cell / step,
-            found.dg * cell**2 / step,
-        )
-        rests = ((0.0, 1.0), (0.0, 0.0), (0.0, 0.0))
+        edge, tiny = wheel.motion_ratio, 1e-9
+        inner = np.linspace(0.0, edge, 401)
+        time = np.concatenate([[-0.05, -tiny], inner, [edge + tiny, 1.0 - tiny]])
+        found = follower_motion(wheel, time)
         line: dict[str, Any] = {"color": look.color, "linestyle": look.linestyle, "lw": 1.2}
-        for ax, values, (before, after) in zip(axes, columns, rests, strict=True):
-            time = np.concatenate([[-0.05, 0.0], (theta + half) / cell, [2.0 * half / cell, 1.0]])
-            ax.plot(time, [before, before, *values, after, after], label=name, **line)
-    names = ("Follower angle\nin steps", "Velocity\nin steps per cycle",
-             "Acceleration\nin steps per cycle²")  # fmt: skip
+        columns = (found.angle, found.velocity, found.acceleration, found.jerk)
+        for ax, values in zip(axes, columns, strict=True):
+            ax.plot(time, values, label=name, **line)
+    names = ("Angle\nin steps", "Velocity\nin steps/cycle",
+             "Acceleration\nin steps/cycle²", "Jerk\nin steps/cycle³")  # fmt: skip
     for ax, name in zip(axes, names, strict=True):
-        ax.set(xlabel=label("time in cycles"), ylabel=name, xlim=(-0.05, 1.0))
+        ax.set(ylabel=name, xlim=(-0.05, 1.0))
+    for ax in axes[2:]:
+        ax.set_xlabel(label("time in cycles"))
     handles, texts = axes[0].get_legend_handles_labels()
     figure.legend(
         handles, texts, loc="outside upper center", ncols=4, frameon=False,

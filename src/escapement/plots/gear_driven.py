@@ -23,7 +23,8 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     Parameters
     ----------
     mechanism : GearDriven
-        What to draw. Pin and slot widths are the drawing's choice.
+        What to draw. Pin and slot widths are the drawing's choice. Where unused
+        lobes pass through the locked wheel it is cut away.
     theta : float
         Carrier angle from dead centre of the first pin [rad], of any size; in a
         dwell the wheel stands locked.
@@ -105,6 +106,12 @@ def _draw_wheel(ax: Axes, wheels: GearWheels, theta: float) -> None:
         linewidth=0.8, zorder=1, joinstyle="round", gid="follower",
     )  # fmt: skip
     ax.add_patch(body)
+    for outline in wheels.reliefs():
+        shape = Path(_points(outline * turn), closed=True)
+        # fills hide the inner half of all edges, and what one relief cuts off another
+        edge = PathPatch(shape, fill=False, edgecolor=_style.BLACK, linewidth=1.6)
+        ax.add_patch(edge).set(zorder=1.1, clip_path=body, gid="relief")
+        ax.add_patch(PathPatch(shape, color="white", linewidth=0, zorder=1.2))
 
 
 def _draw_gears(ax: Axes, wheels: GearWheels, theta: float) -> None:

@@ -180,8 +180,8 @@ _SLIPS = (
     _Slip(
         "after (16)",
         "g = n/gcd(n, 2m + 3), n/gcd(n, 3m + 4), ... for unused lobes",
-        "only where no unused lobe finds one of these slots: n = 4, m = 1 with one unused lobe "
-        "needs all 4 slots, and then uses every lobe",
+        "only where no unused lobe passes over one of these slots: n = 4, m = 1 with one unused "
+        "lobe needs all 4 slots, and then uses every lobe",
     ),
     _Slip(
         "figure 8",

@@ -2,14 +2,17 @@
 
 from escapement.synthesis.chart import lobes_for, motion_ratio_chart
 from escapement.synthesis.gears import GearPair, gear_pairs, planet_inertia
+from escapement.synthesis.motion import FollowerMotion, follower_motion
 from escapement.synthesis.peaks import MotionPeaks, motion_peaks
 from escapement.synthesis.search import Candidate, find_mechanisms
 
 __all__ = [
     "Candidate",
+    "FollowerMotion",
     "GearPair",
     "MotionPeaks",
     "find_mechanisms",
+    "follower_motion",
     "gear_pairs",
     "lobes_for",
     "motion_peaks",
