@@ -199,26 +199,27 @@ class EllipticalPlanetary:
     def path(self) -> FloatArray:
         """Flat numbers of the transmission for the kernels: a table.
 
-        Angles are counted from the stops while it is made, and its pieces shrink
-        towards them: so g and g' keep their relative accuracy where both vanish. The
-        stops lie a few roundings outside of the cell, lest the sign of a force that
-        vanishes there be decided by an angle's last digit.
+        In the outer halves of the cell angles are counted from the stops while it is
+        made, and its pieces shrink towards them: so g and g' keep their relative
+        accuracy where both vanish. The stops lie a few roundings outside of the cell,
+        lest the sign of a force that vanishes there be decided by an angle's last digit.
         """
         entry, exit_ = self.breaks
-        away = exit_ * np.append(0.0, np.exp2(np.arange(-_SHRINKING, 1)))
+        away = 0.5 * exit_ * np.append(0.0, np.exp2(np.arange(-_SHRINKING, 1)))
         outside = _OUTSIDE * math.ulp(exit_)
-        after = chebyshev_table(lambda x: self._from_stop(x + outside), away.tolist())
-        before = chebyshev_table(lambda x: self._from_stop(x - outside), (-away[::-1]).tolist())
-        more, count = int(after[1]), int(before[1])
-        return np.concatenate(
-            [
-                [0.0, more + count, after[2]],
-                entry + after[3 : 3 + more],
-                exit_ + before[3 : 4 + count],
-                after[4 + more :],
-                before[4 + count :],
-            ]
+        parts = (
+            (entry, lambda x: self._from_stop(x + outside), away),
+            (0.0, lambda x: self.transmission(x).g, np.array([-away[-1], away[-1]])),
+            (exit_, lambda x: self._from_stop(x - outside), -away[::-1]),
         )
+        tables = [chebyshev_table(function, edges.tolist()) for _, function, edges in parts]
+        counts = [int(table[1]) for table in tables]
+        starts = [
+            zero + table[3 : 3 + count]
+            for (zero, _, _), table, count in zip(parts, tables, counts, strict=True)
+        ]
+        series = [table[4 + count :] for table, count in zip(tables, counts, strict=True)]
+        return np.concatenate([[0.0, sum(counts), tables[0][2]], *starts, [exit_], *series])
 
     def _from_stop(self, angle: FloatArray) -> FloatArray:
         """Transmission at driver angles from a stop."""
