@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 import escapement as esc
 from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import transmission
+from escapement.mechanisms.elliptical_teeth import fewest_teeth, tooth_module
 from escapement.model import Mechanism
 from escapement.units import INCH_POUND
 
@@ -449,3 +450,66 @@ def test_torque_at_constant_speed(efficiency):
     if efficiency == 1.0:
         mean = np.trapezoid(drive.at(theta).torque, theta) / PAPER.cell_angle
         assert mean == pytest.approx(load * PAPER.follower_step / PAPER.cell_angle, rel=1e-6)
+
+
+# --- teeth --------------------------------------------------------------------------------
+
+
+def test_fewest_teeth_of_a_circle_are_those_of_every_textbook():
+    round_one = esc.EllipticalPlanetary.from_ellipse(1.0, 1e-6)
+    assert fewest_teeth(round_one) == 18
+    assert fewest_teeth(round_one, math.radians(14.5)) == 32
+    assert fewest_teeth(round_one, addendum=0.8) == 14
+    assert fewest_teeth(PAPER) == 19
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(0.01, 0.9), st.floats(0.2, 0.6))
+def test_a_rack_undercuts_where_its_flank_leaves_a_cusp(eccentricity, angle):
+    """The flank that a rolling rack leaves on the gear, point by point.
+
+    Its speed vanishes first for a flank that is cut as the rack touches the sharpest
+    place: a cusp, as deep below the pitch line as the addendum may be.
+    """
+    drive = esc.EllipticalPlanetary.from_ellipse(1.0, eccentricity)
+    gear = drive.pitch_ellipses[0]
+    radius = 1.0 / float(gear.curvature(0.0))
+    few = fewest_teeth(drive, angle)
+
+    def cut(place):
+        """Point of the flank that is being cut while the rack touches at `place` [rad]."""
+        rolled = float(gear.arc(place))
+        heading = place + float(gear.tangent_angle(place))
+        touch = float(gear.radius(place)) * np.exp(1j * place)
+        away = (radius * math.tan(angle) - rolled) * math.cos(angle)
+        return touch + away * np.exp(1j * (heading + angle)), away
+
+    allowed = cut(0.0)[1] * math.sin(angle)
+    assert tooth_module(drive, few) <= allowed * (1.0 + 1e-9) < tooth_module(drive, few - 1)
+    h = 1e-4
+    speed = abs(cut(h)[0] - cut(-h)[0]) / (float(gear.arc(h)) - float(gear.arc(-h)))
+    assert speed < 1e-3 * (1.0 + 1.0 / radius)
+    ahead = abs(cut(0.3 + h)[0] - cut(0.3 - h)[0]) / (2.0 * h)
+    assert ahead > 10.0 * speed
+
+
+def test_teeth_share_the_perimeter():
+    around = 2.0 * float(PAPER.pitch_ellipses[0].arc(math.pi))
+    assert 25 * math.pi * tooth_module(PAPER, 25) == pytest.approx(around, rel=1e-13)
+    assert esc.EllipticalPlanetary.from_teeth(32, 18, 0.001).ratio == pytest.approx(16 / 9)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: tooth_module(PAPER, 2), ["teeth", "at least 3", "2"]),
+        (lambda: fewest_teeth(PAPER, 1.0), ["pressure_angle", "below pi/4"]),
+        (lambda: fewest_teeth(PAPER, addendum=0.0), ["addendum", "greater than 0"]),
+        (lambda: esc.EllipticalPlanetary.from_teeth(18, 32, 1e-3), ["sun_radius", "greater"]),
+        (lambda: esc.EllipticalPlanetary.from_teeth(18.5, 9, 1e-3), ["sun_teeth", "whole"]),
+    ],
+)
+def test_impossible_teeth_are_refused(make, words):
+    with pytest.raises(InvalidValue) as caught:
+        make()
+    assert all(word in str(caught.value) for word in words)

@@ -117,6 +117,22 @@ class EllipticalPlanetary:
         planet = distance * interval / (2.0 * math.pi + interval)
         return cls(distance - planet, planet)
 
+    @classmethod
+    def from_teeth(cls, sun_teeth: int, planet_teeth: int, module: float) -> "EllipticalPlanetary":
+        """The drive of a pair of spur gears, R = module teeth/2.
+
+        Parameters
+        ----------
+        sun_teeth, planet_teeth : int
+            Teeth of the sun and, fewer, of the planet.
+        module : float
+            Of both [m], > 0.
+        """
+        sun = _validate.integer("sun_teeth", sun_teeth, 1, "give the teeth of the sun")
+        planet = _validate.integer("planet_teeth", planet_teeth, 1, "give those of the planet")
+        size = _validate.positive("module", module, "give the spur gears' module in m")
+        return cls(0.5 * size * sun, 0.5 * size * planet)
+
     @property
     def ratio(self) -> float:
         """k = R1/R2, turns of the planet on its carrier per turn of the input [-]."""
