@@ -71,22 +71,21 @@ def _tolerate_full_disk(dispatcher: Any) -> None:
     store.save_overload = save_or_skip
 
 
-def jit(function: Any = None, *, inline: bool = False) -> Any:
+def jit(function: Any = None, *, allocates: bool = False) -> Any:
     """Compile on first call, cached on disk, GIL released, no fast-math.
 
-    `inline` puts a kernel into its callers: worth it for a short one called for
-    every panel, where passing the arrays costs as much as the work.
+    A kernel that makes or returns arrays must say that it `allocates`. All others are
+    spared the counting of references: two atomic operations for every array of every
+    call, as much as the work of a short kernel.
 
     Division by zero follows IEEE 754 (`error_model="numpy"`): kernels report
     through a status code and never raise.
     """
     if function is None:
-        return partial(jit, inline=inline)
+        return partial(jit, allocates=allocates)
     folder = _cache_directory()
     config: Any = numba.config
-    options: Any = {"nogil": True, "error_model": "numpy"}
-    if inline:
-        options["inline"] = "always"
+    options: Any = {"nogil": True, "error_model": "numpy", "_nrt": allocates}
     if folder is None or config.DISABLE_JIT:
         return numba.njit(**options)(function)
     previous = config.CACHE_DIR

@@ -79,7 +79,7 @@ compiled_acceleration = jit(acceleration)
 compiled_contact = jit(contact)
 
 
-@jit
+@jit(allocates=True)
 def compiled_derivative(t, y, a, rho, kappa):
     """Right-hand side for y = (theta, theta_dot), compiled."""
     out = np.empty(2)

@@ -21,6 +21,7 @@ COMMANDS = {
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "drive-torque": "torque and pin reversals at constant driver speed",
+    "measure": "measured positions against theory, with statistics",
     "reproduce": "a source's printed numbers beside computed ones",
     "bench": "run time against error of all engines",
 }

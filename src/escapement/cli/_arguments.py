@@ -36,6 +36,11 @@ QUANTITIES = {
     "friction": Quantity(
         "ratio", _validate.non_negative, "coefficient of friction between pin and slot"
     ),
+    "efficiency": Quantity(
+        "share",
+        _validate.positive,
+        "share of the power that a mesh passes on, in place of friction",
+    ),
     "load_torque": Quantity(
         "torque", _validate.non_negative, "constant torque opposing the follower"
     ),
@@ -43,6 +48,8 @@ QUANTITIES = {
         "length", _validate.positive, "distance of the pins from the driver's axis"
     ),
     "fixed_radius": Quantity("length", _validate.positive, "radius of the fixed gear"),
+    "sun_radius": Quantity("length", _validate.positive, "pitch radius of the fixed sun gear"),
+    "planet_radius": Quantity("length", _validate.positive, "pitch radius of the spur planet"),
     "initial_speed": Quantity(
         "speed", _validate.non_negative, "driver speed at the first pin entry"
     ),
@@ -53,6 +60,7 @@ _METAVARS = {
     "torque": "M",
     "inertia": "I",
     "ratio": "MU",
+    "share": "E",
     "length": "R",
     "speed": "W",
     "time": "S",
@@ -132,6 +140,7 @@ def read_escapement(args: argparse.Namespace) -> "Escapement":
         torque=si(args, "torque"),
         friction=args.friction,
         load_torque=si(args, "load_torque"),
+        efficiency=args.efficiency,
     )
 
 

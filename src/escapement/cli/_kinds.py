@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 KINDS = {
     "geneva": "wheel with radial slots, pins on a crank",
     "gear-driven": "such a wheel, pins on a planet gear (Dijksman)",
+    "elliptical-planetary": "planetary drive with a pair of elliptical gears, always in mesh",
+    "tabulated": "any drive that is always in mesh, from a table of its angles",
 }
 """Kinds by the name that the command line gives them; the first is the default."""
 

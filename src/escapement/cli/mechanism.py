@@ -82,7 +82,9 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
     for key, rows in tables.items():
         if len(rows) > 1:
             print(f"\n{_output.words(key)}")
-            _output.print_columns([[*map(_output.words, rows[0])]], [row.values() for row in rows])
+            marks = [" (deg)" if name.endswith("_deg") else "" for name in rows[0]]
+            header = [_output.words(name) + mark for name, mark in zip(rows[0], marks, strict=True)]
+            _output.print_columns([header], [row.values() for row in rows])
 
 
 def _draw(mechanism: "Mechanism", args: argparse.Namespace) -> None:

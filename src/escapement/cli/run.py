@@ -54,6 +54,7 @@ def configure(parser: Parser) -> None:
         _arguments.add_quantity(model, name)
     for name in ("friction", "load_torque", "initial_speed"):
         _arguments.add_quantity(model, name, default=0.0, note=" (default: 0)")
+    _arguments.add_quantity(model, "efficiency", default=1.0, note=" (default: 1)")
     length = parser.add_argument_group("length of the motion")
     length.add_argument(
         "--engagements",
@@ -142,7 +143,7 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
 
 def _refuse_beside_study(args: argparse.Namespace) -> None:
     """Whatever the study says must not be said twice."""
-    nothing = {"friction": 0.0, "load_torque": 0.0, "initial_speed": 0.0}
+    nothing = {"friction": 0.0, "load_torque": 0.0, "initial_speed": 0.0, "efficiency": 1.0}
     said = ["KIND"] if args.kind is not None else []
     said += [option(name) for name in REQUIRED if getattr(args, name) is not None]
     said += [option(name) for name in _kinds.given_options(args)]

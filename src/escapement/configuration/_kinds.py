@@ -11,7 +11,7 @@ import numpy as np
 
 from escapement import _validate, units
 from escapement._curves import CURVES
-from escapement.configuration._parameters import Parameter
+from escapement.configuration._parameters import MODEL, Parameter
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,29 @@ class Kind:
 
     factory : "module:class", imported when the first mechanism is built.
     parameters : numbers that may be axes. options : everything else.
+    meshed : whether it loses by an efficiency rather than by friction in a slot.
     """
 
     factory: str
     parameters: Mapping[str, Parameter]
     options: Mapping[str, Option] = field(default_factory=dict)
+    meshed: bool = False
+
+    @property
+    def all_parameters(self) -> dict[str, Parameter]:
+        """Every number of an escapement with such a mechanism, by name."""
+        model = {name: entry for name, entry in MODEL.items() if name != self.other_loss}
+        return {**self.parameters, **model}
+
+    @property
+    def loss(self) -> str:
+        """Name of the loss that such a mechanism has."""
+        return "efficiency" if self.meshed else "friction"
+
+    @property
+    def other_loss(self) -> str:
+        """Name of the loss that it does not have."""
+        return "friction" if self.meshed else "efficiency"
 
 
 def _truth(label: str, value: Any) -> bool:
@@ -57,6 +75,17 @@ def _length(label: str, value: Any) -> float:
 
 def _curve(label: str, value: Any) -> str:
     return _validate.choice(label, value, CURVES)
+
+
+def _angles(label: str, value: Any) -> tuple[float, ...]:
+    remedy = "give a list of angles in rad"
+    if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
+        raise _validate.fail(label, "a list of numbers", value, remedy)
+    return tuple(_validate.number(f"{label}[{i}]", x, remedy) for i, x in enumerate(value))
+
+
+def _angle(label: str, value: Any) -> float:
+    return _validate.positive(label, value, "give an angle in rad")
 
 
 KINDS = {
@@ -138,6 +167,42 @@ KINDS = {
             ),
         },
         options={"curve": Option(_curve, required=True), "fixed_radius": Option(_length, "length")},
+    ),
+    "elliptical-planetary": Kind(
+        factory="escapement.mechanisms.elliptical_planetary:EllipticalPlanetary",
+        parameters={
+            "sun_radius": Parameter(
+                "pitch radius of the fixed sun gear",
+                "length",
+                "give the radius R1",
+                key="sun_radius",
+                section="mechanism",
+                exclusive=True,
+                required=True,
+            ),
+            "planet_radius": Parameter(
+                "pitch radius of the spur planet",
+                "length",
+                "give the radius R2, less than the sun's",
+                key="planet_radius",
+                section="mechanism",
+                exclusive=True,
+                required=True,
+            ),
+        },
+        meshed=True,
+    ),
+    "tabulated": Kind(
+        factory="escapement.mechanisms.tabulated:Tabulated",
+        parameters={},
+        options={
+            "theta": Option(_angles, required=True),
+            "phi": Option(_angles, required=True),
+            "measured": Option(_truth),
+            "cell_angle": Option(_angle),
+            "follower_step": Option(_angle),
+        },
+        meshed=True,
     ),
 }
 """Kinds of mechanism by the name a file gives them."""

@@ -4,6 +4,7 @@ The table is the only place that knows a parameter: its key in the file, its rul
 its unit and its default. What a kind of mechanism adds is in its own table.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,8 +19,8 @@ class Parameter:
     """A number of the model.
 
     long_name, quantity : what it is, and its key in `escapement.units`.
-    minimum, exclusive, whole, fraction : the rule its values obey; a fraction may
-        be written as text, "1/2".
+    minimum, maximum, exclusive, whole, fraction : the rule its values obey; a
+        fraction may be written as text, "1/2".
     section, key : where its fixed value stands in the file ("" is top level).
     required, default : the fixed value when the file has none; None leaves the
         choice to the mechanism.
@@ -31,6 +32,7 @@ class Parameter:
     key: str
     section: str = ""
     minimum: float = 0.0
+    maximum: float = math.inf
     exclusive: bool = False
     whole: bool = False
     fraction: bool = False
@@ -55,11 +57,16 @@ class Parameter:
         if self.fraction:
             return float(_validate.rational(label, value, self.remedy))
         rule = _validate.positive if self.exclusive else _validate.non_negative
-        return rule(label, value, self.remedy)
+        checked = rule(label, value, self.remedy)
+        if not self.minimum <= checked <= self.maximum:
+            raise _validate.fail(
+                label, f"in [{self.minimum:g}, {self.maximum:g}]", value, self.remedy
+            )
+        return checked
 
     def check_all(self, label: str, values: NDArray[np.float64]) -> NDArray[Any]:
         """`values`, whole ones as integers; raises for the first that breaks the rule."""
-        good = np.isfinite(values) & (values >= self.minimum)
+        good = np.isfinite(values) & (values >= self.minimum) & (values <= self.maximum)
         if self.exclusive:
             good &= values > self.minimum
         if self.whole:
@@ -79,6 +86,15 @@ MODEL = {
         "give a coefficient of friction, 0 for none",
         key="friction",
         default=0.0,
+    ),
+    "efficiency": Parameter(
+        "share of the power that the mesh passes on",
+        "ratio",
+        "give a share of 1, 1 for no loss",
+        key="efficiency",
+        minimum=1e-3,
+        maximum=1.0,
+        default=1.0,
     ),
     "torque": Parameter(
         "driving torque",
@@ -121,4 +137,7 @@ MODEL = {
         required=True,
     ),
 }
-"""Parameters of every escapement, by the name of their axis."""
+"""Parameters of an escapement, by the name of their axis.
+
+A slot loses by friction, a mesh by its efficiency: no mechanism has both.
+"""

@@ -10,9 +10,8 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve
-from escapement.engines._inside import SCRATCH
-from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, STALL, lay_out, march, turned
-from escapement.engines._panels import COLUMNS, ENDS, GEOMETRY, MAX_PANELS
+from escapement.engines._march import EVENTS, MAXIMUM, MINIMUM, OK, STALL, march, turned
+from escapement.engines._panels import ENDS, lay_out, new_store, place_of
 from escapement.mechanisms._slotted import transmission_at
 
 NO_TERMINAL, PAINLEVE, NOT_CONVERGED = 1, 3, 4
@@ -25,15 +24,10 @@ MAX_ENGAGEMENTS = 1_000_000
 EVENTS_OF_ONE = 16
 
 
-@jit
+@jit(allocates=True)
 def workspace():
-    """Panel store, events of an engagement, extrema seen and scratch, for `figures`."""
-    return (
-        np.empty((MAX_PANELS, 3, COLUMNS)),
-        np.empty((EVENTS_OF_ONE, EVENTS)),
-        np.empty((SEEN, EVENTS)),
-        np.empty(SCRATCH),
-    )
+    """Panel store, events of an engagement and extrema seen, for `figures`."""
+    return new_store(), np.empty((EVENTS_OF_ONE, EVENTS)), np.empty((SEEN, EVENTS))
 
 
 @jit
@@ -53,8 +47,8 @@ def free_turn(w, angle, rho):
     return after, 2.0 * angle / (np.sqrt(w) + np.sqrt(after)) if angle > 0.0 else 0.0
 
 
-@jit
-def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds):
+@jit(allocates=True)
+def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds):
     """March engagements until `times` is full, `limit` is passed or a stall.
 
     Parameters
@@ -73,16 +67,15 @@ def handoffs(path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, s
     if beyond_painleve(path, rho, mu[1], breaks[0], breaks[-1]):
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
-    store = np.empty((MAX_PANELS, 3, COLUMNS))
+    store = new_store()
     events = np.empty((EVENTS_OF_ONE, EVENTS))
-    scratch = np.empty(SCRATCH)
-    count = lay_out(store, breaks, path, rho, loose)
+    count = lay_out(store, path, breaks, cells, rho, loose)
     time, carry = 0.0, 0.0
     start = w
-    same = store[0, GEOMETRY, ENDS] ** 2 + rho == transmission_at(path, breaks[-1])[0] ** 2 + rho
+    same = store[place_of(0) + ENDS] ** 2 + rho == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
         status, out, length, exponent, source, _side, _r, count, _u = march(
-            store, count, path, rho, mu, load, w, 0.0, 0.0, loose, strict, False, events, scratch
+            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, False, events
         )
         if status != OK:
             times[k] = (time + length) * clock
@@ -137,7 +130,7 @@ def _closer(w, out, exponent, source, rho, ends, reversed_):
 
 
 @jit
-def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events, scratch, out):
+def _terminal(store, count, cells, path, breaks, dwell, rho, mu, load, w, rtol, events, out):
     """Terminal cycle by Newton's method from w; fills out, events hold its extrema.
 
     Returns
@@ -145,13 +138,13 @@ def _terminal(store, count, path, breaks, dwell, rho, mu, load, w, rtol, events,
     status, count
     """
     loose, strict = tolerances(rtol)
-    ends = (store[0, GEOMETRY, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     last_good = w
     plain = 0
     near = False
     for k in range(MAX_ENGAGEMENTS):
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
-            store, count, path, rho, mu, load, w, 0.0, 0.0, loose, strict, near, events, scratch
+            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, near, events
         )
         if status == STALL and plain == 0 and k > 0:
             # Newton overshot into a stop: follow the motion itself for a while
@@ -215,7 +208,7 @@ def _leads(events, used, i):
 
 
 @jit
-def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, scratch, out):
+def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, its
@@ -228,14 +221,14 @@ def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, sc
     if mu[0] == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
-    count = lay_out(store, breaks, path, rho, loose)
-    ends = (store[0, GEOMETRY, ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    count = lay_out(store, path, breaks, cells, rho, loose)
+    ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     time, rising = 0.0, 0.0
     filled = 0
     found = False
     for k in range(MAX_ENGAGEMENTS):
         status, exit_w, length, exponent, source, _s, rising, count, used = march(
-            store, count, path, rho, mu, load, w, 0.0, rising, loose, strict, True, events, scratch
+            store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, True, events
         )
         if status != OK:
             for i in range(FIGURES):
@@ -267,8 +260,8 @@ def figures(path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, sc
             if settled or k == PATIENCE or filled + events.shape[0] > seen.shape[0]:
                 start = better if better > 0.0 else following
                 status, count = _terminal(
-                    store, count, path, breaks, dwell, rho, mu, load, start, rtol,
-                    events, scratch, out,
+                    store, count, cells, path, breaks, dwell, rho, mu, load, start, rtol,
+                    events, out,
                 )  # fmt: skip
                 if status != OK:
                     return status

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from escapement.engines._cells import cells_of
 from escapement.engines._cycle import PAINLEVE, handoffs
 from escapement.engines._march import BREAK, MAXIMUM, OK, REVERSAL
 from escapement.engines._pieces import events_of, states_in
@@ -42,7 +43,8 @@ class EnergyTrajectory:
         clock = self.escapement.time_unit
         starts = np.concatenate([_START, self.times]) / clock
         squares = (np.concatenate([[self.initial_speed], self.speeds]) * clock) ** 2
-        table = events_of(*self.escapement.scene, starts, squares, self.rtol)
+        scene = self.escapement.scene
+        table = events_of(cells_of(scene), *scene, starts, squares, self.rtol)
         return table[table[:, 3] <= self.end_time / clock]
 
     @cached_property
@@ -144,13 +146,14 @@ def simulate(
     rtol: float,
 ) -> Motion:
     """Motion in the driver-angle domain; arguments are validated by `escapement.simulate`."""
-    clock = escapement.time_unit
+    clock, scene = escapement.time_unit, escapement.scene
+    cells = cells_of(scene)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64
     while True:
         times, speeds = np.empty(size), np.empty(size)
-        code, done, angle = handoffs(*escapement.scene, w, horizon, rtol, clock, times, speeds)
+        code, done, angle = handoffs(cells, *scene, w, horizon, rtol, clock, times, speeds)
         if code != OK or duration is None or done < size:
             break
         size *= 8

@@ -4,24 +4,25 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, losses
+from escapement.engines._cells import cells_of
 from escapement.engines._cycle import FIGURES, figures, workspace
 from escapement.model import FloatArray, Mechanism
 
 _PAINLEVE, _OK = 3, 0
 
 
-@jit
-def solve_scenes(path, breaks, dwell, rho, mu, load, w, rtol, table, status):
+@jit(allocates=True)
+def solve_scenes(cells, path, breaks, dwell, rho, mu, load, w, rtol, table, status):
     """Fill table[i] and status[i] for every scene i; natural units."""
-    store, events, seen, scratch = workspace()
+    store, events, seen = workspace()
     for i in range(rho.size):
         loss = losses(path, mu[i])
         if beyond_painleve(path, rho[i], loss[1], breaks[0], breaks[-1]):
             status[i] = _PAINLEVE
         else:
             status[i] = figures(
-                path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
-                store, events, seen, scratch, table[i],
+                cells, path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
+                store, events, seen, table[i],
             )  # fmt: skip
         if status[i] != _OK:
             for k in range(FIGURES):
@@ -61,5 +62,8 @@ def solve(
     breaks = np.array(mechanism.breaks)
     dwell = mechanism.cell_angle - (breaks[-1] - breaks[0])
     dwell = dwell if dwell > 1e-12 else 0.0
-    solve_scenes(mechanism.path, breaks, dwell, rho, mu, load, w, rtol, table, status)
+    path = mechanism.path
+    solve_scenes(
+        cells_of((path, breaks)), path, breaks, dwell, rho, mu, load, w, rtol, table, status
+    )
     return table, status

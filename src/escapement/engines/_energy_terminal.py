@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from escapement.engines import _energy
+from escapement.engines._cells import cells_of
 from escapement.engines._cycle import (
     CONTRACTION,
     FIGURES,
@@ -30,7 +31,8 @@ def terminal(
     clock = escapement.time_unit
     start = (initial_speed * clock) ** 2
     out = np.empty(FIGURES)
-    code = figures(*escapement.scene, start, rtol, *workspace(), out)
+    scene = escapement.scene
+    code = figures(cells_of(scene), *scene, start, rtol, *workspace(), out)
     status = Status(code)
     if status is Status.STALL:
         message = stall_message(out[0], int(out[1]))

@@ -1,77 +1,108 @@
-"""What a march meets inside one panel: speeds, reversals, extrema, slow starts.
+"""What a march meets inside one panel: speeds, reversals, extrema, a start from rest.
 
-All of it works on values at the panel's points, kept in `scratch` at fixed
-places; a march decides what is asked of which panel.
+All of it works on values at the panel's points, kept in the scratch; a march decides
+what is asked of which panel.
 """
 
 import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import bend
+from escapement.engines._gauss import (
+    BARYCENTRIC,
+    CUMULATE,
+    FROM_LEFT,
+    POINTS,
+    POWERS,
+    N,
+    combine,
+    dot,
+    root_between,
+)
 from escapement.engines._panels import (
     ALPHA,
     BETA,
     DG,
-    DOWN,
     ENDS,
     HALF,
     INVERSE,
     LEFT,
     NOISE,
-    POINTS,
     RIGHT,
-    SPREAD,
-    UP,
-    WEIGHTS,
+    START,
+    STEP,
+    WORK,
+    A,
     B,
+    C,
+    E,
+    F,
     G,
-    N,
+    K,
+    Q,
     U,
-    combine,
-    evaluate,
-    root_between,
+    V,
+    W,
+    solution_of,
+    survey,
     tail_of,
-    weights_to,
+    whole,
 )
-from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms._slotted import PLACES
 
-# scratch: 2 N for solving panels; then w, 1/sqrt(w), contact, acceleration and energy at
-# the points; Legendre coefficients; weights that interpolate, and that integrate, to x
-W, F, C, A, E, K, V, Q = (2 * N + N * i for i in range(8))
-SCRATCH = 10 * N
-SMOOTH = 1.6  # a stop this far (x = -1.6) before a panel's left end needs no special weights
+MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
+FROM_REST = 0.5 * (1.0 + POINTS) ** 2 - 1.0
+"""Points of a panel that are Gauss points of the square root of the way."""
 
 
 @jit
-def rate(row, i, side, w, mu, load):
-    """J theta_ddot at a point: the sign of the driver's acceleration."""
-    return 1.0 - (row[G + i] + bend(side, mu) * row[U + i]) * (row[DG + i] * w + load)
+def rate_at_end(s, at, end, side, w, mu, load):
+    """J theta_ddot at the left (0) or right (1) end: the sign of the acceleration."""
+    to = at + ENDS + 3 * end
+    return 1.0 - (s[to] + bend(side, mu) * s[to + 1]) * (s[to + 2] * w + load)
 
 
-@jit(inline=True)
-def rate_at_end(row, end, side, w, mu, load):
-    """J theta_ddot at the left (0) or right (1) end."""
-    at = ENDS + 3 * end
-    return 1.0 - (row[at] + bend(side, mu) * row[at + 1]) * (row[at + 2] * w + load)
-
-
-@jit(inline=True)
-def contact_at_end(row, end, w, rho, load):
+@jit
+def contact_at_end(s, at, end, w, rho, load):
     """Contact function at the left (0) or right (1) end."""
-    at = ENDS + 3 * end
-    return rho * (row[at + 2] * w + load) + row[at]
+    to = at + ENDS + 3 * end
+    return rho * (s[to + 2] * w + load) + s[to]
 
 
 @jit
-def braking(row, side, w, rho, mu, load):
+def braking(s, at, side, w, rho, mu, load):
     """Slope of w by driver angle at the left end."""
-    at = ENDS
-    j = rho + row[at] * (row[at] + bend(side, mu) * row[at + 1])
-    return 2.0 * rate_at_end(row, 0, side, w, mu, load) / j
+    g = s[at + ENDS]
+    j = rho + g * (g + bend(side, mu) * s[at + ENDS + 1])
+    return 2.0 * rate_at_end(s, at, 0, side, w, mu, load) / j
 
 
-@jit(inline=True)
-def run_over(row, solution, energy, side, rho, load, scratch):
+@jit
+def start_slowly(s, at, path, rho, way):
+    """Fill the start's panel: that at `at`, over the square root of the angle.
+
+    From rest w grows like the angle, and 1/sqrt(w) is singular; over
+    y = sqrt(way + (theta - left)/length), with the speed zero at y = 0, neither is.
+    `way` is how far before the left end that lies, in lengths of the panel.
+    """
+    left, half = s[at + LEFT], s[at + HALF]
+    if way == 0.0:
+        survey(s, START, path, rho, left, left + 2.0 * half, FROM_REST, 0)
+        for i in range(N):
+            s[START + STEP + i] = half * (1.0 + POINTS[i])
+        return
+    first, last = np.sqrt(way), np.sqrt(1.0 + way)
+    for i in range(N):
+        y = 0.5 * ((last + first) + (last - first) * POINTS[i])
+        s[K + i] = 2.0 * (y * y - way) - 1.0
+        s[V + i] = 2.0 * half * (last - first) * y
+    survey(s, START, path, rho, left, left + 2.0 * half, s, K)
+    for i in range(N):
+        s[START + STEP + i] = s[V + i]
+
+
+@jit
+def run_over(s, at, side, energy, rho, load):
     """Energy, speed, slowness and contact at the points.
 
     Returns
@@ -79,110 +110,166 @@ def run_over(row, solution, energy, side, rho, load, scratch):
     against, stopped : points where the other side carries the force, and where
         there is no speed left.
     """
+    at &= PLACES
+    to = solution_of(at, side) & PLACES
     against = 0
     stopped = 0
     for i in range(N):
-        e = solution[ALPHA + i] * energy + solution[BETA + i]
-        w = e * row[INVERSE + i]
-        c = side * (rho * (row[DG + i] * w + load) + row[G + i])
-        scratch[E + i] = e
-        scratch[W + i] = w
-        scratch[C + i] = c
-        scratch[F + i] = 1.0 / np.sqrt(w)
+        e = s[to + ALPHA + i] * energy + s[to + BETA + i]
+        w = e * s[at + INVERSE + i]
+        c = side * (rho * (s[at + DG + i] * w + load) + s[at + G + i])
+        s[E + i] = e
+        s[W + i] = w
+        s[C + i] = c
+        s[F + i] = s[at + STEP + i] / np.sqrt(w)
         against += c <= 0.0
         stopped += not w > 0.0
     return against, stopped
 
 
 @jit
-def first_against(scratch):
+def clearly_against(s):
+    """Points where the other side carries a force beyond rounding.
+
+    Next to the stop of a mesh, known from a table, g and g' are rounding errors.
+    """
+    largest = 0.0
+    for i in range(N):
+        largest = max(largest, s[C + i])
+    count = 0
+    for i in range(N):
+        count += s[C + i] < -1e-9 * largest
+    return count
+
+
+@jit
+def first_against(s):
     """First point where the other side carries the force; N if there is none."""
     for i in range(N):
-        if scratch[C + i] <= 0.0:
+        if s[C + i] <= 0.0:
             return i
     return N
 
 
 @jit
-def dips(scratch):
+def dips(s):
     """Whether the contact nearly vanishes between points: a pair of reversals may hide."""
     # a parabola that touches zero is small at one of three points
-    first, middle, last = scratch[C], scratch[C + N // 2], scratch[C + N - 1]
+    first, middle, last = s[C], s[C + N // 2], s[C + N - 1]
     if min(first, min(middle, last)) > 0.2 * max(first, max(middle, last)):
         return False
     for i in range(1, N - 1):
-        c = scratch[C + i]
-        if c <= scratch[C + i - 1] and c < scratch[C + i + 1]:
-            drop = max(scratch[C + i - 1], scratch[C + i + 1]) - c
+        c = s[C + i]
+        if c <= s[C + i - 1] and c < s[C + i + 1]:
+            drop = max(s[C + i - 1], s[C + i + 1]) - c
             return c < 0.5 * drop
     return False
 
 
-@jit(inline=True)
-def rough(scratch, limit):
-    """Whether 1/sqrt(w) is less smooth than `limit`."""
-    return tail_of(scratch, F) > limit * scratch[F + N // 2]
+@jit
+def rough(s, limit):
+    """Whether the slowness is less smooth than `limit`."""
+    return tail_of(s, F) > limit * s[F + N // 2]
 
 
-@jit(inline=True)
-def find_extremum(row, side, w_left, w_right, last, mu, load, scratch):
+@jit
+def find_extremum(s, at, side, w_left, w_right, last, mu, load):
     """Changes of sign of the acceleration before point `last` (N: over the panel).
 
     Returns
     -------
     changes, place : how many, and the point after the last one.
     """
-    previous = rate_at_end(row, 0, side, w_left, mu, load)
+    at &= PLACES
+    previous = rate_at_end(s, at, 0, side, w_left, mu, load)
     changes = 0
     place = -1
     slower = 0
+    lost = bend(side, mu)
     for i in range(N):
-        a = rate(row, i, side, scratch[W + i], mu, load)
-        scratch[A + i] = a
+        a = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * (s[at + DG + i] * s[W + i] + load)
+        s[A + i] = a
         slower += a <= 0.0
     if last < N or (0 < slower < N) or (slower == 0) != (previous > 0.0):
         for i in range(last):
-            a = scratch[A + i]
+            a = s[A + i]
             if a * previous < 0.0:
                 changes += 1
                 place = i
             previous = a if a != 0.0 else previous
     # on a reversal the driver turns free of the follower and gains speed
-    a = rate_at_end(row, 1, side, w_right, mu, load) if last == N else 1.0
+    a = rate_at_end(s, at, 1, side, w_right, mu, load) if last == N else 1.0
     if a * previous < 0.0:
         changes += 1
         place = last
     return changes, place
 
 
-@jit(inline=True)
-def locate(values, place, left, right, scratch):
-    """x where the values at scratch[values:] change sign next to the point `place`."""
-    combine(SPREAD, scratch, values, scratch, K)
-    low = POINTS[place - 1] if place > 0 else -1.0
-    high = POINTS[place] if place < N else 1.0
-    value_low = scratch[values + place - 1] if place > 0 else left
-    value_high = scratch[values + place] if place < N else right
-    x = root_between(scratch, K, low, high, value_low, value_high)
-    weights_to(x, scratch, 0, V, Q)
-    return x
-
-
-@jit(inline=True)
-def state_inside(row, path, x, rho, scratch):
-    """Angle, time since the left end and w at x; the weights are those to x."""
-    e = 0.0
-    elapsed = 0.0
+@jit
+def weights_to(s, x):
+    """Weights V that interpolate at x, and Q that do so for what vanishes at -1."""
     for i in range(N):
-        e += scratch[V + i] * scratch[E + i]
-        elapsed += scratch[Q + i] * scratch[F + i]
-    angle = row[LEFT] + row[HALF] * (1.0 + x)
-    g, _u, _dg = transmission_at(path, angle)
-    return angle, row[HALF] * elapsed, e / (rho + g * g)
+        way = x - POINTS[i]
+        s[V + i] = BARYCENTRIC[i] / (way if way != 0.0 else 1e-17)
+    a = b = c = d = 0.0
+    for i in range(0, N, 4):
+        a += s[V + i]
+        b += s[V + i + 1]
+        c += s[V + i + 2]
+        d += s[V + i + 3]
+    scale = 1.0 / ((a + b) + (c + d))
+    for i in range(N):
+        weight = s[V + i] * scale
+        s[V + i] = weight
+        s[Q + i] = weight * FROM_LEFT[i] * (1.0 + x)
 
 
 @jit
-def turn(row, solution, other, side, reversal, rho, mu, load, strict, record, source, scratch):
+def locate(s, values, place, left, right, high):
+    """x where values at the points change sign between point `place` and the one before.
+
+    `left` is the value at -1, `right` that at x = `high`, which bounds the last point.
+    """
+    values &= PLACES
+    combine(POWERS, s, values, K)
+    low, value_low = -1.0, left
+    if place > 0:
+        low, value_low = POINTS[place - 1], s[values + place - 1]
+    value_high = right
+    if place < N and POINTS[place] < high:
+        high, value_high = POINTS[place], s[values + place]
+    # the chord, then the parabola through one more point
+    slope = (value_high - value_low) / (high - low)
+    x = low - value_low / slope
+    third = place + 1 if place < N // 2 else place - 2
+    third_x = POINTS[third]
+    bend_ = ((s[values + third] - value_low) / (third_x - low) - slope) / (third_x - high)
+    x -= bend_ * (x - low) * (x - high) / (slope + bend_ * (2.0 * x - low - high))
+    if not low < x < high:
+        x = 0.5 * (low + high)
+    x, slope = root_between(s, K, x, low, high, value_low < 0.0)
+    if place == 0:
+        # so near the left end that the way from there should be accurate, not x
+        for _ in range(2):
+            weights_to(s, x)
+            value = left
+            for i in range(N):
+                value += s[Q + i] * (s[values + i] - left)
+            x = max(-1.0, x - value / slope)
+    return x
+
+
+@jit
+def state_inside(s, at, x):
+    """Angle, time since the left end and w at x; leaves the weights to x in V and Q."""
+    weights_to(s, x)
+    combine(CUMULATE, s, F, K)
+    angle = s[at + LEFT] + s[at + HALF] * (1.0 + x)
+    return angle, dot(s, Q, K), dot(s, V, W)
+
+
+@jit
+def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
     """Go on with the other side's solution from the reversal to the right end.
 
     Both solutions are continued over the whole panel; the weights to the reversal
@@ -193,110 +280,36 @@ def turn(row, solution, other, side, reversal, rho, mu, load, strict, record, so
     good, e_right, length, exponent, source
         good is False where the panel is too coarse for this.
     """
-    e = 0.0
-    before = 0.0
-    alpha, beta, b = 0.0, 0.0, 0.0
-    alpha_other, beta_other, b_other = 0.0, 0.0, 0.0
-    for i in range(N):
-        v = scratch[V + i]
-        e += v * scratch[E + i]
-        before += scratch[Q + i] * scratch[F + i]
-        alpha += v * solution[ALPHA + i]
-        beta += v * solution[BETA + i]
-        b += v * solution[B + i]
-        alpha_other += v * other[ALPHA + i]
-        beta_other += v * other[BETA + i]
-        b_other += v * other[B + i]
+    at &= PLACES
+    one, two = solution_of(at, side) & PLACES, solution_of(at, -side) & PLACES
+    e = dot(s, V, E)
+    alpha, beta, b = dot(s, V, one + ALPHA), dot(s, V, one + BETA), dot(s, V, one + B)
+    alpha_other, beta_other = dot(s, V, two + ALPHA), dot(s, V, two + BETA)
+    b_other = dot(s, V, two + B)
     fictive = (e - beta_other) / alpha_other
-    after = 0.0
     bad = 0
+    apart = s[at + HALF] > MERGED
+    lost = bend(-side, mu)
     for i in range(N):
-        w = (other[ALPHA + i] * fictive + other[BETA + i]) * row[INVERSE + i]
-        scratch[F + i] = 1.0 / np.sqrt(w)
-        after += (WEIGHTS[i] - scratch[Q + i]) * scratch[F + i]
+        w = (s[two + ALPHA + i] * fictive + s[two + BETA + i]) * s[at + INVERSE + i]
+        slowness = s[at + STEP + i] / np.sqrt(w)
+        s[WORK + i] = s[F + i] - slowness
+        s[F + i] = slowness
+        moment = s[at + DG + i] * w + load
         bad += not w > 0.0
-        c = side * (rho * (row[DG + i] * w + load) + row[G + i])
-        bad += i >= reversal and c > 0.0
-        bad += record and i >= reversal and rate(row, i, -side, w, mu, load) <= 0.0
-    e_right = other[RIGHT] * fictive + other[RIGHT + 1]
-    w_right = e_right / (rho + row[ENDS + 3] ** 2)
+        bad += apart and i >= reversal and side * (rho * moment + s[at + G + i]) > 0.0
+        slower = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * moment <= 0.0
+        bad += record and i >= reversal and slower
+    # the time of the other side, and what the part before the reversal differs by
+    combine(CUMULATE, s, WORK, K)
+    length = whole(s, F) + dot(s, Q, K)
+    e_right = s[two + RIGHT] * fictive + s[two + RIGHT + 1]
+    w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
     bad += not w_right > 0.0
-    bad += side * contact_at_end(row, 1, w_right, rho, load) > 0.0
-    bad += record and rate_at_end(row, 1, -side, w_right, mu, load) <= 0.0
-    good = bad == 0 and not rough(scratch, max(strict, other[NOISE]))
+    bad += apart and side * contact_at_end(s, at, 1, w_right, rho, load) > 0.0
+    bad += record and rate_at_end(s, at, 1, -side, w_right, mu, load) <= 0.0
+    good = bad == 0 and not rough(s, max(strict, s[two + NOISE]))
     source = (alpha * source + beta - beta_other) / alpha_other
-    source = other[RIGHT] * source + other[RIGHT + 1]
-    exponent = b - b_other + other[RIGHT + 2]
-    return good, e_right, row[HALF] * (before + after), exponent, source
-
-
-@jit(inline=True)
-def rest_before(row, w, side, rho, mu, load, scratch):
-    """x = -z where the speed would vanish before the left end; 2 where far away."""
-    if not w < 0.25 * scratch[W + N // 2]:
-        return 2.0
-    slope = braking(row, side, w, rho, mu, load) * row[HALF]
-    return 1.0 + w / slope if slope > 0.0 else 2.0
-
-
-@jit
-def way_from_rest(row, w, z, rho, scratch):
-    """Distance before the left end, in half widths, at which the energy's extension is 0.
-
-    The time depends on it like its square root, so it must have its own relative
-    accuracy: the series is anchored at the energy of the left end, and very near
-    the end replaced by a parabola through the slope known from z.
-    """
-    if w == 0.0:
-        return 0.0
-    combine(SPREAD, scratch, E, scratch, K)
-    energy = w * (rho + row[ENDS] * row[ENDS])
-    anchor, slope = evaluate(scratch, K, -1.0)
-    way = z - 1.0
-    if way < 1e-5:
-        second = 0.0
-        sign = 1.0
-        for k in range(2, N):
-            second += scratch[K + k] * sign * ((k - 1) * k * (k + 1) * (k + 2)) / 8.0
-            sign = -sign
-        # E(-1 - way) = energy - slope way + second way^2 / 2
-        way = energy / slope
-        return way * (1.0 + 0.5 * second * way / slope)
-    x = -z
-    for _ in range(6):
-        value, slope = evaluate(scratch, K, x)
-        x -= (value - anchor + energy) / slope
-    return max(0.0, -1.0 - x)
-
-
-@jit
-def rough_from_rest(way, limit, scratch):
-    """Whether 1/sqrt(w) over its singular part is less smooth than `limit`."""
-    for i in range(N):
-        scratch[K + i] = np.sqrt(1.0 + POINTS[i] + way) * scratch[F + i]
-    return tail_of(scratch, K) > limit * scratch[K + N // 2]
-
-
-@jit
-def time_from_low_speed(row, way, scratch):
-    """Time over a panel whose speed vanishes at x = -1 - way, just before its left end.
-
-    1/sqrt(w) is a smooth function over sqrt(x + 1 + way); the generating function
-    of the Legendre polynomials gives the moments of the weight in closed form. The
-    way itself counts, by its square root, long after 1 + way is 1.
-    """
-    t = 1.0 / (1.0 + way + np.sqrt(way * (2.0 + way)))
-    scale = np.sqrt(2.0 * t)
-    total = 0.0
-    for i in range(N):
-        x = POINTS[i]
-        before, now = 1.0, x
-        weight = 1.0 - t * x
-        power = -t
-        for k in range(1, N - 1):
-            after = UP[k] * x * now - DOWN[k] * before
-            before, now = now, after
-            power *= -t
-            weight += power * now
-        total += WEIGHTS[i] * scale * weight * np.sqrt(1.0 + x + way) * scratch[F + i]
-    return row[HALF] * total
+    source = s[two + RIGHT] * source + s[two + RIGHT + 1]
+    exponent = b - b_other + s[two + RIGHT + 2]
+    return good, e_right, length, exponent, source

@@ -38,7 +38,7 @@ _FLOOR = 2.3e-14  # solve_ivp clips a smaller rtol with a warning
 _CEILING = 1e-9  # with longer steps a solver leaps over the narrow peak of 1/J near the limit
 
 
-@jit
+@jit(allocates=True)
 def _derivative(x, y, path, sign, rho, mu, load):
     """Right-hand side for y = (theta, theta_dot, friction loss) in natural units."""
     out = np.empty(3)

@@ -9,33 +9,30 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import bend
 from escapement.engines._cycle import tolerances
-from escapement.engines._inside import SCRATCH
-from escapement.engines._march import EVENTS, lay_out, march
+from escapement.engines._gauss import CUMULATE, POINTS, WEIGHTS, N, combine, dot
+from escapement.engines._inside import rough, run_over, weights_to
+from escapement.engines._march import EVENTS, march
 from escapement.engines._panels import (
-    ALPHA,
-    BETA,
-    COLUMNS,
     DG,
-    DOWN,
     ENDS,
-    GEOMETRY,
-    INVERSE,
-    MAX_PANELS,
     NOISE,
     RIGHT,
-    SPREAD,
     TAIL,
-    UP,
-    WEIGHTS,
+    E,
+    F,
     G,
-    N,
+    K,
+    Q,
     U,
-    combine,
-    evaluate,
-    part_of,
+    V,
+    W,
+    lay_out,
+    new_store,
+    place_of,
+    solution_of,
     solve_side,
     survey,
-    tail_of,
+    whole,
 )
 from escapement.mechanisms._slotted import transmission_at
 
@@ -54,8 +51,8 @@ def _put(table, filled, engagement, kind, angle, time, w):
     return filled + 1
 
 
-@jit
-def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):
+@jit(allocates=True)
+def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     """All events of the engagements that start at `starts` with `squares`.
 
     Returns
@@ -65,17 +62,16 @@ def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         with the side at entry (in the angle's place) comes first.
     """
     loose, strict = tolerances(rtol)
-    store = np.empty((MAX_PANELS, 3, COLUMNS))
+    store = new_store()
     events = np.empty((_MOST, EVENTS))
-    scratch = np.empty(SCRATCH)
-    count = lay_out(store, breaks, path, rho, loose)
+    count = lay_out(store, path, breaks, cells, rho, loose)
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
     filled = 0
     rising = 0.0
     for k in range(starts.size):
         status, out, length, _x, _s, side, rising, count, used = march(
-            store, count, path, rho, mu, load, squares[k], 0.0, rising,
-            loose, strict, True, events, scratch,
+            store, count, path, cells, rho, mu, load, squares[k], 0.0, rising,
+            loose, strict, True, events,
         )  # fmt: skip
         if filled + used + 2 > table.shape[0]:
             larger = np.empty((2 * table.shape[0] + used, EVENT_COLUMNS))
@@ -99,7 +95,7 @@ def events_of(path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     return table[:filled].copy()
 
 
-@jit
+@jit(allocates=True)
 def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squares):
     """Angles and squared speeds at times since the start of one piece.
 
@@ -115,14 +111,9 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
     loss, length : work lost in friction over the piece, and its duration.
     """
     _loose, strict = tolerances(rtol)
-    panel = np.empty((3, COLUMNS))
-    row = panel[GEOMETRY]
-    solution = panel[part_of(side)]
-    scratch = np.empty(2 * N)
-    energies = np.empty(N)
-    slowness = np.empty(N)
-    e_series = np.empty(N)
-    s_series = np.empty(N)
+    s = np.empty(place_of(1))
+    at = place_of(0)
+    to = solution_of(at, side)
     ends = np.empty(80)
     waiting = 0
     right = end
@@ -131,17 +122,13 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
     theta[:] = left
     squares[:] = w
     while left < end:
-        survey(panel, path, rho, left, right)
-        solve_side(row, solution, side, rho, mu, load, scratch)
+        survey(s, at, path, rho, left, right, POINTS, 0)
+        solve_side(s, at, side, rho, mu, load)
         half = 0.5 * (right - left)
-        energy = w * (rho + row[ENDS] ** 2)
-        good = solution[TAIL] <= strict
-        for i in range(N):
-            energies[i] = solution[ALPHA + i] * energy + solution[BETA + i]
-            slowness[i] = 1.0 / np.sqrt(energies[i] * row[INVERSE + i])
-            good = good and energies[i] > 0.0
-        limit = max(strict, solution[NOISE])
-        good = good and tail_of(slowness, 0) <= limit * slowness[N // 2]
+        energy = w * (rho + s[at + ENDS] ** 2)
+        _against, stopped = run_over(s, at, side, energy, rho, load)
+        good = s[to + TAIL] <= strict and stopped == 0
+        good = good and not rough(s, max(strict, s[to + NOISE]))
         even = right - left <= _EVEN
         middle = 0.5 * (left + right)
         if not good and not even and waiting < 80 and left < middle < right:
@@ -149,20 +136,12 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
             waiting += 1
             right = middle
             continue
-        next_w = (solution[RIGHT] * energy + solution[RIGHT + 1]) / (rho + row[ENDS + 3] ** 2)
+        next_w = (s[to + RIGHT] * energy + s[to + RIGHT + 1]) / (rho + s[at + ENDS + 3] ** 2)
         next_w = max(next_w, 0.0)
-        length = 0.0
-        for i in range(N):
-            length += WEIGHTS[i] * half * slowness[i]
-            g, v = row[G + i], energies[i] * row[INVERSE + i]
-            moment = rho * (row[DG + i] * v + load) + g
-            moment /= rho + g * (g + bend(side, mu) * row[U + i])
-            loss += WEIGHTS[i] * half * abs(bend(side, mu) * row[U + i] * moment)
+        loss += half * _lost(s, at, side, rho, mu, load)
         even = even and not good
-        if even:
-            length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w))
-        combine(SPREAD, energies, 0, e_series, 0)
-        combine(SPREAD, slowness, 0, s_series, 0)
+        length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w)) if even else whole(s, F)
+        combine(CUMULATE, s, F, K)
         for j in range(times.size):
             t = times[j] - now
             if t < 0.0 or (t > length and right < end):
@@ -173,10 +152,10 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
                 theta[j] = left + 0.5 * t * (np.sqrt(w) + speed)
                 squares[j] = speed * speed
                 continue
-            x = _invert(s_series, t / half, length / half)
+            x = _invert(s, t, length)
             theta[j] = middle + half * x
             g = transmission_at(path, theta[j])[0]
-            squares[j] = evaluate(e_series, 0, x)[0] / (rho + g * g)
+            squares[j] = dot(s, V, E) / (rho + g * g)
         now += length
         w = next_w
         left = right
@@ -189,35 +168,34 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
 
 
 @jit
-def _integral(coefficients, x):
-    """Integral of a Legendre series from -1 to x, and its value at x."""
-    before, now = 1.0, x
-    total = coefficients[0] * (1.0 + x)
-    value = coefficients[0]
-    for k in range(1, N):
-        after = UP[k] * x * now - DOWN[k] * before
-        total += coefficients[k] * (after - before) / (2 * k + 1)
-        value += coefficients[k] * now
-        before, now = now, after
-    return total, value
+def _lost(s, at, side, rho, mu, load):
+    """Work lost in friction over a panel, by x."""
+    total = 0.0
+    for i in range(N):
+        g, lost = s[at + G + i], bend(side, mu) * s[at + U + i]
+        moment = rho * (s[at + DG + i] * s[W + i] + load) + g
+        total += WEIGHTS[i] * abs(lost * moment / (rho + g * (g + lost)))
+    return total
 
 
 @jit
-def _invert(coefficients, target, whole):
-    """x in [-1, 1] where the integral of a positive series reaches a target."""
-    x = 2.0 * target / whole - 1.0
+def _invert(s, target, whole_time):
+    """x in [-1, 1] at a time since the left end; leaves the weights to it in V and Q."""
+    x = 2.0 * target / whole_time - 1.0
     low, high = -1.0, 1.0
     for _ in range(60):
-        total, value = _integral(coefficients, x)
-        if total > target:
+        weights_to(s, x)
+        passed = dot(s, Q, K)
+        if passed > target:
             high = x
         else:
             low = x
-        guess = x + (target - total) / value
+        guess = x + (target - passed) / dot(s, V, F)
         if not low <= guess <= high:
             guess = 0.5 * (low + high)
         step = abs(guess - x)
         x = guess
         if step <= 1e-8:
             break
+    weights_to(s, x)
     return x

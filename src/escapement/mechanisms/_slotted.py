@@ -23,6 +23,11 @@ from escapement._jit import jit
 from escapement.mechanisms._table import is_table, ratio_at
 from escapement.model import FloatArray
 
+BLOCK = 16  # driver angles that are evaluated together
+PLACES = 0xFFFFFF
+"""Kernels mask the places in arrays that they are given with this: a place known not to
+be negative needs no wrap-around, and loops over it become vector code."""
+
 
 @jit
 def transmission_at(path, theta):
@@ -45,23 +50,25 @@ def transmission_at(path, theta):
 
 
 @jit
-def transmission_on(path, middle, half, points, out, at_g, at_u, at_dg):
-    """Transmission at middle + half * points, all of them small steps apart.
+def transmission_on(path, middle, half, points, first, out, to):
+    """Transmission at middle + half * points[first:first + 16], a small way apart.
 
     The sine and cosine of the steps come from their power series, accurate to
     rounding for half angles of up to 0.75; those of the sums from the addition
-    theorem. g, |u| and g' are written to `out` from the given places on (places
-    rather than slices: making a slice takes as long as four points).
+    theorem. 16 values each of g, |u| and g' are written to `out` from `to` on
+    (places rather than slices: making a slice takes as long as four points).
     """
+    to &= PLACES
+    first &= PLACES
     step = path[0] * half
     if is_table(path) or abs(step) > 0.75:
-        for i in range(points.size):
-            g, u, dg = transmission_at(path, middle + half * points[i])
-            out[at_g + i], out[at_u + i], out[at_dg + i] = g, abs(u), dg
+        for i in range(BLOCK):
+            g, u, dg = transmission_at(path, middle + half * points[first + i])
+            out[to + i], out[to + BLOCK + i], out[to + 2 * BLOCK + i] = g, abs(u), dg
         return
     sine_m, cosine_m = np.sin(path[0] * middle), np.cos(path[0] * middle)
-    for i in range(points.size):
-        d = step * points[i]
+    for i in range(BLOCK):
+        d = step * points[first + i]
         z = d * d
         odd = 1.0 - z / 210.0 * (1.0 - z / 272.0 * (1.0 - z / 342.0))
         odd = 1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0 * odd))
@@ -75,31 +82,9 @@ def transmission_on(path, middle, half, points, out, at_g, at_u, at_dg):
         inverse = 1.0 / (path[1] + path[2] * square)
         ratio = (path[3] + path[4] * square) * inverse
         slide = path[5] * sine * cosine * inverse
-        out[at_g + i] = ratio
-        out[at_dg + i] = slide * (path[6] - 2.0 * ratio)
-        out[at_u + i] = abs(slide)
-
-
-@jit
-def singularities(path, rho):
-    """Complex driver angles where the motion's coefficients are singular.
-
-    Where the pin path's complex continuation meets the follower's axis
-    (|C| = 0), and where rho + g^2 = 0. Panels are made short near them.
-
-    Returns
-    -------
-    re_c, im_c, re_d, im_d : angles with positive parts [rad]; mirror images and
-        conjugates are singular as well. Those of a table are not known: infinite.
-    """
-    if is_table(path):
-        return np.inf, np.inf, np.inf, np.inf
-    x = -path[1] / path[2]
-    c = np.arcsin(np.sqrt(complex(x, 0.0)))
-    g = complex(0.0, np.sqrt(rho))
-    d = np.arcsin(np.sqrt((g * path[1] - path[3]) / (path[4] - g * path[2])))
-    half = abs(path[0])
-    return abs(c.real) / half, abs(c.imag) / half, abs(d.real) / half, abs(d.imag) / half
+        out[to + i] = ratio
+        out[to + BLOCK + i] = abs(slide)
+        out[to + 2 * BLOCK + i] = slide * (path[6] - 2.0 * ratio)
 
 
 @jit

@@ -8,6 +8,14 @@ from escapement.plots._style import new_axes, save
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven
+from escapement.plots.measurement import (
+    plot_error_histogram,
+    plot_errors,
+    plot_frequencies,
+    plot_measurement,
+    plot_periodogram,
+    plot_positions,
+)
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
 
@@ -16,11 +24,17 @@ __all__ = [
     "plot_configurations",
     "plot_contact_moment",
     "plot_drive_torque",
+    "plot_error_histogram",
+    "plot_errors",
+    "plot_frequencies",
     "plot_gear_driven",
     "plot_lines",
     "plot_map",
+    "plot_measurement",
     "plot_mechanism",
+    "plot_periodogram",
     "plot_phase_portrait",
+    "plot_positions",
     "plot_rise_and_terminal",
     "plot_study",
     "plot_velocities",

@@ -93,7 +93,7 @@ def _step(n, mu, rho, e, x0, line, last, t, theta, v, a1, h):
     return theta_end, v_end, _acceleration(n, mu, rho, e, x0, theta_end, v_end, old)[0]
 
 
-@jit
+@jit(allocates=True)
 def run_listing(n, mu, rho, e, x0, interval, out):
     """Fill out[rows, 4] with theta, theta_dot, theta_ddot and phi_dot.
 

@@ -1,6 +1,6 @@
 """Evaluating consecutive cases of a plan, with no scene solved twice.
 
-In natural units a case is its mechanism, inertia ratio, friction, load ratio and
+In natural units a case is its mechanism, inertia ratio, loss, load ratio and
 starting speed. Without a load and from rest torque is a pure change of clock and
 leaves all of these alone, as do inertias in the same ratio: cases that share
 them share one solve.
@@ -77,7 +77,7 @@ def _in_one_batch(plan: StudyPlan, start: int, stop: int) -> Columns:
         fixed = plan.values(start + int(rows[0]))
         values = {
             name: columns[name][rows] if name in columns else np.full(rows.size, fixed[name])
-            for name in _NUMBERS
+            for name in (plan.kind.loss, *_NUMBERS)
         }
         chosen = {name: (place[rows], size) for name, place, size in
                   zip(plan.axes, places, plan.shape, strict=True)}  # fmt: skip
@@ -88,7 +88,6 @@ def _in_one_batch(plan: StudyPlan, start: int, stop: int) -> Columns:
 
 
 _NUMBERS = (
-    "friction",
     "torque",
     "load_torque",
     "driver_inertia",
@@ -107,9 +106,15 @@ def _mixed_radix(parts: list[tuple[NDArray[Any], int]], size: int) -> NDArray[np
 
 def _scenes(values: Columns, places: dict[str, tuple[NDArray[Any], int]]) -> NDArray[np.int64]:
     """A number per case that is the same where the scene is."""
-    size = values["friction"].size
+    size = values["torque"].size
     timed = bool(values["load_torque"].any() or values["initial_speed"].any())
-    names = ["friction", "load_torque", "initial_speed", *(["torque"] if timed else [])]
+    names = [
+        "friction",
+        "efficiency",
+        "load_torque",
+        "initial_speed",
+        *(["torque"] if timed else []),
+    ]
     inertias = [name for name in ("driver_inertia", "follower_inertia") if name in places]
     parts = [places[name] for name in names if name in places]
     if len(inertias) == 2 and not timed:
@@ -135,9 +140,10 @@ def _solve(mechanism: Any, values: Columns, scenes: NDArray[np.int64], rtol: flo
     ratio = driver / follower
     load = values["load_torque"] / torque
     start = (values["initial_speed"] * clock) ** 2
-    friction = values["friction"].astype(float)
+    meshed = "efficiency" in values
+    loss = 1.0 / values["efficiency"] - 1.0 if meshed else values["friction"].astype(float)
     table, status = _energy_batch.solve(
-        mechanism, ratio[first], friction[first], load[first], start[first], rtol
+        mechanism, ratio[first], loss[first], load[first], start[first], rtol
     )
     columns = table[scene_of_case].T
     period = columns[_cycle.PERIOD] * clock

@@ -1,0 +1,291 @@
+"""`escapement measure`: measured positions against theory, with statistics."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from escapement import _validate
+from escapement.cli import _arguments, _files, _kinds, _output
+from escapement.cli._parser import Parser, UsageError, checked, number, one_of, whole
+
+if TYPE_CHECKING:
+    from escapement.measurement import Encoder, Measurement, NormalityTest
+
+SUMMARY = "Measured positions of input and output against theory, with statistics."
+
+_TESTS = {
+    "chi_squared": "chi-squared",
+    "chi_squared_published": "chi-squared as published",
+    "anderson_darling": "Anderson-Darling",
+}
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument(
+        "data", type=Path, metavar="DATA.csv", help="a column of the input, one of the output"
+    )
+    _kinds.add_mechanism(parser)
+    columns = parser.add_argument_group("columns of DATA.csv")
+    columns.add_argument(
+        "--input-column", metavar="NAME", help="of the input (default: input or driver)"
+    )
+    columns.add_argument(
+        "--output-column", metavar="NAME", help="of the output (default: output or follower)"
+    )
+    columns.add_argument(
+        "--angle-unit",
+        type=one_of("--angle-unit", ("deg", "rad")),
+        metavar="deg|rad",
+        help="unit of both (default: as in the columns' names, else deg)",
+    )
+    zeros = parser.add_argument_group("zeros of the encoders, fitted where not given")
+    for name, text in (
+        ("--phase", "driver angle from dead centre where the input reads zero [deg]"),
+        ("--offset", "reading of the output at follower angle zero [deg]"),
+    ):
+        rule = number(name, _validate.number, "give an angle in degrees")
+        zeros.add_argument(name, type=rule, metavar="DEG", help=text)
+    _add_statistics(parser)
+    output = parser.add_argument_group("output")
+    output.add_argument(
+        "-o", "--output", type=Path, metavar="FILE.csv", help="write the error of every sample"
+    )
+    output.add_argument("--force", action="store_true", help="replace FILE.csv where it exists")
+    output.add_argument(
+        "--plot",
+        type=Path,
+        metavar="FILE",
+        help="draw errors, histogram and periodogram; .png, .pdf or .svg, replaced where it exists",
+    )
+    _arguments.add_common(parser)
+
+
+def _add_statistics(parser: Parser) -> None:
+    statistics = parser.add_argument_group("statistics")
+    statistics.add_argument(
+        "--bins",
+        type=checked(lambda text: int(text) if text.lstrip("+-").isdecimal() else text),
+        default="sturges",
+        metavar="K",
+        help="classes: a number, or sturges (default), scott, freedman-diaconis, square-root",
+    )
+    statistics.add_argument(
+        "--confidence",
+        type=number("--confidence", _validate.positive, "give a share, as 0.99"),
+        default=0.99,
+        metavar="P",
+        help="of the intervals (default: 0.99)",
+    )
+    statistics.add_argument(
+        "--resolution",
+        type=whole("--resolution", 2, "give the counts of a turn, as 4096"),
+        metavar="N",
+        help="counts a turn of the encoders: adds what they explain",
+    )
+    statistics.add_argument(
+        "--linearity",
+        type=number("--linearity", _validate.non_negative, "give a share, 0.003 for 0.3 %"),
+        metavar="SHARE",
+        help="greatest deviation of the encoders as a share of a turn (default: 0)",
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Print the statistics; write and draw what was asked for."""
+    _check_outputs(args)
+    encoder, zeros = _read_encoder(args), _read_zeros(args)
+    mechanism = _kinds.read_mechanism(args)
+    from escapement.measurement import measure, read_readings
+
+    readings = read_readings(
+        args.data,
+        input=args.input_column,
+        output=args.output_column,
+        angle_unit=args.angle_unit,
+    )
+    result = measure(
+        readings,
+        mechanism,
+        bins=args.bins,
+        confidence=args.confidence,
+        encoder=encoder,
+        zeros=zeros,
+    )
+    _write(result, args)
+    record = summarise(result)
+    if args.json:
+        _output.print_json(record)
+    else:
+        _print_table(record)
+    if record["message"]:
+        _output.note(record["message"])
+    return 0
+
+
+def summarise(result: "Measurement") -> dict[str, Any]:
+    """What `measure` reports, by JSON key; angles in degrees."""
+    import math
+
+    def degrees(values: Any) -> list[float]:
+        return [math.degrees(value) for value in values]
+
+    fit, spectrum = result.fit, result.periodogram
+    peak = spectrum.peak
+    tests = {
+        "chi_squared": result.chi_squared_test,
+        "chi_squared_published": result.published_test,
+        "anderson_darling": result.anderson_darling_test,
+    }
+    sensor = result.sensor_share
+    return {
+        "samples": result.errors.size,
+        "missing": result.readings.missing,
+        "synthetic": result.readings.synthetic,
+        "input_travel_deg": math.degrees(float(result.input.max() - result.input.min())),
+        "sense": fit.sense,
+        "phase_deg": math.degrees(fit.phase),
+        "phase_error_deg": math.degrees(fit.phase_error),
+        "offset_deg": math.degrees(fit.offset),
+        "offset_error_deg": math.degrees(fit.offset_error),
+        "mean_deg": math.degrees(result.mean),
+        "standard_deviation_deg": math.degrees(result.standard_deviation),
+        "error_min_deg": math.degrees(float(result.errors.min())),
+        "error_max_deg": math.degrees(float(result.errors.max())),
+        "confidence": result.confidence,
+        "interval_deg": degrees(result.interval),
+        "mean_interval_deg": degrees(result.mean_interval),
+        "autocorrelation": result.autocorrelation,
+        "bins": result.bins,
+        "bin_edges_deg": degrees(result.histogram.edges.tolist()),
+        "observed": result.histogram.observed,
+        "expected": result.histogram.expected,
+        **{name: _described(test) for name, test in tests.items()},
+        "shaft_errors": [
+            {
+                "shaft": error.shaft,
+                "order": error.order,
+                "amplitude_deg": math.degrees(error.amplitude),
+                "standard_error_deg": math.degrees(error.standard_error),
+                "p_value": error.p_value,
+                "turns": error.turns,
+            }
+            for error in result.shaft_errors
+        ],
+        "periodogram_peak": {
+            "cycles_per_input_turn": float(spectrum.frequency[peak]),
+            "amplitude_deg": math.degrees(float(spectrum.amplitude[peak])),
+            "share_of_variance": float(spectrum.power[peak]),
+            "false_alarm_probability": float(
+                spectrum.false_alarm_probability(spectrum.power[peak])
+            ),
+        },
+        "sensor": None
+        if sensor is None
+        else {f"{name}_deg": math.degrees(value) for name, value in sensor._asdict().items()},
+        "message": result.message,
+    }
+
+
+def _described(test: "NormalityTest") -> dict[str, Any]:
+    return {
+        "statistic": float(test.statistic),
+        "degrees_of_freedom": test.degrees_of_freedom or None,
+        "p_value": float(test.p_value),
+    }
+
+
+def _check_outputs(args: argparse.Namespace) -> None:
+    if args.output is not None:
+        _files.check_output(args.output, force=args.force, beside=args.data)
+    elif args.force:
+        raise UsageError("--force must come with --output FILE.csv, got none; leave it out")
+    if args.plot is not None:
+        for other in (args.data, args.output):
+            _files.check_picture(args.plot, beside=other)
+
+
+def _read_encoder(args: argparse.Namespace) -> "Encoder | None":
+    if args.resolution is None:
+        if args.linearity is not None:
+            raise UsageError(
+                f"--linearity must come with --resolution N, got {args.linearity!r} alone; "
+                "give the counts of a turn too"
+            )
+        return None
+    from escapement.measurement import Encoder
+
+    return Encoder(args.resolution, args.linearity or 0.0)
+
+
+def _read_zeros(args: argparse.Namespace) -> tuple[float, float] | None:
+    import math
+
+    given = {"--phase": args.phase, "--offset": args.offset}
+    missing = [name for name, value in given.items() if value is None]
+    if len(missing) == 1:
+        raise UsageError(
+            f"{missing[0]} must be given beside the other zero, got neither; give both or none"
+        )
+    return None if missing else (math.radians(args.phase), math.radians(args.offset))
+
+
+def _write(result: "Measurement", args: argparse.Namespace) -> None:
+    if args.output is not None:
+        from escapement.measurement import write_errors
+
+        write_errors(result, args.output, force=args.force)
+    if args.plot is not None:
+        from escapement.plots import save
+        from escapement.plots.measurement import plot_measurement
+
+        save(plot_measurement(result), args.plot)
+
+
+def _print_table(record: dict[str, Any]) -> None:
+    plain = ("samples", "missing", "input_travel_deg", "sense", "phase_deg", "offset_deg")
+    errors = ("mean_deg", "standard_deviation_deg", "error_min_deg", "error_max_deg")
+    rows = [
+        (_output.words(key), record[key], "deg" if key.endswith("_deg") else "")
+        for key in (*plain, *errors)
+    ]
+    share = f"{100.0 * record['confidence']:g} %"
+    for name, key in (("errors", "interval_deg"), ("mean error", "mean_interval_deg")):
+        low, high = record[key]
+        rows.append((f"{share} of {name}", f"{low:.6g} to {high:.6g}", "deg"))
+    if record["sensor"] is not None:
+        rows += [
+            (f"encoders, {name}", record["sensor"][f"{name}_deg"], "deg")
+            for name in ("standard", "bound")
+        ]
+    rows.append(("autocorrelation", record["autocorrelation"], ""))
+    rows.append(("bins", record["bins"], ""))
+    _output.print_values(rows)
+    _print_tests(record)
+    _print_shafts(record)
+
+
+def _print_tests(record: dict[str, Any]) -> None:
+    print("\nnormality")
+    rows = [
+        [name, test["statistic"], test["degrees_of_freedom"], test["p_value"]]
+        for name, test in ((name, record[key]) for key, name in _TESTS.items())
+    ]
+    _output.print_columns([["test", "statistic", "degrees of freedom", "p"]], rows)
+
+
+def _print_shafts(record: dict[str, Any]) -> None:
+    print("\nerrors that come back")
+    rows = [
+        [_recurrence(error), error["amplitude_deg"], error["standard_error_deg"], error["p_value"]]
+        for error in record["shaft_errors"]
+    ]
+    peak = record["periodogram_peak"]
+    name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
+    rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])
+    _output.print_columns([["", "amplitude/deg", "+-", "p"]], rows)
+
+
+def _recurrence(error: dict[str, Any]) -> str:
+    often = "once" if error["order"] == 1 else "twice"
+    return f"{often} a cell" if error["shaft"] == "cell" else f"{often} a turn, {error['shaft']}"

@@ -1,0 +1,71 @@
+"""The mechanism's part of every panel, evaluated once per mechanism.
+
+Panels come from halving the intervals between breaks, so most of those any scene
+asks for are known beforehand: cell 1 is the whole interval, cells 2k and 2k + 1
+are the halves of cell k.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from escapement._jit import jit
+from escapement.engines._gauss import POINTS, N
+from escapement.mechanisms._slotted import transmission_at, transmission_on
+from escapement.model import FloatArray
+
+CELLS = 64
+AT_G, AT_ENDS = 0, 3 * N
+_COLUMNS = 3 * N + 6
+
+
+@jit(allocates=True)
+def tabulate_cells(path, breaks):
+    """Transmission at the points and ends of the first cells of every interval.
+
+    Returns
+    -------
+    ndarray, shape (intervals, 64, 54)
+        g, |u| and g' at the 16 points, then the three at either end; row 0 is empty.
+    """
+    table = np.empty((breaks.size - 1, CELLS, _COLUMNS))
+    edges = np.empty((CELLS, 2))
+    line = np.empty(_COLUMNS)
+    for interval in range(breaks.size - 1):
+        edges[1, 0], edges[1, 1] = breaks[interval], breaks[interval + 1]
+        for cell in range(1, CELLS):
+            left, right = edges[cell, 0], edges[cell, 1]
+            half = 0.5 * (right - left)
+            if 2 * cell < CELLS:
+                edges[2 * cell, 0], edges[2 * cell, 1] = left, left + half
+                edges[2 * cell + 1, 0], edges[2 * cell + 1, 1] = left + half, right
+            middle = 0.5 * (right + left)
+            transmission_on(path, middle, half, POINTS, 0, line, AT_G)
+            for end in range(2):
+                g, u, dg = transmission_at(path, edges[cell, end])
+                line[AT_ENDS + 3 * end] = g
+                line[AT_ENDS + 3 * end + 1] = abs(u)
+                line[AT_ENDS + 3 * end + 2] = dg
+            table[interval, cell] = line
+    return table
+
+
+_known: dict[tuple[int, bytes], tuple[FloatArray, FloatArray]] = {}
+_MOST_KNOWN = 64
+
+
+def cells_of(scene: tuple[Any, ...]) -> FloatArray:
+    """Cells of a mechanism, by the first two of a scene's numbers: path and breaks.
+
+    Mechanisms keep their path, so those last used are known by that array.
+    """
+    path, breaks = scene[0], scene[1]
+    key = id(path), breaks.tobytes()
+    known = _known.get(key)
+    if known is not None and known[0] is path:
+        return known[1]
+    cells: FloatArray = tabulate_cells(path, breaks)
+    if len(_known) >= _MOST_KNOWN:
+        _known.clear()
+    _known[key] = path, cells
+    return cells

@@ -1,0 +1,166 @@
+"""Columns of a CSV file: what parts them, which are the angles, in which unit."""
+
+import csv
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement import _validate
+from escapement.errors import InputFileError, InvalidValue
+from escapement.measurement.readings import TURN
+from escapement.model import FloatArray
+
+UNITS = {"deg": TURN / 360.0, "rad": 1.0}
+"""Units of angles, in rad."""
+_NAMES = {
+    "input": ("input", "in", "driver", "theta", "phi1"),
+    "output": ("output", "out", "follower", "phi", "phi3"),
+}
+_SPELLINGS = {
+    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
+    "rad": "rad", "radian": "rad", "radians": "rad",
+}  # fmt: skip
+_SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
+
+
+class Layout(NamedTuple):
+    """How the lines of a file are to be read.
+
+    separator : what parts the fields; a blank for any number of them.
+    decimal_comma : whether commas are decimal points.
+    width : fields in a line.
+    places : of input and output among them.
+    scales : unit of input and output in rad.
+    header : whether the first line holds names.
+    """
+
+    separator: str
+    decimal_comma: bool
+    width: int
+    places: tuple[int, int]
+    scales: tuple[float, float]
+    header: bool
+
+    @property
+    def named_separator(self) -> str:
+        """The separator in words."""
+        return _SEPARATORS[self.separator]
+
+    def split(self, text: str) -> list[str]:
+        """Fields of a line."""
+        return _split(text, self.separator)
+
+    def load(self, lines: list[str]) -> FloatArray | None:
+        """Input and output of lines that are all plain numbers, else None."""
+        blank = self.separator == " "
+        if not blank:
+            separators = sum(line.count(self.separator) for line in lines)
+            if separators != (self.width - 1) * len(lines):
+                return None
+        if self.decimal_comma:
+            lines = [line.replace(",", ".") for line in lines]
+        try:
+            table = np.loadtxt(
+                lines, delimiter=None if blank else self.separator, comments=None, ndmin=2,
+                usecols=None if blank else self.places,
+            )  # fmt: skip
+        except ValueError:
+            return None
+        if blank:
+            if table.shape[1] != self.width:
+                return None
+            table = table[:, self.places]
+        # a blank line or an infinite number: to be looked at line by line
+        return table if len(table) == len(lines) and not np.isinf(table).any() else None
+
+
+def find_layout(text: str, input: str | None, output: str | None, angle_unit: str | None) -> Layout:
+    """Layout of a file from its first line, see `read_readings`."""
+    if angle_unit is not None:
+        _validate.choice("angle_unit", angle_unit, tuple(UNITS))
+    separator = _separator(text)
+    fields = _split(text, separator)
+    decimal_comma = separator != ","
+    if len(fields) < 2:
+        raise InputFileError(
+            f"must have two columns, got {_short(text)}; "
+            "separate input and output by a comma, a semicolon or a tab"
+        )
+    header = not any(_is_number(field, decimal_comma) for field in fields)
+    if header:
+        places = tuple(
+            _find(fields, role, name) for role, name in (("input", input), ("output", output))
+        )
+    elif input is not None or output is not None:
+        raise InvalidValue(
+            f"input and output must not be named for a file without a header, got "
+            f"{input or output!r}; leave them out"
+        )
+    elif len(fields) != 2:
+        raise InputFileError(
+            f"must name its {len(fields)} columns, got {_short(text)}; "
+            "put a line with input and output among the names first"
+        )
+    else:
+        places = 0, 1
+    if places[0] == places[1]:
+        raise InvalidValue(
+            f"input and output must be different columns, got {fields[places[0]]!r} for both"
+        )
+    units = [angle_unit or (_name_and_unit(fields[i])[1] if header else None) for i in places]
+    scales = tuple(UNITS[unit or "deg"] for unit in units)
+    return Layout(separator, decimal_comma, len(fields), places, scales, header)  # type: ignore[arg-type]
+
+
+def _separator(text: str) -> str:
+    return next((mark for mark in _SEPARATORS if mark in text.strip()), " ")
+
+
+def _split(text: str, separator: str) -> list[str]:
+    if separator == " ":
+        return text.split()
+    if '"' in text:
+        return next(csv.reader([text], delimiter=separator))
+    return text.split(separator)
+
+
+def _is_number(field: str, decimal_comma: bool) -> bool:
+    try:
+        float(field.replace(",", ".") if decimal_comma else field)
+    except ValueError:
+        return False
+    return True
+
+
+def _find(fields: list[str], role: str, name: str | None) -> int:
+    """Place of the column of a role, by the name given or a usual one."""
+    bare = [_name_and_unit(field)[0] for field in fields]
+    wanted = _NAMES[role] if name is None else (_name_and_unit(name)[0],)
+    whole = [field.strip() for field in fields]
+    found = [i for i, field in enumerate(bare) if field in wanted]
+    if name is not None and name.strip() in whole:
+        found = [i for i, field in enumerate(whole) if field == name.strip()]
+    if len(found) == 1:
+        return found[0]
+    listed = ", ".join(whole)
+    if name is None:
+        reason = "several" if found else "none"
+        raise InputFileError(
+            f"must have one column called {' or '.join(wanted)}, got {reason} among "
+            f"{_short(listed)}; name the {role}'s column"
+        )
+    raise _validate.fail(
+        f"{role} column", f"one of {_short(listed)}", name, _validate.nearest(name, tuple(whole))
+    )
+
+
+def _name_and_unit(field: str) -> tuple[str, str | None]:
+    """A column's name in small letters, and the unit it ends in."""
+    words = re.findall(r"[^\W_]+|°", field.lower())
+    unit = _SPELLINGS.get(words[-1]) if len(words) > 1 else None
+    return "".join(words[:-1] if unit else words), unit
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= 60 else text[:57] + "...")

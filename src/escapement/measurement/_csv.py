@@ -1,0 +1,225 @@
+"""Reading angles from a CSV file: block by block, every fault with its line."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+
+from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
+from escapement.measurement._columns import Layout, find_layout
+from escapement.measurement.readings import Readings
+from escapement.model import FloatArray
+
+SYNTHETIC = "# synthetic"
+"""How a comment begins that tells computed readings from measured ones."""
+_BLOCK_BYTES = 1 << 22
+_NOTHING = {"", "nan", "na", "n/a", "null", "none"}
+
+
+def read_readings(
+    path: str | PathLike[str],
+    *,
+    input: str | None = None,
+    output: str | None = None,
+    angle_unit: str | None = None,
+) -> Readings:
+    """Read the angles of two encoders from a CSV file.
+
+    Parameters
+    ----------
+    path : path
+        Text in UTF-8, columns apart by comma, semicolon, tab or blanks; lines that
+        begin with # are comments. Where commas do not part columns they may stand
+        for decimal points. An empty field, NaN or NA is a missing reading.
+    input, output : str, optional
+        Names of the columns in the header, with or without their unit. Default:
+        those called input or driver and output or follower, or without a header
+        the first and the second of two columns.
+    angle_unit : str, optional
+        "deg" or "rad". Default: the unit in a column's name, as in input_rad or
+        "input (rad)", else degrees.
+
+    Returns
+    -------
+    Readings
+        Marked as synthetic where a comment begins with "# synthetic".
+
+    Raises
+    ------
+    MissingInput
+        When there is no such file.
+    InputFileError
+        When it cannot be read as such; the message has the line.
+    InvalidValue
+        When there is no column of the name given, or the unit is unknown.
+    """
+    file = Path(path)
+    try:
+        with open(file, "rb") as stream:
+            table = _Table(_Source(file), input, output, angle_unit)
+            for block in _blocks(table.source, stream):
+                table.take(block)
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingInput(f"measurement {file} does not exist; check its name") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, EscapementError):
+            raise
+        reason = getattr(error, "strerror", None) or error
+        raise InputFileError(
+            f"measurement {file} must be a readable file, got: {reason}; name a CSV file"
+        ) from None
+    return table.readings()
+
+
+class _Source(NamedTuple):
+    """The file, for messages."""
+
+    path: Path
+
+    def fault(self, line: int, rule: str, got: str, remedy: str) -> InputFileError:
+        """The error for a line; a long one is cut."""
+        shown = got if len(got) <= 60 else got[:57] + "..."
+        return InputFileError(f"{self.path}, line {line} must {rule}, got {shown!r}; {remedy}")
+
+
+class _Block(NamedTuple):
+    """Whole lines, and the number of the first."""
+
+    first: int
+    lines: list[str]
+
+
+def _blocks(source: _Source, stream: BinaryIO) -> Iterator[_Block]:
+    """A file as blocks of whole lines."""
+    line, rest = 1, b""
+    while True:
+        new = stream.read(_BLOCK_BYTES)
+        whole, end, rest = (rest + new).rpartition(b"\n") if new else (rest, b"", b"")
+        if line == 1:
+            whole = whole.removeprefix(b"\xef\xbb\xbf")
+        if whole or end:
+            lines = _text(source, line, whole)
+            yield _Block(line, lines)
+            line += len(lines)
+        if not new:
+            return
+        if len(rest) > _BLOCK_BYTES:
+            remedy = "separate the samples by line ends"
+            raise source.fault(line, "be a row of angles", f"{len(rest)} bytes and more", remedy)
+
+
+def _text(source: _Source, first: int, data: bytes) -> list[str]:
+    """Lines of text, whatever their ends; the first that is none is named."""
+    remedy = "save it as CSV in UTF-8"
+    data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    try:
+        text = data.decode("utf-8")
+        fault = text.find("\0")
+        place = len(text[:fault].encode()) if fault >= 0 else -1
+    except UnicodeDecodeError as error:
+        place = error.start
+    if place >= 0:
+        line = data.count(b"\n", 0, place)
+        shown = data.split(b"\n")[line][:20].decode("ascii", "backslashreplace")
+        raise source.fault(first + line, "be text in UTF-8", shown, remedy)
+    return text.split("\n")
+
+
+@dataclass
+class _Table:
+    """Columns as they grow, block after block."""
+
+    source: _Source
+    input: str | None
+    output: str | None
+    angle_unit: str | None
+    layout: Layout | None = None
+    synthetic: bool = False
+    columns: list[FloatArray] = field(default_factory=list)
+    lines: list[np.ndarray] = field(default_factory=list)
+
+    def take(self, block: _Block) -> None:
+        """Add the samples of a block, the fast way where it is a plain table."""
+        if self.layout is None:
+            block = self._after_header(block)
+        if self.layout is None or not block.lines:
+            return
+        lines = block.lines if block.lines[-1] else block.lines[:-1]
+        quick = self.layout.load(lines) if lines else None
+        if quick is not None:
+            self.columns.append(quick)
+            self.lines.append(np.arange(block.first, block.first + len(quick)))
+        else:
+            self._slowly(self.layout, block)
+
+    def readings(self) -> Readings:
+        """Everything read, in rad."""
+        path = self.source.path
+        if self.layout is None:
+            raise InputFileError(
+                f"measurement {path} must hold rows of angles, got none; "
+                "give a column of the input and one of the output"
+            )
+        table = np.concatenate(self.columns) if self.columns else np.empty((0, 2))
+        self.columns.clear()
+        line = np.concatenate(self.lines) if self.lines else np.empty(0, dtype=int)
+        first, second = (
+            np.multiply(table[:, i], scale) for i, scale in enumerate(self.layout.scales)
+        )
+        del table
+        try:
+            return Readings(first, second, line, self.synthetic)
+        except InvalidValue as error:
+            raise InputFileError(f"{path}: {error}") from None
+
+    def _after_header(self, block: _Block) -> _Block:
+        """What follows the header, or the first row where there is none."""
+        for i, text in enumerate(block.lines):
+            if self._skipped(text):
+                continue
+            try:
+                found = find_layout(text, self.input, self.output, self.angle_unit)
+            except InputFileError as error:
+                where = f"{self.source.path}, line {block.first + i}"
+                raise InputFileError(f"{where}: {error}") from None
+            except InvalidValue as error:
+                raise InvalidValue(f"{self.source.path}: {error}") from None
+            self.layout = found
+            start = i + 1 if found.header else i
+            return _Block(block.first + start, block.lines[start:])
+        return _Block(block.first + len(block.lines), [])
+
+    def _skipped(self, text: str) -> bool:
+        if text.startswith(SYNTHETIC):
+            self.synthetic = True
+        return not text.strip() or text.startswith("#")
+
+    def _slowly(self, layout: Layout, block: _Block) -> None:
+        rows, lines = [], []
+        for line, text in enumerate(block.lines, block.first):
+            if self._skipped(text):
+                continue
+            fields = layout.split(text)
+            if len(fields) != layout.width:
+                rule = f"have {layout.width} fields apart by {layout.named_separator}"
+                raise self.source.fault(line, rule, text, "one row for each sample")
+            rows.append([self._number(layout, line, i, fields[i]) for i in layout.places])
+            lines.append(line)
+        self.columns.append(np.array(rows).reshape(-1, 2))
+        self.lines.append(np.array(lines, dtype=int))
+
+    def _number(self, layout: Layout, line: int, place: int, text: str) -> float:
+        text = text.strip()
+        if text.lower() in _NOTHING:
+            return np.nan
+        try:
+            value = float(text.replace(",", ".") if layout.decimal_comma else text)
+        except ValueError:
+            value = np.inf
+        if np.isinf(value) or "_" in text:
+            rule = f"have a finite number in field {place + 1}"
+            raise self.source.fault(line, rule, text, "correct it, or leave the field empty")
+        return value

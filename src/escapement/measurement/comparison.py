@@ -1,0 +1,228 @@
+"""Measured positions against a mechanism's position function."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+
+import numpy as np
+
+from escapement import _validate
+from escapement.errors import InvalidValue
+from escapement.measurement._csv import read_readings
+from escapement.measurement._fit import Fit, fit
+from escapement.measurement._position import position
+from escapement.measurement._remarks import remarks
+from escapement.measurement.classes import Histogram, class_count, histogram
+from escapement.measurement.encoder import Encoder, SensorShare, sensor_share
+from escapement.measurement.normality import (
+    NormalityTest,
+    anderson_darling,
+    chi_squared,
+    published_chi_squared,
+)
+from escapement.measurement.readings import Readings, unwrapped, wraps
+from escapement.measurement.shafts import ShaftError, shaft_errors
+from escapement.measurement.spectrum import Periodogram, periodogram
+from escapement.model import FloatArray, Mechanism
+
+_EXPECTED = 5  # errors in a class, on average, for the chi-squared law to hold
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Errors of measured positions, and what they tell.
+
+    Attributes
+    ----------
+    mechanism, readings, encoder, confidence :
+        As given to `measure`.
+    input, output : ndarray, shape (n,)
+        Complete samples, the input counting on [rad].
+    fit : Fit
+        Zeros of the encoders, theory, errors and transmission at each sample.
+    bins : int
+        Number of classes.
+    """
+
+    mechanism: Mechanism
+    readings: Readings
+    encoder: Encoder | None
+    confidence: float
+    bins: int
+    input: FloatArray = field(repr=False)
+    output: FloatArray = field(repr=False)
+    fit: Fit = field(repr=False)
+
+    @property
+    def errors(self) -> FloatArray:
+        """Measured less theoretical position of the output, shape (n,) [rad]."""
+        return self.fit.errors
+
+    @cached_property
+    def mean(self) -> float:
+        """Mean error [rad]; zero but for rounding where the offset was fitted."""
+        return float(self.errors.mean())
+
+    @cached_property
+    def standard_deviation(self) -> float:
+        """Standard deviation of the errors about their mean, n - 1 [rad]."""
+        return float(self.errors.std(ddof=1))
+
+    @cached_property
+    def histogram(self) -> Histogram:
+        """Errors in classes of equal width, and what a normal law expects."""
+        return histogram(self.errors, self.bins)
+
+    @cached_property
+    def published_test(self) -> NormalityTest:
+        """Normality as the paper tests it; see `published_chi_squared`."""
+        return published_chi_squared(self.histogram)
+
+    @cached_property
+    def chi_squared_test(self) -> NormalityTest:
+        """Normality by a chi-squared test that keeps its level; see `chi_squared`.
+
+        With the same number of classes, or as many as leave five errors in each.
+        """
+        return chi_squared(self.errors, min(self.bins, self.errors.size // _EXPECTED))
+
+    @cached_property
+    def anderson_darling_test(self) -> NormalityTest:
+        """Normality by the Anderson-Darling test."""
+        return anderson_darling(self.errors)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Where a normal law with this mean and deviation has its errors [rad].
+
+        mean -+ m sd with Phi(m) - Phi(-m) = confidence, the paper's eq. 19 and
+        there called the confidence interval of the mean, which it is not.
+        """
+        from scipy.special import ndtri
+
+        half = float(ndtri(0.5 + 0.5 * self.confidence)) * self.standard_deviation
+        return self.mean - half, self.mean + half
+
+    @property
+    def mean_interval(self) -> tuple[float, float]:
+        """Confidence interval of the mean error, by Student's law [rad]."""
+        from scipy.special import stdtrit
+
+        n = self.errors.size
+        share = 0.5 + 0.5 * self.confidence
+        half = float(stdtrit(n - 1, share)) * self.standard_deviation / math.sqrt(n)
+        return self.mean - half, self.mean + half
+
+    @cached_property
+    def autocorrelation(self) -> float:
+        """Correlation of each error with the next one, -1 to 1 [-]."""
+        rest = self.errors - self.mean
+        return float(rest[1:] @ rest[:-1] / (rest @ rest))
+
+    @cached_property
+    def shaft_errors(self) -> tuple[ShaftError, ...]:
+        """Sinusoidal errors of each shaft; see `escapement.measurement.ShaftError`."""
+        driver = self.input + self.fit.phase
+        follower = position(self.mechanism, driver)
+        cell = self.mechanism.cell_angle
+        return shaft_errors(driver, follower, self.fit.slope, cell, self.errors)
+
+    @cached_property
+    def periodogram(self) -> Periodogram:
+        """Periodogram of the errors over the input angle."""
+        return periodogram(self.input, self.errors)
+
+    @cached_property
+    def sensor_share(self) -> SensorShare | None:
+        """Errors that the encoders alone explain; None without an encoder."""
+        if self.encoder is None:
+            return None
+        return sensor_share(self.encoder, self.fit.slope)
+
+    @cached_property
+    def message(self) -> str:
+        """What a reader of these figures must know, "" where there is nothing."""
+        return "; ".join(remarks(self))
+
+
+def measure(
+    readings: Readings | str | PathLike[str],
+    mechanism: Mechanism,
+    *,
+    bins: int | str = "sturges",
+    confidence: float = 0.99,
+    encoder: Encoder | None = None,
+    zeros: tuple[float, float] | None = None,
+) -> Measurement:
+    """Compare readings of encoders with a mechanism's position function.
+
+    Parameters
+    ----------
+    readings : Readings or path
+        Angles of input and output, or a CSV file of them in degrees unless its
+        header says otherwise (`read_readings` knows more).
+    mechanism : Mechanism
+        Geometry, for example `Geneva(slots=4)`.
+    bins : int or str
+        Number of classes, >= 4, or a rule: "sturges", "scott",
+        "freedman-diaconis" or "square-root".
+    confidence : float
+        Of the intervals, in (0, 1).
+    encoder : Encoder, optional
+        Data sheet of the encoders, both alike: adds what they explain.
+    zeros : (float, float), optional
+        Phase and offset where they are known [rad]: driver angle from dead centre
+        at which the input reads zero, and reading of the output at follower angle
+        zero. Default: fitted, which makes the mean error zero.
+
+    Returns
+    -------
+    Measurement
+        The fit at once; statistics when they are asked for.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule, or the errors are all the same.
+    MissingInput, InputFileError
+        When the file is not there, or cannot be understood.
+
+    Source: Prikhodko (2020), section 3.
+    """
+    if not isinstance(mechanism, Mechanism):
+        raise _validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+    if encoder is not None and not isinstance(encoder, Encoder):
+        raise _validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
+    share = _validate.number("confidence", confidence, "give a share, as 0.99")
+    if not 0.0 < share < 1.0:
+        raise _validate.fail("confidence", "between 0 and 1", confidence, "give a share, as 0.99")
+    known = None if zeros is None else _checked_zeros(zeros)
+    if not isinstance(readings, Readings | str | PathLike):
+        raise _validate.fail(
+            "readings", "Readings or a path", readings, "give Readings(input, output) in rad"
+        )
+    taken = readings if isinstance(readings, Readings) else read_readings(readings)
+    place = np.flatnonzero(taken.complete)
+    angle, output = taken.input[place], taken.output[place]
+    if wraps(angle):
+        angle = unwrapped(angle, place)
+    found = fit(mechanism, angle, output, wraps(output), known)
+    # rounding alone is no measurement
+    if not np.ptp(found.errors) > 1e-13 * max(1.0, float(np.abs(output).max())):
+        raise InvalidValue(
+            "readings must differ from theory in some way, got theory itself; give measured ones"
+        )
+    count = class_count(found.errors, bins)
+    return Measurement(mechanism, taken, encoder, share, count, angle, output, found)
+
+
+def _checked_zeros(zeros: tuple[float, float]) -> tuple[float, float]:
+    try:
+        phase, offset = zeros
+    except (TypeError, ValueError):
+        raise _validate.fail(
+            "zeros", "a phase and an offset in rad", zeros, "give both, or leave it out"
+        ) from None
+    remedy = "give an angle in rad"
+    return _validate.number("phase", phase, remedy), _validate.number("offset", offset, remedy)

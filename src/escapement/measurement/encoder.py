@@ -1,0 +1,92 @@
+"""What the data sheet of an encoder says of the errors it makes."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement import _validate
+from escapement.measurement.readings import TURN
+from escapement.model import FloatArray
+
+
+@dataclass(frozen=True)
+class Encoder:
+    """An absolute angle sensor, one of its kind on each shaft.
+
+    Parameters
+    ----------
+    resolution : int
+        Counts a turn, >= 2; an angle is rounded to the next one.
+    linearity : float
+        Greatest deviation from a straight line as a share of a turn [-], >= 0.
+
+    Source: Prikhodko (2020), Table 1: 4096 and 0.3 %.
+    """
+
+    resolution: int = 4096
+    linearity: float = 0.0
+
+    def __post_init__(self) -> None:
+        counts = _validate.integer("resolution", self.resolution, 2, "give the counts of a turn")
+        share = _validate.non_negative(
+            "linearity", self.linearity, "give a share of a turn, 0.003 for 0.3 %"
+        )
+        if share >= 0.5:
+            raise _validate.fail(
+                "linearity", "below 0.5", share, "give a share of a turn, 0.003 for 0.3 %"
+            )
+        object.__setattr__(self, "resolution", counts)
+        object.__setattr__(self, "linearity", share)
+
+    @property
+    def quantum(self) -> float:
+        """Angle of one count [rad]."""
+        return TURN / self.resolution
+
+    @property
+    def greatest_deviation(self) -> float:
+        """Angle the linearity allows, to either side [rad]."""
+        return TURN * self.linearity
+
+
+class SensorShare(NamedTuple):
+    """Errors of the position function that the encoders alone explain [rad].
+
+    An input encoder's error reaches the output multiplied by the transmission g.
+    Within its limits every error is taken to be as likely as any other, so a limit
+    of h has the standard uncertainty h/sqrt(3) (JCGM 100, 4.3.7).
+
+    output_resolution, input_resolution, output_linearity, input_linearity : root
+        mean square of each contribution over the samples.
+    standard : all four together.
+    bound : greatest error they can make at the sample where g is greatest.
+    """
+
+    output_resolution: float
+    input_resolution: float
+    output_linearity: float
+    input_linearity: float
+    standard: float
+    bound: float
+
+
+def sensor_share(encoder: Encoder, slope: FloatArray) -> SensorShare:
+    """Contribution of the encoders at samples with the transmission `slope` [-].
+
+    To first order in the input's error: through a stop, where g = 0, the second
+    order remains and is left out.
+    """
+    limits = 0.5 * encoder.quantum, encoder.greatest_deviation
+    through = math.sqrt(float(np.mean(slope * slope)))
+    one, other = (limit / math.sqrt(3.0) for limit in limits)
+    parts = one, one * through, other, other * through
+    steepest = float(np.abs(slope).max())
+    return SensorShare(*parts, math.hypot(*parts), (1.0 + steepest) * sum(limits))
+
+
+def sensor_uncertainty(encoder: Encoder, slope: FloatArray) -> FloatArray:
+    """Standard uncertainty of the error at each sample, both encoders [rad]."""
+    one = math.hypot(0.5 * encoder.quantum, encoder.greatest_deviation) / math.sqrt(3.0)
+    return one * np.hypot(1.0, slope)

@@ -1,0 +1,129 @@
+"""Are errors normally distributed? Three tests of the same errors.
+
+Sets of errors may be tested many at once: leading axes are sets. All three assume
+errors that are independent of each other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement.measurement.classes import Histogram, counts
+from escapement.model import FloatArray
+
+
+class NormalityTest(NamedTuple):
+    """A test of the hypothesis that errors follow a normal law.
+
+    statistic : its value, the greater the less normal [-].
+    degrees_of_freedom : of the chi-squared law it is compared with; 0 where it is
+        compared with another.
+    p_value : probability that normal errors give a statistic at least as great. It
+        is not the probability that the law is normal.
+    """
+
+    statistic: FloatArray
+    degrees_of_freedom: int
+    p_value: FloatArray
+
+
+def published_chi_squared(classes: Histogram) -> NormalityTest:
+    """Pearson's test as in the paper, with bins - 1 - 2 degrees of freedom.
+
+    It rejects normal errors more than twice as often as its level says, at 5 % in
+    11 of 100 cases with 148 errors in 9 classes: the errors themselves choose the
+    outermost classes, where next to nothing is expected. See `chi_squared`.
+
+    Source: Prikhodko (2020), eqs. 15 and 16.
+    """
+    observed, expected = classes.observed, classes.expected
+    with np.errstate(all="ignore"):  # classes in which nothing is expected
+        terms = (observed - expected) ** 2 / expected
+    statistic = np.where(observed == expected, 0.0, terms).sum(axis=-1)
+    return _compared(statistic, classes.observed.shape[-1] - 3)
+
+
+def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
+    """Chi-squared test that keeps its level: Rao, Robson and Nikulin's.
+
+    Classes are equally probable under the law with the mean and standard deviation
+    of the sample. Taken from the errors and not from the counts, these two take up
+    less of Pearson's statistic than two degrees of freedom (Chernoff and Lehmann
+    1954). What they take up is known to first order and put back, so that
+    bins - 1 degrees remain.
+
+    Parameters
+    ----------
+    errors : array_like, shape (..., n)
+        Errors, not all equal.
+    bins : int
+        Number of classes, > 3; an expectation of five errors in each is enough.
+
+    Source: Rao and Robson (1974), Communications in Statistics 3; Nikulin (1973),
+    Theory of Probability and its Applications 18.
+    """
+    from scipy.special import ndtr, ndtri
+
+    values = np.asarray(errors, dtype=float)
+    expected = values.shape[-1] / bins
+    share = ndtr(_standardised(values, ddof=0))
+    observed = counts(np.minimum((bins * share).astype(int), bins - 1), bins)
+    deviation = (observed - expected) / np.sqrt(expected)
+    inner = ndtri(np.arange(1, bins) / bins)
+    density = np.exp(-0.5 * inner**2) / np.sqrt(2.0 * np.pi)
+    # rates of the classes' probabilities by mean and deviation, in deviations
+    rates = np.diff([density, inner * density], prepend=0.0, append=0.0, axis=-1)
+    rates *= -np.sqrt(bins)
+    information = np.diag([1.0, 2.0]) - rates @ rates.T
+    known = deviation @ rates.T
+    put_back = (known * np.linalg.solve(information, known[..., None])[..., 0]).sum(axis=-1)
+    return _compared((deviation**2).sum(axis=-1) + put_back, bins - 1)
+
+
+def anderson_darling(errors: ArrayLike) -> NormalityTest:
+    """Anderson-Darling test with mean and standard deviation of the sample.
+
+    Parameters
+    ----------
+    errors : array_like, shape (..., n)
+        Errors, not all equal; n >= 8.
+
+    Returns
+    -------
+    NormalityTest
+        With A^2 as statistic; p below 3.7e-24 is given as that.
+
+    Source: D'Agostino and Stephens (1986), Goodness-of-fit techniques, table 4.9.
+    """
+    from scipy.special import log_ndtr
+
+    z = np.sort(_standardised(np.asarray(errors, dtype=float), ddof=1), axis=-1)
+    n = z.shape[-1]
+    weight = (2.0 * np.arange(1, n + 1) - 1.0) / n
+    statistic = -n - ((log_ndtr(z) + log_ndtr(-z[..., ::-1])) * weight).sum(axis=-1)
+    return NormalityTest(statistic, 0, _anderson_darling_p(statistic, n))
+
+
+def _anderson_darling_p(statistic: FloatArray, n: int) -> FloatArray:
+    """p-value of A^2, mean and standard deviation being those of the sample."""
+    a = np.minimum(statistic * (1.0 + 0.75 / n + 2.25 / n**2), 10.0)
+    p_values = [
+        np.exp(1.2937 - 5.709 * a + 0.0186 * a**2),
+        np.exp(0.9177 - 4.279 * a - 1.38 * a**2),
+        1.0 - np.exp(-8.318 + 42.796 * a - 59.938 * a**2),
+    ]
+    smallest = 1.0 - np.exp(-13.436 + 101.14 * a - 223.73 * a**2)
+    return np.select([a >= 0.6, a > 0.34, a > 0.2], p_values, smallest)
+
+
+def _compared(statistic: FloatArray, degrees_of_freedom: int) -> NormalityTest:
+    from scipy.stats import chi2
+
+    p_value = chi2.sf(statistic, degrees_of_freedom)
+    return NormalityTest(statistic, degrees_of_freedom, p_value)
+
+
+def _standardised(values: FloatArray, ddof: int) -> FloatArray:
+    centred = values - values.mean(axis=-1, keepdims=True)
+    return centred / values.std(axis=-1, ddof=ddof, keepdims=True)

@@ -1,0 +1,164 @@
+"""Errors that belong to a shaft: an eccentric gear or encoder shows once a turn."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.measurement._position import blocks
+from escapement.measurement.readings import TURN
+from escapement.model import FloatArray
+
+ORDERS = (1, 2)
+"""Cycles a turn: 1 an eccentric disc, 2 a tilted or an oval one."""
+_SURE = 1e-3
+"""Chance of taking any wave for real that is none."""
+_COLLINEAR = 1e-9  # share of a wave's squares that others leave: rounding is far below
+_NOTHING = (math.nan, math.nan, math.nan)
+
+
+class ShaftError(NamedTuple):
+    """A sinusoidal error of one shaft, beside all others that are there for sure.
+
+    shaft : "input", "output" or "cell", which comes back with the mechanism.
+    order : cycles a turn of the shaft, or a cell.
+    amplitude : of the error of that shaft's angle [rad]. Of the input's, what
+        reaches the output is multiplied by the transmission.
+    standard_error : of the amplitude [rad].
+    p_value : probability that independent normal errors show as much (F test).
+    turns : of the shaft, or cells, that were measured; below 1 the rest is NaN.
+    """
+
+    shaft: str
+    order: int
+    amplitude: float
+    standard_error: float
+    p_value: float
+    turns: float
+
+
+class _Shaft(NamedTuple):
+    """A shaft's angle at each sample, and what an error of it does to the output."""
+
+    name: str
+    angle: FloatArray
+    effect: FloatArray | float
+
+    @property
+    def turns(self) -> float:
+        return float(np.ptp(self.angle)) / TURN
+
+
+def shaft_errors(
+    driver: FloatArray, follower: FloatArray, slope: FloatArray, cell: float, errors: FloatArray
+) -> tuple[ShaftError, ...]:
+    """Sinusoidal errors once and twice a turn of the input, the output, and a cell.
+
+    Over few turns one looks much like another. So the surest is fitted first, with a
+    phase and an offset, then the surest of what is left, as long as one in a thousand
+    sets of independent errors would show as much; and each is tested beside those.
+
+    Parameters
+    ----------
+    driver, follower : ndarray, shape (n,)
+        Angles of the shafts, counting on [rad].
+    slope : ndarray, shape (n,)
+        Transmission, of the output's reading over the input's [-].
+    cell : float
+        Driver angle of a cell [rad].
+    errors : ndarray, shape (n,)
+        Measured less theory [rad].
+    """
+    shafts = [
+        _Shaft("input", driver, slope),
+        _Shaft("output", follower, 1.0),
+        _Shaft("cell", driver * (TURN / cell), 1.0),
+    ]
+    seen = [shaft for shaft in shafts if shaft.turns >= 1.0]
+    sums = _summed(seen, slope, errors)
+    sure = _chosen(sums)
+    names = [(shaft.name, order) for shaft in seen for order in ORDERS]
+    found = {
+        name: sums.test(pair, _columns([other for other in sure if other != pair]))
+        for name, pair in zip(names, sums.pairs, strict=True)
+    }
+    return tuple(
+        ShaftError(shaft.name, order, *found.get((shaft.name, order), _NOTHING), shaft.turns)
+        for shaft in shafts
+        for order in ORDERS
+    )
+
+
+class _Sums(NamedTuple):
+    """Normal equations of all columns: offset, phase, then a pair for each wave."""
+
+    gram: FloatArray
+    products: FloatArray
+    total: float
+    samples: int
+
+    @property
+    def pairs(self) -> range:
+        """First column of each wave."""
+        return range(2, len(self.products), 2)
+
+    def test(self, pair: int, others: list[int]) -> tuple[float, float, float]:
+        """Amplitude of a wave, its standard error and p-value, beside other columns.
+
+        NaN where it cannot be told from those.
+        """
+        from scipy.stats import f
+
+        base, two = [0, 1, *others], [pair, pair + 1]
+        inverse = np.linalg.pinv(self.gram[np.ix_(base, base)], rcond=1e-12, hermitian=True)
+        across = self.gram[np.ix_(two, base)] @ inverse
+        own = self.gram[np.ix_(two, two)]
+        left = own - across @ self.gram[np.ix_(base, two)]
+        if np.linalg.eigvalsh(left)[0] <= _COLLINEAR * np.trace(own):
+            return _NOTHING
+        value = np.linalg.solve(left, self.products[two] - across @ self.products[base])
+        explained = float(value @ left @ value)
+        before = self.total - float(self.products[base] @ inverse @ self.products[base])
+        freedom = self.samples - len(base) - 2
+        variance = max(before - explained, 0.0) / freedom
+        amplitude = float(np.hypot(*value))
+        if not (variance > 0.0 and amplitude > 0.0):
+            return _NOTHING
+        along = value / amplitude
+        error = math.sqrt(variance * float(along @ np.linalg.solve(left, along)))
+        return amplitude, error, float(f.sf(explained / (2.0 * variance), 2, freedom))
+
+
+def _chosen(sums: _Sums) -> list[int]:
+    """Waves that are there for sure, the surest first, each beside those before."""
+    found: list[int] = []
+    while len(found) < len(sums.pairs):
+        tests = {
+            pair: sums.test(pair, _columns(found))[2] for pair in sums.pairs if pair not in found
+        }
+        best = min(tests, key=lambda pair: math.inf if math.isnan(tests[pair]) else tests[pair])
+        if not tests[best] < _SURE / len(sums.pairs):
+            break
+        found.append(best)
+    return found
+
+
+def _columns(pairs: list[int]) -> list[int]:
+    return [column for pair in pairs for column in (pair, pair + 1)]
+
+
+def _summed(shafts: list[_Shaft], slope: FloatArray, errors: FloatArray) -> _Sums:
+    """Sums over all samples, a block of them at a time."""
+    size = 2 + 2 * len(ORDERS) * len(shafts)
+    gram, products = np.zeros((size, size)), np.zeros(size)
+    for part in blocks(errors.size):
+        columns = [np.ones_like(errors[part]), slope[part]]
+        for shaft in shafts:
+            effect = shaft.effect if isinstance(shaft.effect, float) else shaft.effect[part]
+            for order in ORDERS:
+                wave = np.exp(1j * order * shaft.angle[part])
+                columns += [effect * wave.real, effect * wave.imag]
+        table = np.array(columns)
+        gram += table @ table.T
+        products += table @ errors[part]
+    return _Sums(gram, products, float(errors @ errors), errors.size)

@@ -1,0 +1,172 @@
+"""`escapement measure`: its report, its files, and one line for whatever is wrong."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.cli import main
+
+DEG = math.pi / 180.0
+DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
+KIND = ["elliptical-planetary", "--sun-radius", ".016", "--planet-radius", ".009"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """A folder with readings of the planetary drive and of a Geneva wheel, and others."""
+    monkeypatch.chdir(tmp_path)
+    readings = esc.synthetic_readings(
+        DRIVE, seed=7, samples=300, turns=4.5, noise=0.5 * DEG, output_eccentricity=0.5 * DEG,
+        phase=12 * DEG, offset=30 * DEG, sense=-1, missing=0.02, encoder=esc.Encoder(4096),
+    )  # fmt: skip
+    esc.write_readings(readings, "planetary.csv")
+    wheel = esc.synthetic_readings(esc.Geneva(4), seed=7, noise=0.1 * DEG)
+    esc.write_readings(esc.Readings(wheel.input, wheel.output), "geneva.csv")
+    (tmp_path / "broken.csv").write_text("input,output\n1,2\n3;4\n")
+    (tmp_path / "there.csv").write_text("mine")
+    (tmp_path / "folder").mkdir()
+    return tmp_path
+
+
+def report(capsys, *argv):
+    assert main(["measure", *argv, "--json"]) == 0
+    out, err = capsys.readouterr()
+    return json.loads(out), err
+
+
+def test_report(capsys):
+    found, err = report(
+        capsys, "planetary.csv", *KIND, "--resolution", "4096", "--linearity", ".003"
+    )
+    result = esc.measure("planetary.csv", DRIVE, encoder=esc.Encoder(4096, 0.003))
+    assert found["samples"] == result.errors.size == 300 - found["missing"]
+    assert found["synthetic"] is True
+    assert found["sense"] == -1
+    assert found["phase_deg"] == pytest.approx(12.0, abs=4 * found["phase_error_deg"])
+    assert found["offset_deg"] == pytest.approx(30.0, abs=4 * found["offset_error_deg"])
+    assert found["standard_deviation_deg"] == pytest.approx(math.degrees(result.standard_deviation))
+    assert found["bins"] == len(found["observed"]) == len(found["expected"]) == 10
+    assert len(found["bin_edges_deg"]) == 11
+    assert sum(found["observed"]) == found["samples"]
+    assert found["chi_squared"]["degrees_of_freedom"] == 9
+    assert found["chi_squared_published"]["degrees_of_freedom"] == 7
+    assert found["anderson_darling"]["degrees_of_freedom"] is None
+    assert found["chi_squared"]["p_value"] == float(result.chi_squared_test.p_value)
+    (once,) = [e for e in found["shaft_errors"] if (e["shaft"], e["order"]) == ("output", 1)]
+    assert once["amplitude_deg"] == pytest.approx(0.5, abs=4 * once["standard_error_deg"])
+    assert found["periodogram_peak"]["false_alarm_probability"] < 1e-6
+    assert found["sensor"]["standard_deg"] == pytest.approx(
+        math.degrees(result.sensor_share.standard)
+    )
+    low, high = found["interval_deg"]
+    assert low == pytest.approx(-high)
+    assert err == f"escapement: {result.message}\n"
+    assert "synthetic data" in err
+    assert "once a turn of the output" in err
+
+
+def test_units_change_lengths_only(capsys):
+    inches = ["--sun-radius", str(0.016 / 0.0254), "--planet-radius", str(0.009 / 0.0254)]
+    a, _ = report(capsys, "planetary.csv", *KIND)
+    b, _ = report(capsys, "planetary.csv", KIND[0], *inches, "--units", "in-lbf-s")
+    assert b["standard_deviation_deg"] == pytest.approx(a["standard_deviation_deg"], rel=1e-9)
+    assert b["sensor"] is None
+
+
+def test_default_kind_known_zeros_and_classes(capsys):
+    found, err = report(
+        capsys, "geneva.csv", "--phase", "0", "--offset", "-.1", "--bins", "6",
+        "--confidence", ".9",
+    )  # fmt: skip
+    assert err == ""
+    assert found["synthetic"] is False
+    assert (found["phase_deg"], found["phase_error_deg"]) == (0.0, 0.0)
+    assert found["mean_deg"] == pytest.approx(0.1, abs=0.05)
+    assert found["bins"] == 6
+    half = 1.6448536 * found["standard_deviation_deg"]
+    assert found["interval_deg"][1] - found["mean_deg"] == pytest.approx(half)
+    assert found["message"] == ""
+
+
+def test_table_says_what_json_says(capsys):
+    found, _ = report(capsys, "planetary.csv", *KIND)
+    assert main(["measure", "planetary.csv", *KIND]) == 0
+    out = capsys.readouterr().out
+    for value in (
+        found["standard_deviation_deg"],
+        found["chi_squared"]["p_value"],
+        found["anderson_darling"]["statistic"],
+        found["shaft_errors"][2]["amplitude_deg"],
+        found["periodogram_peak"]["amplitude_deg"],
+    ):
+        assert f"{value:.6g}" in out
+
+
+def test_columns_and_unit(capsys, folder):
+    table = np.loadtxt("geneva.csv", delimiter=",", skiprows=1)
+    rows = "".join(f"{b},{a}\n" for a, b in np.radians(table).tolist())
+    (folder / "rad.csv").write_text("b,a\n" + rows)
+    given = ["--input-column", "a", "--output-column", "b", "--angle-unit", "rad"]
+    found, _ = report(capsys, "rad.csv", *given)
+    same, _ = report(capsys, "geneva.csv")
+    assert found["standard_deviation_deg"] == pytest.approx(
+        same["standard_deviation_deg"], rel=1e-9
+    )
+
+
+def test_files(capsys, folder):
+    assert main(["measure", "planetary.csv", *KIND, "-o", "e.csv", "--plot", "e.png"]) == 0
+    lines = (folder / "e.csv").read_text().splitlines()
+    assert lines[0].startswith("# synthetic")
+    assert (folder / "e.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["measure", "planetary.csv", *KIND, "-o", "e.csv"]) == 73
+    assert main(["measure", "planetary.csv", *KIND, "-o", "e.csv", "--force"]) == 0
+    capsys.readouterr()
+
+
+WRONG = {
+    "no file": ([], 2, "DATA.csv"),
+    "missing": (["none.csv"], 66, "none.csv does not exist"),
+    "folder": (["folder"], 65, "readable file"),
+    "broken": (["broken.csv"], 65, "broken.csv, line 3 must have 2 fields"),
+    "not a table": (["there.csv"], 65, "there.csv, line 1", "two columns"),
+    "no radii": (["planetary.csv", KIND[0]], 2, "--sun-radius, --planet-radius"),
+    "unknown kind": (["geneva.csv", "genva"], 2, "did you mean 'geneva'?"),
+    "unknown column": (["geneva.csv", "--input-column", "x"], 2, "input column", "'x'"),
+    "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
+    "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given"),
+    "words": (["geneva.csv", "--offset", "x"], 2, "--offset", "finite number"),
+    "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),
+    "few bins": (["geneva.csv", "--bins", "3"], 2, "bins", "at least 4", "got 3"),
+    "negative bins": (["geneva.csv", "--bins", "-3"], 2, "bins", "got -3"),
+    "sure": (["geneva.csv", "--confidence", "1"], 2, "confidence", "between 0 and 1"),
+    "resolution": (["geneva.csv", "--resolution", "1"], 2, "--resolution", "at least 2"),
+    "per cent": (
+        ["geneva.csv", "--resolution", "99", "--linearity", "3"], 2, "linearity", "below 0.5",
+    ),
+    "linearity alone": (["geneva.csv", "--linearity", ".003"], 2, "--resolution N"),
+    "force": (["geneva.csv", "--force"], 2, "--output FILE.csv"),
+    "there": (["geneva.csv", "-o", "there.csv"], 73, "there.csv", "--force"),
+    "over itself": (["geneva.csv", "-o", "geneva.csv", "--force"], 73, "must not be geneva.csv"),
+    "nowhere": (["geneva.csv", "-o", "none/e.csv"], 73, "none"),
+    "twice the same": (["geneva.csv", "-o", "e.png", "--plot", "./e.png"], 73, "must not be e.png"),
+    "no picture": (["geneva.csv", "--plot", "e.txt"], 73, ".png, .pdf, .svg"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("argv", "code", "said"), [(a, c, s) for a, c, *s in WRONG.values()], ids=WRONG
+)
+def test_wrong(capsys, folder, argv, code, said):
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    assert main(["measure", *argv]) == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("escapement: error: ")
+    assert err.count("\n") == 1
+    for words in said:
+        assert words in err
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before

@@ -1,0 +1,291 @@
+"""Measurements as files: whatever a CSV holds is read, or refused with its line."""
+
+import time
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import escapement as esc
+from escapement import measurement
+from escapement.errors import CannotCreate, InputFileError, InvalidValue, MissingInput
+from escapement.measurement import _csv
+
+DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
+ANGLES = np.linspace(0.0, 900.0, 61)
+ROWS = [(f"{a:.4f}", f"{0.5 * a:.4f}") for a in ANGLES]
+
+
+def text(rows=ROWS, head="input_deg,output_deg", between=",", end="\n"):
+    lines = ([head] if head else []) + [between.join(row) for row in rows]
+    return end.join(lines) + end
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(content):
+        path = tmp_path / "data.csv"
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return path
+
+    return write
+
+
+def check(readings, missing=0):
+    """The readings are those of `ROWS`."""
+    keep = readings.complete
+    assert readings.missing == missing
+    np.testing.assert_allclose(np.degrees(readings.input[keep]), ANGLES[keep], atol=1e-4)
+    np.testing.assert_allclose(np.degrees(readings.output[keep]), 0.5 * ANGLES[keep], atol=1e-4)
+
+
+COMMA = [tuple(field.replace(".", ",") for field in row) for row in ROWS]
+SWAPPED = [(b, a) for a, b in ROWS]
+GOOD = {
+    "comma": text(),
+    "semicolon": text(between=";", head="input;output"),
+    "tab": text(between="\t", head="Input (deg)\tOutput (deg)"),
+    "blanks": text(between="  ", head="input output"),
+    "decimal comma": text(COMMA, between=";", head="input;output"),
+    "decimal comma after a tab": text(COMMA, between="\t", head="input\toutput"),
+    "no header": text(head=None),
+    "other order": text(SWAPPED, head="output_deg,input_deg"),
+    "other names": text(SWAPPED, head="follower [°],Driver [°]"),
+    "more columns": text([("x", a, "", b) for a, b in ROWS], head="note,input,t,output"),
+    "windows": text(end="\r\n"),
+    "old mac": text(end="\r"),
+    "byte order mark": "\ufeff" + text(),
+    "comments": "# made today\n\n" + text().replace("\n30.0000", "\n# pause\n\n30.0000"),
+    "no last line end": text().rstrip("\n"),
+    "quotes": text([(f'"{a}"', f'"{b}"') for a, b in ROWS], head='"input_deg","output_deg"'),
+    "blanks inside": text([(f" {a} ", f"\t{b}") for a, b in ROWS], between=","),
+    "exponents": text([(f"{float(a):.8e}", f"{float(b):.8E}") for a, b in ROWS]),
+}
+
+
+@pytest.mark.parametrize("block", [64, 1 << 22])
+@pytest.mark.parametrize("content", GOOD.values(), ids=GOOD)
+def test_what_is_understood(file, monkeypatch, content, block):
+    if "\r" in content and "\n" not in content and block == 64:
+        pytest.skip("one block is one line")
+    monkeypatch.setattr(_csv, "_BLOCK_BYTES", block)
+    check(esc.read_readings(file(content)))
+
+
+def test_radians_by_name_or_by_wish(file):
+    rows = [tuple(repr(float(np.radians(float(field)))) for field in row) for row in ROWS]
+    check(esc.read_readings(file(text(rows, head="input_rad,output (rad)"))))
+    path = file(text(rows, head="input,output"))
+    check(esc.read_readings(path, angle_unit="rad"))
+    mixed = [(a, b) for (a, _), (_, b) in zip(ROWS, rows, strict=True)]
+    check(esc.read_readings(file(text(mixed, head="input,output_rad"))))
+
+
+def test_columns_by_name(file):
+    rows = [(a, a, b, b) for a, b in ROWS]
+    path = file(text(rows, head="in A,in B,out A,out B"))
+    check(esc.read_readings(path, input="in B", output="out A"))
+
+
+@pytest.mark.parametrize("nothing", ["", "nan", "NaN", "NA", "null", " "])
+def test_missing_readings(file, nothing):
+    rows = list(ROWS)
+    rows[7], rows[9] = (nothing, rows[7][1]), (rows[9][0], nothing)
+    check(esc.read_readings(file(text(rows))), missing=2)
+
+
+def test_lines_are_those_of_the_file(file):
+    readings = esc.read_readings(file("# one\n" + text() + "\n\n# end\n"))
+    np.testing.assert_array_equal(readings.line, np.arange(3, 64))
+    assert not readings.synthetic
+
+
+def put(line, row):
+    """A good file with another line in it; line 1 is the header."""
+    lines = text().splitlines()
+    lines[line - 1] = row
+    return "\n".join(lines) + "\n"
+
+
+BAD = {
+    "other separator": (put(5, "45.0;22.5"), "line 5", "2 fields", "','", "'45.0;22.5'"),
+    "decimal comma": (put(5, "45,0,22,5"), "line 5", "2 fields", "'45,0,22,5'"),
+    "text": (put(62, "x1,2"), "line 62", "finite number in field 1", "'x1'"),
+    "text in the output": (put(3, "15,7..5"), "line 3", "field 2", "'7..5'"),
+    "underscore": (put(3, "1_5,7"), "line 3", "field 1", "'1_5'"),
+    "infinite": (put(9, "inf,1"), "line 9", "finite number", "'inf'"),
+    "too great": (put(9, "1,1e400"), "line 9", "field 2", "'1e400'"),
+    "short row": (put(9, "1"), "line 9", "2 fields", "'1'"),
+    "second header": (put(9, "input_deg,output_deg"), "line 9", "'input_deg'"),
+    "long row": (put(9, "1,2" * 99), "line 9", "..."),
+    "one column": (text([(a,) for a, _ in ROWS], head="input"), "line 1", "two columns"),
+    "one column of numbers": ("1\n2\n3\n", "line 1", "two columns", "'1'"),
+    "three columns of numbers": (text([(a, a, b) for a, b in ROWS], head=None), "line 1", "name"),
+    "unknown names": (text(head="x,y"), "line 1", "input or in or driver", "none among 'x, y'"),
+    "ambiguous": (text(head="input,in"), "line 1", "several", "'input, in'"),
+    "empty": ("", "must hold rows of angles"),
+    "blank": ("\n\n\n", "must hold rows of angles"),
+    "comments only": ("# a\n# b\n", "must hold rows of angles"),
+    "header only": ("input,output\n", "at least 20 complete samples, got 0 of 0"),
+    "few rows": (text(ROWS[:19]), "at least 20", "got 19 of 19"),
+    "nothing but NaN": (text([("nan", "nan")] * 50), "got 0 of 50"),
+    "standstill": (text([("1", "2")] * 50), "input must turn"),
+    "binary": (b"\x89PNG\r\n\x1a\n\x00\x00", "line 1", "text in UTF-8"),
+    "zeros in text": (text().encode().replace(b"\n45", b"\n\x0045"), "line 5", "\\x00"),
+    "other code": (put(4, "30,15 \xb0").encode("latin-1"), "line 4", "UTF-8"),
+    "UTF-16": (text().encode("utf-16"), "line 1", "UTF-8"),
+}
+
+
+@pytest.mark.parametrize("block", [64, 1 << 22])
+@pytest.mark.parametrize(("content", "said"), [(c, s) for c, *s in BAD.values()], ids=BAD)
+def test_what_is_not_understood(file, monkeypatch, content, said, block):
+    monkeypatch.setattr(_csv, "_BLOCK_BYTES", block)
+    if block == 64 and "..." in said:
+        pytest.skip("one block is shorter")
+    with pytest.raises(InputFileError) as caught:
+        esc.read_readings(file(content))
+    message = str(caught.value)
+    for words in ("data.csv", *said):
+        assert words in message
+    assert "\n" not in message
+    assert len(message) < 300
+
+
+GOOD_BYTES = text().encode()
+
+
+@settings(
+    deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(
+    cuts=st.lists(
+        st.tuples(
+            st.integers(0, len(GOOD_BYTES)),
+            st.integers(0, 30),
+            st.one_of(st.binary(max_size=12), st.text('0123456789.,;-+eE#"\n\r nai', max_size=12)),
+        ),
+        min_size=1,
+        max_size=5,
+    )
+)
+def test_whatever_happens_to_a_file_it_is_read_or_refused_in_one_line(file, cuts):
+    content = GOOD_BYTES
+    for place, length, new in cuts:
+        piece = new if isinstance(new, bytes) else new.encode()
+        content = content[:place] + piece + content[place + length :]
+    try:
+        readings = esc.read_readings(file(content))
+    except (InputFileError, InvalidValue) as error:
+        message = str(error)
+    else:
+        assert readings.input.shape == readings.output.shape == readings.line.shape
+        assert (np.diff(readings.line) > 0).all()
+        message = "data.csv"
+    assert "\n" not in message
+    assert "data.csv" in message
+
+
+def test_a_file_without_line_ends(file, monkeypatch):
+    monkeypatch.setattr(_csv, "_BLOCK_BYTES", 1000)
+    with pytest.raises(InputFileError, match="line 1 must be a row of angles"):
+        esc.read_readings(file("input,output," + "1," * 5000))
+
+
+def test_not_a_file(tmp_path):
+    with pytest.raises(MissingInput, match=r"none\.csv does not exist"):
+        esc.read_readings(tmp_path / "none.csv")
+    with pytest.raises(MissingInput, match="does not exist"):
+        esc.measure(tmp_path / "x" / "y", DRIVE)
+    with pytest.raises(InputFileError, match="directory"):
+        esc.read_readings(tmp_path)
+    with pytest.raises(InputFileError, match="readable"):
+        esc.read_readings("a\0b")
+
+
+def test_wrong_names_and_units(file):
+    path = file(text())
+    with pytest.raises(InvalidValue, match=r"input column.*'inptu'; did you mean 'input_deg'"):
+        esc.read_readings(path, input="inptu")
+    with pytest.raises(InvalidValue, match="different columns"):
+        esc.read_readings(path, input="input", output="input")
+    with pytest.raises(InvalidValue, match="angle_unit must be one of deg, rad"):
+        esc.read_readings(path, angle_unit="degrees")
+    with pytest.raises(InvalidValue, match="without a header"):
+        esc.read_readings(file(text(head=None)), input="input")
+
+
+def test_written_readings_come_back(tmp_path):
+    readings = esc.synthetic_readings(
+        DRIVE, seed=4, noise=0.01, missing=0.1, encoder=esc.Encoder(4096)
+    )
+    path = tmp_path / "made.csv"
+    esc.write_readings(readings, path, note="seed 4\n4096 counts")
+    first, second, third = path.read_text().splitlines()[:3]
+    assert first.startswith("# synthetic")
+    assert (second, third) == ("# seed 4", "# 4096 counts")
+    again = esc.read_readings(path)
+    assert again.synthetic
+    np.testing.assert_allclose(again.input, readings.input, atol=1e-8)
+    np.testing.assert_allclose(again.output, readings.output, atol=1e-8)
+    with pytest.raises(CannotCreate):
+        esc.write_readings(readings, path)
+    esc.write_readings(readings, path, force=True)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["made.csv"]
+
+
+def test_readings_of_the_documentation_are_those_it_says():
+    path = Path(__file__).parents[1] / "runs" / "encoder_synthetic.csv"
+    kept = esc.read_readings(path)
+    made = esc.synthetic_readings(
+        DRIVE, seed=2020, samples=148, turns=3.0, encoder=esc.Encoder(4096),
+        noise=np.radians(0.9), output_eccentricity=np.radians(1.0), phase=np.radians(20.0),
+        offset=np.radians(-50.0), sense=-1, missing=0.02,
+    )  # fmt: skip
+    assert kept.synthetic
+    np.testing.assert_allclose(kept.input, made.input, atol=1e-8)
+    np.testing.assert_allclose(kept.output, made.output, atol=1e-8)
+
+
+def test_measured_readings_are_not_called_synthetic(tmp_path):
+    made = esc.synthetic_readings(DRIVE, seed=4, noise=0.01)
+    esc.write_readings(esc.Readings(made.input, made.output), tmp_path / "real.csv")
+    assert "synthetic" not in (tmp_path / "real.csv").read_text()
+    result = esc.measure(tmp_path / "real.csv", DRIVE)
+    assert not result.readings.synthetic
+    assert result.message == ""
+
+
+def test_errors_as_a_table(tmp_path):
+    result = esc.measure(esc.synthetic_readings(DRIVE, seed=4, noise=0.01, missing=0.1), DRIVE)
+    measurement.write_errors(result, tmp_path / "errors.csv")
+    lines = (tmp_path / "errors.csv").read_text().splitlines()
+    assert lines[0].startswith("# synthetic")
+    assert lines[1] == "input_deg,output_deg,theory_deg,error_deg"
+    table = np.loadtxt(lines[2:], delimiter=",")
+    np.testing.assert_allclose(table[:, 3], np.degrees(result.errors), atol=6e-7)
+    np.testing.assert_allclose(table[:, 1] - table[:, 2], table[:, 3], atol=2e-6)
+
+
+def test_many_rows_take_time_and_memory_in_proportion(tmp_path):
+    """A tenth of a million rows; ten millions are in benchmarks/results."""
+    readings = esc.synthetic_readings(
+        DRIVE, seed=9, samples=100_000, turns=500.0, noise=0.01, encoder=esc.Encoder(4096)
+    )
+    path = tmp_path / "many.csv"
+    esc.write_readings(readings, path)
+    start = time.perf_counter()
+    tracemalloc.start()
+    try:
+        result = esc.measure(path, DRIVE)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert time.perf_counter() - start < 20.0
+    # two columns of doubles, a few copies of them, and one block of text
+    assert peak < 100_000 * 16 * 10 + 60e6
+    assert result.errors.size == 100_000
+    assert result.standard_deviation == pytest.approx(0.01, rel=0.02)
