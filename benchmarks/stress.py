@@ -1,6 +1,6 @@
 """Random cases against independent answers: no wrong number may come with status ok.
 
-    python benchmarks/stress.py [--cases 10000] [--bulk 100000] [--seed 1973] [--seconds 0]
+    python benchmarks/stress.py bulk|ivp [--cases N] [--seconds S] [--seed 1973]
 
 Two comparisons, over mechanisms of 3 to 1000 slots, external and internal, inertia
 ratios of 1e-8 to 1e8, friction from 1e-12 to 0.999999 of the Painleve limit, loads from
@@ -13,6 +13,11 @@ speed, and tolerances of 1e-13 to 1e-3:
 What differs by more than ten times the tolerance goes to `judge.py`, 34 digits, which also
 says what one rounding in each parameter does to the number; only what exceeds both is
 called wrong. Every case runs in a process that is given up after five minutes.
+
+Case number i is the same in every run. Each run goes on where the last one stopped, adds
+its counts to results/stress_PART.csv and lists what failed in stress_PART.failures.csv,
+until N cases are done (100 000 of bulk, 10 000 of ivp): so it can be run in slices of S
+seconds. --again starts from nothing.
 """
 
 import argparse
@@ -22,7 +27,6 @@ import multiprocessing as mp
 import sys
 import time
 import warnings
-from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,6 +41,8 @@ import escapement as esc
 from escapement.status import Status
 
 ENGAGEMENTS = {"bulk": 4, "ivp": 2}
+CASES = {"bulk": 100_000, "ivp": 10_000}
+SLICE = 500  # cases between two writes
 PATIENCE = 300.0  # seconds of silence, the judge's included, after which a case counts as hung
 SLOW = 20.0  # seconds that no single case may take
 RESULTS = Path(__file__).resolve().parent / "results"
@@ -281,18 +287,17 @@ def case_results(part, problem, engagements):
     return rows
 
 
-def run(part, cases, seed, seconds, report):
-    """All cases of a part; `report` gets (problem, rows). Returns how many were run."""
+def run(part, first, last, seed, end, report):
+    """Cases first..last of a part until the clock shows `end`; returns the next one's number."""
     context = mp.get_context("spawn")
-    end = time.perf_counter() + seconds if seconds else math.inf
-    index = 0
-    while index < cases and time.perf_counter() < end:
+    index = first
+    while index < last and time.perf_counter() < end:
         near, far = context.Pipe(duplex=False)
-        worker = context.Process(target=work, args=(part, seed, index, cases, far), daemon=True)
+        worker = context.Process(target=work, args=(part, seed, index, last, far), daemon=True)
         worker.start()
         far.close()
         problem, patience, lost = None, 6 * PATIENCE, ""  # a first case compiles
-        while index < cases and time.perf_counter() < end:
+        while index < last and time.perf_counter() < end:
             if not near.poll(patience):
                 lost = "hang"
                 break
@@ -315,54 +320,88 @@ def run(part, cases, seed, seconds, report):
     return index
 
 
-def table_of(part, rows):
-    """Summary rows: part, what, cases, counts by outcome, worst and median error."""
-    summary = []
-    for what in dict.fromkeys(row[1] for row in rows):
-        mine = [row for row in rows if row[1] == what]
-        counts = Counter(row[2] for row in mine)
-        errors = np.array([row[3] for row in mine if row[2] == "ok"])
-        spread = [f"{np.median([*errors, 0.0]):.3g}", f"{errors.max(initial=0.0):.3g}"]
-        summary.append([part, what, len(mine), *(counts[name] for name in OUTCOMES), *spread])
-    return summary
+COUNTS = (*OUTCOMES, "error <= 0.1 rtol", "error <= rtol", "error <= 10 rtol")
+HEAD = ("engine", "seed", "cases", *COUNTS, "worst ok error / rtol")
+FAILED = ("engine", "outcome", "error / rtol", "told", *Problem._fields)
+
+
+def added(table, results):
+    """Counts of a table {engine: row}, with a case's results in them."""
+    for engine, kind, error, _told in results:
+        row = table.setdefault(engine, dict.fromkeys(("cases", *COUNTS), 0) | {"worst": 0.0})
+        row["cases"] += 1
+        row[kind] += 1
+        if kind == "ok":
+            for limit, name in ((0.1, COUNTS[-3]), (1.0, COUNTS[-2]), (10.0, COUNTS[-1])):
+                row[name] += error <= limit
+            row["worst"] = max(row["worst"], error)
+
+
+def read(path, seed):
+    """Table of earlier runs, and the number of the next case."""
+    if not path.exists():
+        return {}, 0
+    with open(path, newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    if any(int(row["seed"]) != seed for row in rows):
+        raise SystemExit(f"{path} is of another seed; add --again to start from nothing")
+    table = {
+        row["engine"]: {name: int(row[name]) for name in ("cases", *COUNTS)}
+        | {"worst": float(row["worst ok error / rtol"])}
+        for row in rows
+    }
+    # every case is in one of these rows
+    return table, sum(table[name]["cases"] for name in ("energy", "independent") if name in table)
+
+
+def write(path, table, seed):
+    """Replace the table; each slice is in it whole or not at all."""
+    partial = path.with_suffix(".partial")
+    with open(partial, "w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(HEAD)
+        for engine, row in table.items():
+            counts = [row[name] for name in COUNTS]
+            writer.writerow([engine, seed, row["cases"], *counts, f"{row['worst']:.3g}"])
+    partial.replace(path)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cases", type=int, default=10_000, help="both engines")
-    parser.add_argument("--bulk", type=int, default=100_000, help="energy alone")
+    parser.add_argument("part", choices=CASES)
+    parser.add_argument("--cases", type=int, help="cases in all, those of earlier runs included")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="length of this slice")
     parser.add_argument("--seed", type=int, default=1973)
-    parser.add_argument("--seconds", type=float, default=0.0, help="stop a part after this time")
-    parser.add_argument("--out", type=Path, default=RESULTS / "stress.csv")
+    parser.add_argument("--again", action="store_true", help="start from nothing")
+    parser.add_argument("--out", type=Path, default=RESULTS)
     options = parser.parse_args()
-    summary, failures = [], []
-    for part, cases in (("bulk", options.bulk), ("ivp", options.cases)):
-        rows = []
+    options.out.mkdir(parents=True, exist_ok=True)
+    path = options.out / f"stress_{options.part}.csv"
+    failures = path.with_suffix(".failures.csv")
+    if options.again:
+        path.unlink(missing_ok=True)
+        failures.unlink(missing_ok=True)
+    table, first = read(path, options.seed)
+    last = CASES[options.part] if options.cases is None else options.cases
+    end = time.perf_counter() + options.seconds
+    while first < last and time.perf_counter() < end:
+        lines = []
 
-        def report(problem, results, part=part, rows=rows):
-            for what, kind, error, told in results:
-                rows.append((problem, what, kind, error))
+        def report(problem, results, lines=lines):
+            added(table, results)
+            for engine, kind, error, told in results:
                 if kind not in ("ok", "beyond doubles"):
-                    failures.append([part, what, kind, f"{error:.3g}", told, *problem])
-                    print(part, what, kind, f"{error:.3g} x rtol", told, tuple(problem), flush=True)
+                    lines.append([engine, kind, f"{error:.3g}", told, *problem])
 
-        if cases:
-            run(part, cases, options.seed, options.seconds, report)
-            summary += table_of(part, rows)
-    head = ["part", "engine", "cases", *OUTCOMES, "median error / rtol", "worst ok error / rtol"]
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    with open(options.out, "w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows(summary)
-    with open(
-        options.out.with_suffix(".failures.csv"), "w", newline="", encoding="utf-8"
-    ) as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["part", "engine", "outcome", "error / rtol", "told", *Problem._fields])
-        writer.writerows(failures)
-    for row in [head, *summary]:
-        print("  ".join(f"{cell!s:>14.14}" for cell in row))
+        until = min(first + SLICE, last)
+        first = run(options.part, first, until, options.seed, end, report)
+        write(path, table, options.seed)
+        fresh = not failures.exists()
+        with open(failures, "a", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerows([FAILED, *lines] if fresh else lines)
+        wrong = {engine: row["cases"] - row["ok"] for engine, row in table.items()}
+        print(f"{first} of {last} cases, not ok: {wrong}", flush=True)
 
 
 if __name__ == "__main__":

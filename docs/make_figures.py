@@ -35,6 +35,7 @@ from escapement.sweeping import run_plan
 from escapement.units import INCH_POUND
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "benchmarks"))
 RUNS = HERE.parent / "runs"
 DPI = 200
 COLOURS = 96  # a palette keeps the files small; the eye sees no difference
@@ -47,6 +48,21 @@ LINES = (
 )
 
 FIGURES: dict[str, Callable[[], Figure]] = {}
+
+
+def measured(name: str) -> Callable[[], Figure]:
+    """A figure of benchmarks/figures.py, drawn from the results stored there."""
+
+    def make() -> Figure:
+        import figures
+
+        return getattr(figures, name)()
+
+    return make
+
+
+for _name in ("work_precision", "tolerance", "order", "painleve", "long_run", "conditioning"):
+    FIGURES[f"accuracy_{_name}.png"] = measured(_name)
 
 
 def drawn(make: Callable[[], Figure]) -> Callable[[], Figure]:
@@ -177,6 +193,12 @@ def torque_friction_map() -> Figure:
 
 
 @drawn
+def four_pins_tolerances() -> Figure:
+    """What tolerances do to a period."""
+    return plots.plot_study(run_plan(load_plan(RUNS / "four_pins_tolerances.toml")))
+
+
+@drawn
 def published_cell() -> Figure:
     """Transmission over driver angle, real and as the 1973 program has it."""
     figure, axes = panels(3, 2.5)
@@ -270,63 +292,6 @@ def nomogram() -> Figure:
     return figure
 
 
-@drawn
-def gear_driven() -> Figure:
-    """Dijksman's figures 6 to 9."""
-    return plot_gear_driven_examples()
-
-
-@drawn
-def gear_curves() -> Figure:
-    """The four cycloids."""
-    return plot_curves()
-
-
-@drawn
-def gear_charts() -> Figure:
-    """Ratio of times over lobes."""
-    return plot_design_charts()
-
-
-@drawn
-def gear_motions() -> Figure:
-    """Motions of twelve stations, beside ordinary wheels."""
-    return plot_motions()
-
-
-@drawn
-def gear_unused() -> Figure:
-    """Wheels with fewer slots than lobes that pass."""
-    wheels = (
-        (12, 3, "epicycloid", 1),
-        (12, 0, "epicycloid", 2),
-        (12, "1/2", "hypocycloid", 1),
-        (14, 1, "hypocycloid", 2),
-    )
-    figure, axes = panels(4, 2.2)
-    for ax, (n, m, curve, unused) in zip(axes, wheels, strict=True):
-        wheel = esc.GearDriven(n, m, curve, unused_lobes=unused)
-        plot_gear_driven(wheel, 0.2, ax)
-        ax.set_title(f"n = {n}, m = {m}\n{unused} unused, {wheel.slots} slots", fontsize=8)
-    return figure
-
-
-@drawn
-def gear_escapements() -> Figure:
-    """The gear-driven wheels with a pin always engaged."""
-    wheels = (
-        (12, "epicycloid", 6),
-        (12, "pericycloid", 6),
-        (24, "hypocycloid", 2),
-        (24, "contracted-hypocycloid", 2),
-    )
-    figure, axes = panels(4, 2.2)
-    for ax, (n, curve, pins) in zip(axes, wheels, strict=True):
-        plot_gear_driven(esc.GearDriven(n, 5, curve, pins=pins), 0.12, ax)
-        ax.set_title(f"{curve}\n{n} stations, {pins} pins", fontsize=8)
-    return figure
-
-
 PLANETARY = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
 
 
@@ -383,6 +348,63 @@ def measurement() -> Figure:
     encoder = esc.Encoder(resolution=4096, linearity=0.003)
     readings = RUNS / "encoder_synthetic.csv"
     return plots.plot_measurement(esc.measure(readings, drive, encoder=encoder))
+
+
+@drawn
+def gear_driven() -> Figure:
+    """Dijksman's figures 6 to 9."""
+    return plot_gear_driven_examples()
+
+
+@drawn
+def gear_curves() -> Figure:
+    """The four cycloids."""
+    return plot_curves()
+
+
+@drawn
+def gear_charts() -> Figure:
+    """Ratio of times over lobes."""
+    return plot_design_charts()
+
+
+@drawn
+def gear_motions() -> Figure:
+    """Motions of twelve stations, beside ordinary wheels."""
+    return plot_motions()
+
+
+@drawn
+def gear_unused() -> Figure:
+    """Wheels with fewer slots than lobes that pass."""
+    wheels = (
+        (12, 3, "epicycloid", 1),
+        (12, 0, "epicycloid", 2),
+        (12, "1/2", "hypocycloid", 1),
+        (14, 1, "hypocycloid", 2),
+    )
+    figure, axes = panels(4, 2.2)
+    for ax, (n, m, curve, unused) in zip(axes, wheels, strict=True):
+        wheel = esc.GearDriven(n, m, curve, unused_lobes=unused)
+        plot_gear_driven(wheel, 0.2, ax)
+        ax.set_title(f"n = {n}, m = {m}\n{unused} unused, {wheel.slots} slots", fontsize=8)
+    return figure
+
+
+@drawn
+def gear_escapements() -> Figure:
+    """The gear-driven wheels with a pin always engaged."""
+    wheels = (
+        (12, "epicycloid", 6),
+        (12, "pericycloid", 6),
+        (24, "hypocycloid", 2),
+        (24, "contracted-hypocycloid", 2),
+    )
+    figure, axes = panels(4, 2.2)
+    for ax, (n, curve, pins) in zip(axes, wheels, strict=True):
+        plot_gear_driven(esc.GearDriven(n, 5, curve, pins=pins), 0.12, ax)
+        ax.set_title(f"{curve}\n{n} stations, {pins} pins", fontsize=8)
+    return figure
 
 
 if __name__ == "__main__":

@@ -70,6 +70,15 @@ def test_same_bytes_though_a_worker_is_killed(tmp_path, client, serial):
     assert list(tmp_path.iterdir()) == [tmp_path / "a.h5"]
 
 
+def test_a_sample_and_shared_scenes_have_the_same_bytes(tmp_path, client):
+    drawn = {"method": "sobol", "size": 1024, "friction": {"low": 0.1, "high": 0.4}}
+    drawn |= {"driver_inertia": {"relative_tolerance": 0.05}}
+    study = plan_from(TIMER, {"torque": np.linspace(0.005, 0.02, 64)}, sample=drawn)
+    write_plan(study, tmp_path / "here.h5", workers=2)
+    write_plan(study, tmp_path / "there.h5", scheduler=client)
+    assert bytes_of(tmp_path / "here.h5") == bytes_of(tmp_path / "there.h5")
+
+
 def test_begun_here_and_continued_there(tmp_path, client, serial):
     path = tmp_path / "a.h5"
 

@@ -69,7 +69,7 @@ def test_every_number_of_the_model_can_be_an_axis():
     assert last.mechanism == Geneva(slots=4, pins=3)
     assert plan.axes["slots"].dtype == np.int64
     for start, stop in ((0, 5), (90, plan.cases)):
-        columns = plan.columns(start, stop)
+        columns = plan.columns(np.arange(start, stop))
         for row, case in enumerate(range(start, stop)):
             assert {n: c[row] for n, c in columns.items()}.items() <= plan.values(case).items()
 

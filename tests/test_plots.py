@@ -274,6 +274,7 @@ class Synthetic:
     results: dict = field(default_factory=dict)
     units: dict = field(default_factory=lambda: dict(UNITS))
     long_names: dict = field(default_factory=lambda: {"torque": "driving torque"})
+    sampled: dict = field(default_factory=dict)
 
     def __post_init__(self):
         grids = np.meshgrid(*self.axes.values(), indexing="ij")

@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from escapement.errors import CannotCreate
 from escapement.mechanisms import Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
-from escapement.store import SCHEMA_VERSION, partial_path, read_study
+from escapement.store import SCHEMA_VERSION, _journal, _lock, partial_path, read_study
 from escapement.sweeping import _run, sweep, write_plan
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -273,3 +274,63 @@ def test_a_real_study_survives_its_process(tmp_path, monkeypatch):
     assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
     assert main(["sweep", "s.toml", "--quiet", "-o", "t.h5"]) == 0
     assert without_date(tmp_path / "s.h5") == without_date(tmp_path / "t.h5")
+
+
+HOLDER = """
+import os, sys, time
+sys.path.insert(0, {folder!r})
+import crash_tools as tools
+from pathlib import Path
+with tools.StudyWriter(Path({path!r}), tools.small_study()) as writer:
+    writer.add(tools.block(tools.small_study(), 0))
+    if os.fork() == 0:  # it holds what its parent held, and outlives it
+        time.sleep({held})
+        os._exit(0)
+    print("begun", flush=True)
+    time.sleep(60)
+"""
+
+
+def hold(path, held):
+    """A process that writes, and whose files outlive it by some seconds."""
+    code = HOLDER.format(folder=str(Path(__file__).parent), path=str(path), held=held)
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "begun\n"
+    process.stdout.close()
+    return process
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatch):
+    """As one does whose disk is busy: its lock goes later than its name."""
+    monkeypatch.setattr(_journal, "_PATIENCE", 0.1)
+    with hold(tmp_path / "a.h5", held=1.0) as process:
+        process.kill()
+        process.wait()
+        assert tools.missing(tmp_path / "a.h5") == list(range(1, 10))
+    monkeypatch.setattr(_journal, "_LONG_PATIENCE", 0.2)
+    with hold(tmp_path / "b.h5", held=3.0) as process:
+        process.kill()
+        process.wait()
+        with pytest.raises(CannotCreate, match=f"process {process.pid} on .* is writing it"):
+            tools.write(tmp_path / "b.h5", tools.small_study(), resume=True)
+
+
+def test_who_is_ending():
+    assert not _lock.is_ending(os.getpid())
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as process:
+        assert not _lock.is_ending(process.pid)
+        process.kill()
+        process.wait()
+        assert _lock.is_ending(process.pid)
+
+
+def test_a_lock_without_a_name_is_waited_for(tmp_path, monkeypatch):
+    """Its owner was killed before it could say who it is, or is about to."""
+    monkeypatch.setattr(_journal, "_PATIENCE", 0.0)
+    partial = partial_path(tmp_path / "a.h5")
+    with open(partial, "wb") as nameless:
+        assert _lock.try_lock(nameless.fileno())
+        threading.Timer(0.3, nameless.close).start()
+        tools.write(tmp_path / "a.h5", tools.small_study())
+    assert (tmp_path / "a.h5").exists()

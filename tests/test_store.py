@@ -22,6 +22,7 @@ from escapement.store import (
     Study,
     StudyWriter,
     _image,
+    _journal,
     _target,
     blocks_of,
     check_target,
@@ -157,6 +158,29 @@ def test_bytes_do_not_depend_on_the_order_of_the_blocks(tmp_path):
         files.add((tmp_path / f"{name}.h5").read_bytes())
     assert len(files) == 1
     assert len(list(tmp_path.iterdir())) == 4
+
+
+@pytest.mark.parametrize("kept", [0, 2])
+def test_blocks_that_memory_no_longer_holds_are_read_back(tmp_path, monkeypatch, kept):
+    monkeypatch.setattr(_journal, "_RECENT", kept)
+    whole = study((3, 30_000))
+    write_study(whole, tmp_path / "a.h5")
+    write_in_blocks(tmp_path / "b.h5", whole, reversed)
+    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+
+
+@pytest.mark.parametrize("advice", [None, OSError])
+def test_the_systems_memory_is_left_where_it_can_be(tmp_path, monkeypatch, advice):
+    def refuse(*_):
+        raise advice(errno.EINVAL, "no")
+
+    monkeypatch.setattr(_journal, "SYNC_EVERY", 0.0)
+    if advice is None:
+        monkeypatch.delattr(os, "posix_fadvise", raising=False)
+    else:
+        monkeypatch.setattr(os, "posix_fadvise", refuse, raising=False)
+    write_in_blocks(tmp_path / "a.h5", study(), list)
+    assert_same(read_study(tmp_path / "a.h5"), study())
 
 
 @settings(deadline=None)

@@ -22,7 +22,7 @@ from escapement.progress import Progress, describe, duration
 from escapement.status import Status
 from escapement.store import RESULTS, read_study
 from escapement.sweeping import Tally, run_plan, sweep, write_plan
-from escapement.sweeping._evaluate import evaluate
+from escapement.sweeping._evaluate import Evaluator
 from escapement.units import INCH_POUND
 
 TIMER = Escapement(
@@ -87,7 +87,7 @@ def test_shared_solves_give_what_each_case_gives_alone(axes):
     [
         ({"torque": np.linspace(1, 2, 50), "friction": np.linspace(0.1, 0.3, 7)}, 7),
         ({"driver_inertia": [1.0, 2.0, 4.0], "follower_inertia": [1.0, 2.0, 4.0]}, 5),
-        ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.1]}, 4),
+        ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.1]}, 3),
         ({"slots": [3, 4, 6], "torque": [1.0, 2.0]}, 3),
     ],
 )
@@ -103,7 +103,7 @@ def test_no_scene_is_solved_twice(axes, solves, monkeypatch):
 
     monkeypatch.setattr(_energy_batch, "solve", count)
     plan = plan_from(TIMER, axes)
-    evaluate(plan, 0, plan.cases)
+    Evaluator(plan)(0, plan.cases)
     assert sum(counted) == solves
 
 

@@ -10,23 +10,33 @@ from escapement.errors import InvalidValue
 
 def fail(name: str, rule: str, value: Any, remedy: str) -> InvalidValue:
     """The error for `name` breaking `rule`; the caller raises it."""
-    shown = repr(value)
+    try:
+        shown = " ".join(repr(value).split())
+    except ValueError:  # more digits than Python writes out
+        shown = f"a number of {value.bit_length()} bits"
     if len(shown) > 80:
         shown = shown[:77] + "..."
     return InvalidValue(f"{name} must be {rule}, got {shown}; {remedy}")
 
 
 def number(name: str, value: Any, remedy: str = "give a finite real number") -> float:
-    """`value` as a finite float."""
-    if isinstance(value, bool | str | bytes | complex):
-        raise fail(name, "a finite number", value, remedy)
+    """`value` as a finite float; of an array only one without dimensions will do."""
+    rule = "a finite number"
+    if isinstance(value, bool | str | bytes | complex) or not _is_plain(value, "iuf"):
+        raise fail(name, rule, value, remedy)
     try:
         result = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise fail(name, "a finite number", value, remedy) from None
+        raise fail(name, rule, value, remedy) from None
     if not math.isfinite(result):
-        raise fail(name, "a finite number", value, remedy)
+        raise fail(name, rule, value, remedy)
     return result
+
+
+def _is_plain(value: Any, kinds: str) -> bool:
+    """Whether a NumPy value is a single one of these kinds; others are not its business."""
+    dtype = getattr(value, "dtype", None)
+    return dtype is None or (getattr(dtype, "kind", "") in kinds and not getattr(value, "ndim", 0))
 
 
 def positive(name: str, value: Any, remedy: str) -> float:
@@ -45,10 +55,10 @@ def non_negative(name: str, value: Any, remedy: str) -> float:
     return result
 
 
-def integer(name: str, value: Any, minimum: int, remedy: str) -> int:
-    """`value` as an int of at least `minimum`."""
+def integer(name: str, value: Any, minimum: int, remedy: str, maximum: int | None = None) -> int:
+    """`value` as an int of at least `minimum`, and at most `maximum` where there is one."""
     rule = f"a whole number of at least {minimum}"
-    if isinstance(value, bool):
+    if isinstance(value, bool) or not _is_plain(value, "iu"):
         raise fail(name, rule, value, remedy)
     try:
         result = operator.index(value)
@@ -56,6 +66,8 @@ def integer(name: str, value: Any, minimum: int, remedy: str) -> int:
         raise fail(name, rule, value, remedy) from None
     if result < minimum:
         raise fail(name, rule, value, remedy)
+    if maximum is not None and result > maximum:
+        raise fail(name, f"a whole number of at most {maximum}", value, remedy)
     return result
 
 
@@ -79,7 +91,7 @@ def rational(name: str, value: Any, remedy: str) -> Fraction:
 
 def choice(name: str, value: Any, allowed: tuple[str, ...]) -> str:
     """`value` as one of `allowed`, else an error naming the nearest."""
-    if value in allowed:
+    if isinstance(value, str) and value in allowed:
         return str(value)
     raise fail(name, "one of " + ", ".join(allowed), value, nearest(value, allowed))
 

@@ -110,7 +110,7 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
     terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
     error = np.abs(extrema.theta_dot / terminal - 1.0)
     risen = np.nonzero(error <= RISE_BAND)[0]
-    leading = _leading(motion, extrema)
+    leading = _leading(extrema)
     unsettled = np.nonzero(error[leading] > SETTLING_BAND)[0]
     later = leading[unsettled[-1] + 1 :] if unsettled.size else leading
     return (
@@ -119,28 +119,26 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
     )
 
 
-def _leading(motion: Motion, extrema: Extrema) -> np.ndarray:
+def _leading(extrema: Extrema) -> np.ndarray:
     """Indices of extrema that are the greatest or least of their engagement.
 
     A lesser hump tends to its own limit, not to the terminal extreme. An
-    extremum on a handoff counts for both of its neighbours.
+    extremum on a handoff belongs to the engagement that begins there.
     """
-    bounds = np.concatenate([[0.0], motion.handoff_times])
-    chosen: set[int] = set()
-    for start, end in pairwise(bounds):
-        inside = np.nonzero((extrema.time >= start) & (extrema.time <= end))[0]
+    chosen: list[int] = []
+    for engagement in np.unique(extrema.engagement):
         for kind, best in ((True, np.argmax), (False, np.argmin)):
-            same = inside[extrema.maximum[inside] == kind]
+            same = np.nonzero((extrema.engagement == engagement) & (extrema.maximum == kind))[0]
             if same.size:
-                chosen.add(int(same[best(extrema.theta_dot[same])]))
+                chosen.append(int(same[best(extrema.theta_dot[same])]))
     return np.array(sorted(chosen), dtype=int)
 
 
 def _peak(motion: Motion, name: str) -> float:
     """Greatest magnitude of a quantity over all pieces, one-sided at boundaries.
 
-    Each grid zooms in on the best point of the one before; the last spacing,
-    5e-6 of a piece, leaves an error of its square at a smooth maximum.
+    Each grid zooms in on the best point of the one before; a parabola through the
+    last three, 5e-6 of a piece apart, gives what lies between them.
     """
     starts = motion.trajectory.start
     best = 0.0
@@ -150,6 +148,15 @@ def _peak(motion: Motion, name: str) -> float:
             grid = np.linspace(low, high, size)
             values = np.abs(getattr(motion.within(piece, grid), name))
             i = int(values.argmax())
-            best = max(best, float(values[i]))
             low, high = grid[max(i - 1, 0)], grid[min(i + 1, size - 1)]
+        best = max(best, _summit(values[max(i - 1, 0) : i + 2]))
     return best
+
+
+def _summit(values: np.ndarray) -> float:
+    """Top of the parabola through three even samples, the middle one the greatest."""
+    top = float(values.max())
+    if values.size < 3:
+        return top
+    bend = 2.0 * values[1] - values[0] - values[2]
+    return top + float((values[2] - values[0]) ** 2 / (8.0 * bend)) if bend > 0.0 else top

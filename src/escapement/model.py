@@ -16,6 +16,16 @@ Scene = tuple[FloatArray, FloatArray, float, float, tuple[float, float], float]
 """Path, breaks, dwell angle [rad], inertia ratio, losses and load ratio [-]."""
 
 
+MOST_UNEQUAL = 1e100
+"""Beyond this ratio of two numbers of a model a double has no room to spare."""
+
+
+def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
+    """Whether ratios of numbers of a model can be computed with."""
+    values = np.asarray(ratio)
+    return (values > 1.0 / MOST_UNEQUAL) & (values < MOST_UNEQUAL)
+
+
 @runtime_checkable
 class Mechanism(Protocol):
     """What an escapement needs to know of a mechanism.
@@ -102,7 +112,8 @@ class Escapement:
     efficiency: float = 1.0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.mechanism, Mechanism):
+        # a class has the attributes that its instances have
+        if isinstance(self.mechanism, type) or not isinstance(self.mechanism, Mechanism):
             raise _validate.fail(
                 "mechanism", "a mechanism", self.mechanism, "give for example Geneva(slots=4)"
             )
@@ -155,10 +166,10 @@ class Escapement:
             "follower_inertia / torque": self.inertia.follower / self.torque,
         }
         for name, value in ratios.items():
-            if not 1e-100 < value < 1e100:
+            if not ratio_in_range(value):
                 rule = "between 1e-100 and 1e100"
                 raise _validate.fail(name, rule, value, "choose numbers of similar size")
-        if self.load_ratio > 1e100:
+        if not self.load_ratio < MOST_UNEQUAL:
             raise _validate.fail(
                 "load_torque / torque", "below 1e100", self.load_ratio, "give a smaller load"
             )

@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from escapement._validate import fail
 from escapement.dynamics import painleve_message, tabulate
 from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import radius
@@ -185,7 +186,10 @@ class Motion:
         InvalidValue
             Where a time is not finite or lies outside [0, end_time].
         """
-        times = np.asarray(t, dtype=float)
+        try:
+            times = np.asarray(t, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            raise fail("t", "a time in s or an array of times", t, "give finite numbers") from None
         if self.trajectory.start.size == 0:
             raise InvalidValue(f"t must lie within the motion, but there is none: {self.message}")
         outside = ~((times >= 0.0) & (times <= self.end_time))

@@ -19,6 +19,8 @@ METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 DEFAULT_ENGINE = "energy"
 DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10}
 DEFAULT_ENGAGEMENTS = 20
+LONGEST = {"energy": 10_000_000, "ivp": 10_000}
+"""Engagements of one motion: what fits into a gigabyte, in seconds or a minute."""
 FASTEST = 1e100  # initial speed in units of sqrt(torque / I_f): its square stays a double
 
 
@@ -41,9 +43,10 @@ def simulate(
     escapement : Escapement
         What to simulate.
     engagements : int, optional
-        Engagements to run, >= 1. Default 20, unless a duration is given.
+        Engagements to run, from 1 to ten million, with "ivp" to ten thousand.
+        Default 20, unless a duration is given.
     duration : float, optional
-        Time to run instead [s], > 0.
+        Time to run instead [s], > 0 and of no more engagements than that.
     engine : str
         "energy" (driver-angle domain, fast) or "ivp" (SciPy's solve_ivp in the
         time domain, the reference).
@@ -74,9 +77,20 @@ def simulate(
         )
     if duration is None:
         count = DEFAULT_ENGAGEMENTS if engagements is None else engagements
-        engagements = _validate.integer("engagements", count, 1, "give how many to run")
+        remedy = "give how many to run; terminal() needs no long motion"
+        engagements = _validate.integer("engagements", count, 1, remedy, maximum=LONGEST[engine])
     else:
         duration = _validate.positive("duration", duration, "give the time to run in s")
+        if engine != DEFAULT_ENGINE:
+            # the fast engine goes ahead: it refuses in a moment what would take days
+            _engine(DEFAULT_ENGINE).simulate(
+                escapement,
+                engagements=None,
+                duration=duration,
+                initial_speed=settings["initial_speed"],
+                rtol=1e-6,
+                longest=LONGEST[engine],
+            )
     run = _engine(engine).simulate
     return run(escapement, engagements=engagements, duration=duration, **settings)
 
@@ -163,8 +177,20 @@ def terminal(
     if message is not None:
         return replace(base, status=Status.PAINLEVE, message=message)
     if escapement.loss[0] == 0.0:
-        gain = escapement.torque * mechanism.cell_angle
-        carries = gain > escapement.load_torque * mechanism.follower_step
-        status = Status.NO_TERMINAL if carries else Status.STALL
-        return replace(base, status=status, message=MESSAGES[status])
+        status, message = _without_friction(escapement, engine, settings)
+        return replace(base, status=status, message=message)
     return _engine(f"{engine}_terminal").terminal(escapement, base, **settings)
+
+
+def _without_friction(
+    escapement: Escapement, engine: str, settings: dict[str, Any]
+) -> tuple[Status, str]:
+    """Outcome where every engagement gains the same: stopped by its load, or never steady."""
+    first = _engine(engine).simulate(escapement, engagements=1, duration=None, **settings)
+    if first.status is not Status.OK:
+        return first.status, first.message
+    mechanism = escapement.mechanism
+    gain = escapement.torque * mechanism.cell_angle
+    carries = gain > escapement.load_torque * mechanism.follower_step
+    status = Status.NO_TERMINAL if carries else Status.STALL
+    return status, MESSAGES[status]

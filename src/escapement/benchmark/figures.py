@@ -116,7 +116,7 @@ def scaling_figure(costs: Sequence[Cost], machine: dict[str, Any]) -> Figure:
         marker="o",
         markersize=3,
     )
-    middle.set(xlabel="cases in a batch", ylabel="time by case [µs]")
+    middle.set(xlabel="cases in a batch", ylabel="time by case [µs]", ylim=(1.0, None))
     line = [cost for cost in costs if cost.against == "workers"]
     sizes = [cost.size for cost in line]
     right.plot(sizes, [c.items / c.time for c in line], color=BLACK, marker="o", markersize=3)

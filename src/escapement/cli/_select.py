@@ -21,8 +21,8 @@ def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
     path : Path
         File that `escapement sweep` wrote.
     selection : str, optional
-        "friction=0.35,torque=0.1", in the units of the file. An axis of one value needs
-        no selection.
+        "friction=0.35,torque=0.1", in the units of the file, with "case=17" of a sample.
+        An axis of one value needs no selection.
 
     Raises
     ------
@@ -34,21 +34,27 @@ def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
     import numpy as np
 
     from escapement.configuration import parse_plan
-    from escapement.store import read_configuration
+    from escapement.store import read_configuration, read_sample_case
 
+    wanted = _parse(selection or "")
+    configuration = read_configuration(path)
+    if "sample" in configuration and "case" in wanted:
+        # as it was drawn and computed, not drawn again
+        row = read_sample_case(path, _whole(wanted.pop("case")))
+        configuration["sample"] = {"method": "list"} | {name: [row[name]] for name in row}
     try:
-        plan = parse_plan(read_configuration(path))
+        plan = parse_plan(configuration)
     except InvalidValue as error:
         raise InputFileError(
             f"study {path} must hold a configuration this version understands, got: {error}"
         ) from None
-    wanted = _parse(selection or "")
-    unknown = [name for name in wanted if name not in plan.axes]
+    unknown = [name for name in wanted if name not in plan.dimensions]
     if unknown:
         raise UsageError(
-            f"--select must name axes of {path}, got {unknown[0]!r}; it has {', '.join(plan.axes)}"
+            f"--select must name axes of {path}, got {unknown[0]!r}; "
+            f"it has {', '.join(plan.dimensions)}"
         )
-    place = [_place(path, name, values, wanted) for name, values in plan.axes.items()]
+    place = [_place(path, name, values, wanted) for name, values in plan.dimensions.items()]
     return plan, int(np.ravel_multi_index(place, plan.shape))
 
 
@@ -64,6 +70,12 @@ def _parse(selection: str) -> dict[str, float]:
                 "for example friction=0.35,torque=0.1"
             ) from None
     return wanted
+
+
+def _whole(case: float) -> int:
+    if not case.is_integer():
+        raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
+    return round(case)
 
 
 def _place(path: Path, name: str, values: Any, wanted: dict[str, float]) -> int:

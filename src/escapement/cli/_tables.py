@@ -16,30 +16,35 @@ RESULTS = ("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time
 def some_cases(
     plan: "StudyPlan", path: str | PathLike[str], units: str | None
 ) -> list[dict[str, Any]]:
-    """At most a dozen cases of a study file, spread evenly over every axis.
+    """At most a dozen cases of a study file, spread evenly over every dimension.
 
-    Only those are read, however large the file. Axes are in `units`, or in the
+    Only those are read, however large the file. Parameters are in `units`, or in the
     study's where that is None.
     """
     import h5py
 
     places = spread(plan.shape, ROWS)
-    scales = {name: axis_scale(plan, name, units) for name in plan.axes}
+    numbers = {name: {name: values} for name, values in plan.dimensions.items()}
+    if plan.sample is not None:
+        numbers[[*numbers][-1]] |= plan.sample.values
     with h5py.File(path, "r") as hdf5:
         cases = []
         for place in places:
-            axes = zip(plan.axes.items(), place, strict=True)
-            case = {name: values[i].item() * scales[name] for (name, values), i in axes}
+            case = {
+                name: values[i].item() * _scale(plan, name, units)
+                for along, i in zip(numbers.values(), place, strict=True)
+                for name, values in along.items()
+            }
             case |= {name: float(hdf5[name][place]) for name in RESULTS}
             cases.append(case | {"status": Status(int(hdf5["status"][place])).label})
     return cases
 
 
-def axis_scale(plan: "StudyPlan", name: str, units: str | None) -> float:
-    """Factor from the study's units of an axis to `units`."""
-    quantity = plan.parameters[name].quantity
-    if units in (None, plan.unit_system):
+def _scale(plan: "StudyPlan", name: str, units: str | None) -> float:
+    """Factor from the study's units of a parameter to `units`."""
+    if units in (None, plan.unit_system) or name not in plan.parameters:
         return 1  # a whole number stays whole
+    quantity = plan.parameters[name].quantity
     return factor(quantity, plan.unit_system) / factor(quantity, units)
 
 

@@ -82,8 +82,9 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
     for key, rows in tables.items():
         if len(rows) > 1:
             print(f"\n{_output.words(key)}")
-            marks = [" (deg)" if name.endswith("_deg") else "" for name in rows[0]]
-            header = [_output.words(name) + mark for name, mark in zip(rows[0], marks, strict=True)]
+            suffixes = [" (deg)" if name.endswith("_deg") else "" for name in rows[0]]
+            names = map(_output.words, rows[0])
+            header = [name + suffix for name, suffix in zip(names, suffixes, strict=True)]
             _output.print_columns([header], [row.values() for row in rows])
 
 

@@ -54,7 +54,7 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def in_units(study: "Study", system: str | None) -> "Study":
-    """A study with its axes in another unit system; None leaves them."""
+    """A study with its parameters in another unit system; None leaves them."""
     from dataclasses import replace
 
     from escapement.units import factor, unit_name
@@ -62,11 +62,12 @@ def in_units(study: "Study", system: str | None) -> "Study":
     own = study.configuration.get("units", "SI")
     if system in (None, own):
         return study
-    axes, units = dict(study.axes), dict(study.units)
-    for name in axes:
-        for quantity in _CONVERTED:
-            if units[name] == unit_name(quantity, own):
-                axes[name] = axes[name] * (factor(quantity, own) / factor(quantity, system))
-                units[name] = unit_name(quantity, system)
-                break
-    return replace(study, axes=axes, units=units)
+    axes, sampled, units = dict(study.axes), dict(study.sampled), dict(study.units)
+    for values in (axes, sampled):
+        for name in values:
+            for quantity in _CONVERTED:
+                if units[name] == unit_name(quantity, own):
+                    values[name] = values[name] * (factor(quantity, own) / factor(quantity, system))
+                    units[name] = unit_name(quantity, system)
+                    break
+    return replace(study, axes=axes, sampled=sampled, units=units)

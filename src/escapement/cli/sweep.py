@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from escapement.configuration import StudyPlan
     from escapement.sweeping import Tally
 
-SUMMARY = "A study on a grid of parameters, to an HDF5 file."
+SUMMARY = "A study on a grid or a sample of parameters, to an HDF5 file."
 
 
 def configure(parser: Parser) -> None:
@@ -64,7 +64,7 @@ def execute(args: argparse.Namespace) -> int:
     tally = _run(plan, path, args)
     cases = _tables.some_cases(plan, path, args.units)
     if args.json:
-        sizes = {name: values.size for name, values in plan.axes.items()}
+        sizes = {name: values.size for name, values in plan.dimensions.items()}
         record = {"output": str(path), "axes": sizes, "cases": tally.cases, "failed": tally.failed}
         record["resumed"] = tally.resumed
         _output.print_json(record | {"some_cases": cases})
@@ -107,7 +107,9 @@ def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
 
 
 def _print_table(plan: "StudyPlan", cases: list[dict[str, Any]], units: str) -> None:
-    named = {name: unit_name(plan.parameters[name].quantity, units) for name in plan.axes}
+    named = {
+        name: unit_name(parameter.quantity, units) for name, parameter in plan.parameters.items()
+    }
     named |= {
         name: "s" if name.endswith(("period", "time")) else "rad s-1" for name in _tables.RESULTS
     }

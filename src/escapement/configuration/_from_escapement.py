@@ -18,6 +18,7 @@ def plan_from(
     escapement: Escapement,
     axes: Mapping[str, ArrayLike | Mapping[str, Any]],
     *,
+    sample: Mapping[str, Any] | None = None,
     initial_speed: float = 0.0,
     engine: str = DEFAULT_ENGINE,
     rtol: float | None = None,
@@ -35,6 +36,9 @@ def plan_from(
         choose by itself, such as the pins of `Geneva(slots=4)`, follows the axes.
     axes : Mapping
         Name of each axis and its values [SI]: numbers, or start, stop and num.
+    sample : Mapping, optional
+        Parameters that vary together, at every point of the grid: the [sample] table
+        of a study, in SI, spread around the values of `escapement`.
     initial_speed : float
         Driver speed at the first pin entry [rad/s], >= 0.
     engine, rtol, atol, method, max_step : optional
@@ -65,7 +69,9 @@ def plan_from(
         "sweep": axes,
         "solver": solver,
     }
-    return parse_plan(configuration | ({} if title is None else {"title": title}), mechanism=own)
+    chosen = {"sample": sample, "title": title}
+    configuration |= {name: value for name, value in chosen.items() if value is not None}
+    return parse_plan(configuration, mechanism=own)
 
 
 def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:

@@ -1,7 +1,6 @@
 """From the content of a study file to a plan."""
 
-import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -11,13 +10,14 @@ from escapement.configuration._keys import check_keys, table
 from escapement.configuration._kinds import KINDS, Kind, other_keys
 from escapement.configuration._parameters import Parameter
 from escapement.configuration._plan import StudyPlan
+from escapement.configuration._sample import Sample, parse_sample
 from escapement.configuration._solver import Solver, parse_solver
 from escapement.errors import InvalidValue
 from escapement.model import Mechanism
 
 MOST_CASES = 10**12
 DEFAULT_KIND = "geneva"
-_SECTIONS = ("mechanism", "inertia", "sweep", "solver")
+_SECTIONS = ("mechanism", "inertia", "sweep", "sample", "solver")
 
 
 def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = None) -> StudyPlan:
@@ -49,18 +49,37 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     system = _validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     parameters = kind.all_parameters
     axes, forms = _axes(table(configuration, "sweep"), parameters)
-    title = configuration.get("title", f"{machine['kind']} escapement over {', '.join(axes)}")
-    return StudyPlan(
+    drawn = table(configuration, "sample")
+    if not axes and "sample" not in configuration:
+        raise InvalidValue(
+            "the study must sweep at least one parameter, got none; "
+            "add an axis under [sweep], for example friction = [0.2, 0.3]"
+        )
+    values = _values(configuration, parameters, {*axes, *drawn})
+    sample = _sample(drawn, parameters, axes, values) if "sample" in configuration else None
+    sampled = [*sample.values] if sample else []
+    replaced = {*axes, *sampled} - (sample.around if sample else set())
+    over = ", ".join(axes) + " and " * bool(axes and sampled)
+    over += "a sample of " * bool(sampled) + ", ".join(sampled)
+    title = configuration.get("title", f"{machine['kind']} escapement over {over}")
+    plan = StudyPlan(
         title=_title(title),
         unit_system=system,
         kind=kind,
         machine=machine,
-        fixed=_fixed(configuration, parameters, axes),
+        fixed={name: value for name, value in values.items() if name not in replaced},
         axes=axes,
         forms=forms,
         solver=parse_solver(table(configuration, "solver")),
+        sample=sample,
         own_mechanism=mechanism,
     )
+    if plan.cases > MOST_CASES:
+        raise InvalidValue(
+            f"the grid must have at most {MOST_CASES:.0e} cases, got {plan.cases:.3g}; "
+            "shorten an axis"
+        )
+    return plan
 
 
 def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
@@ -71,6 +90,7 @@ def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
     homes[kind.other_loss] = f"a study of a mechanism {slot} a slot"
     homes |= {setting.name: "[solver]" for setting in fields(Solver)}
     homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
+    homes |= dict.fromkeys(["size", "seed"], "[sample]")
     keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
     keys["mechanism"] = ["kind", *kind.options]
     for name, parameter in parameters.items():
@@ -100,25 +120,29 @@ def _axes(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Values and JSON form of every axis, in order."""
     check_keys(forms, parameters, "in [sweep]")
-    if not forms:
-        raise InvalidValue(
-            "the study must sweep at least one parameter, got none; "
-            "add an axis under [sweep], for example friction = [0.2, 0.3]"
-        )
     parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
-    cases = math.prod(values.size for values, _ in parsed.values())
-    if cases > MOST_CASES:
-        raise InvalidValue(
-            f"the grid must have at most {MOST_CASES:.0e} cases, got {cases:.3g}; shorten an axis"
-        )
     axes = {name: values for name, (values, _) in parsed.items()}
     return axes, {name: form for name, (_, form) in parsed.items()}
 
 
-def _fixed(
-    configuration: Mapping[str, Any], parameters: Mapping[str, Parameter], axes: Mapping[str, Any]
+def _sample(
+    drawn: Mapping[str, Any],
+    parameters: Mapping[str, Parameter],
+    axes: Mapping[str, Any],
+    nominal: Mapping[str, float],
+) -> Sample:
+    both = [name for name in drawn if name in axes]
+    if both:
+        raise InvalidValue(
+            f"{both[0]} must be in [sweep] or in [sample], got both; leave one of them out"
+        )
+    return parse_sample(drawn, parameters, nominal)
+
+
+def _values(
+    configuration: Mapping[str, Any], parameters: Mapping[str, Parameter], varied: Collection[str]
 ) -> dict[str, float]:
-    """Fixed values, the default ones included; an axis replaces its fixed value."""
+    """Fixed and nominal values, the default ones included; what varies needs none."""
     fixed, missing = {}, []
     for name, parameter in parameters.items():
         section = table(configuration, parameter.section) if parameter.section else configuration
@@ -126,13 +150,13 @@ def _fixed(
             fixed[name] = parameter.check(parameter.label, section[parameter.key])
         elif parameter.default is not None:
             fixed[name] = parameter.default
-        elif parameter.required and name not in axes:
+        elif parameter.required and name not in varied:
             missing.append(f"{parameter.label} ({parameter.long_name})")
     if missing:
         raise InvalidValue(
             f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
         )
-    return {name: value for name, value in fixed.items() if name not in axes}
+    return fixed
 
 
 def _title(title: Any) -> str:

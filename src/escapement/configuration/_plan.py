@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from escapement import units
 from escapement.configuration._kinds import Kind
 from escapement.configuration._parameters import Parameter
+from escapement.configuration._sample import CASE, Sample
 from escapement.configuration._solver import Solver
 from escapement.model import Escapement, Inertia, Mechanism
 
@@ -21,8 +22,9 @@ from escapement.model import Escapement, Inertia, Mechanism
 class StudyPlan:
     """Everything a study needs to run, and nothing it computes.
 
-    Cases are numbered in C order over the axes: the last axis varies fastest.
-    Numbers are in the user's units; `values` and `columns` give them in SI.
+    Cases are numbered in C order over the dimensions: the axes, then the cases of the
+    sample, which vary fastest. Numbers are in the user's units; `values` and `columns`
+    give them in SI.
 
     Attributes
     ----------
@@ -37,11 +39,13 @@ class StudyPlan:
     fixed : dict of float
         Parameters that do not vary.
     axes : dict of ndarray, shape (n,)
-        Parameters that vary, in the order of the results.
+        Parameters that vary on a grid, in the order of the results.
     forms : dict
         The axes as the configuration states them.
     solver : Solver
         Engine and tolerances.
+    sample : Sample, optional
+        Parameters that vary together.
     own_mechanism : Mechanism, optional
         A mechanism that no configuration can describe.
     """
@@ -54,16 +58,30 @@ class StudyPlan:
     axes: dict[str, NDArray[Any]]
     forms: dict[str, Any]
     solver: Solver
+    sample: Sample | None = None
     own_mechanism: Mechanism | None = None
+
+    @cached_property
+    def dimensions(self) -> dict[str, NDArray[Any]]:
+        """Values along each dimension of the results: of an axis, or numbers of cases."""
+        if self.sample is None:
+            return self.axes
+        return self.axes | {CASE: np.arange(self.sample.size)}
+
+    @property
+    def varied(self) -> dict[str, dict[str, NDArray[Any]]]:
+        """Values of the parameters that vary along each dimension."""
+        along = {name: {name: values} for name, values in self.axes.items()}
+        return along if self.sample is None else along | {CASE: self.sample.values}
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Length of each axis."""
-        return tuple(values.size for values in self.axes.values())
+        """Length of each dimension."""
+        return tuple(values.size for values in self.dimensions.values())
 
     @property
     def cases(self) -> int:
-        """Number of grid points."""
+        """Number of cases."""
         return math.prod(self.shape)
 
     @property
@@ -80,14 +98,24 @@ class StudyPlan:
             parameter = self.parameters[name]
             home = plain.setdefault(parameter.section, {}) if parameter.section else plain
             home[parameter.key] = value
-        return plain | {"sweep": self.forms, "solver": self.solver.given}
+        if self.axes:
+            plain["sweep"] = self.forms
+        if self.sample is not None:
+            plain["sample"] = self.sample.form
+        return plain | {"solver": self.solver.given}
 
-    def unit(self, axis: str) -> str:
-        """UDUNITS spelling of the unit of an axis."""
-        return units.unit_name(self.parameters[axis].quantity, self.unit_system)
+    def unit(self, name: str) -> str:
+        """UDUNITS spelling of the unit of a parameter or a dimension."""
+        quantity = "ratio" if name == CASE else self.parameters[name].quantity
+        return units.unit_name(quantity, self.unit_system)
+
+    def long_name(self, name: str) -> str:
+        """What a parameter or a dimension is."""
+        return "number of the case" if name == CASE else self.parameters[name].long_name
 
     @cached_property
-    def _fixed_si(self) -> dict[str, float | None]:
+    def fixed_si(self) -> dict[str, Any]:
+        """Fixed value of every parameter in SI; None leaves it to the mechanism."""
         given = {
             name: self.parameters[name].to_si(value, self.unit_system)
             for name, value in self.fixed.items()
@@ -95,28 +123,45 @@ class StudyPlan:
         return dict.fromkeys(self.parameters) | given
 
     @cached_property
-    def _axes_si(self) -> list[NDArray[Any]]:
+    def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
         return [
-            self.parameters[name].to_si(values, self.unit_system)
-            for name, values in self.axes.items()
+            {
+                name: self.parameters[name].to_si(values, self.unit_system)
+                for name, values in along.items()
+            }
+            for along in self.varied.values()
         ]
 
-    def columns(self, start: int, stop: int) -> dict[str, NDArray[Any]]:
-        """What varies over the cases start <= case < stop, in SI.
+    def every(self, name: str) -> Any:
+        """All values in SI that a parameter takes: an array, or what is fixed."""
+        return next(
+            (along[name] for along in self._varied_si if name in along), self.fixed_si[name]
+        )
+
+    def columns(self, cases: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+        """What varies over some cases, in SI.
+
+        Parameters
+        ----------
+        cases : ndarray, shape (n,)
+            Their numbers.
 
         Returns
         -------
-        dict of ndarray, shape (stop - start,)
-            One array per axis.
+        dict of ndarray, shape (n,)
+            One array per parameter that varies.
         """
-        places = np.unravel_index(np.arange(start, stop), self.shape)
-        columns = (axis[place] for axis, place in zip(self._axes_si, places, strict=True))
-        return dict(zip(self.axes, columns, strict=True))
+        places = np.unravel_index(cases, self.shape)
+        return {
+            name: values[place]
+            for along, place in zip(self._varied_si, places, strict=True)
+            for name, values in along.items()
+        }
 
     def values(self, case: int) -> dict[str, Any]:
         """Every parameter of one case in SI; None leaves it to the mechanism."""
-        varying = {name: column.item() for name, column in self.columns(case, case + 1).items()}
-        return self._fixed_si | varying
+        columns = self.columns(np.array([case]))
+        return self.fixed_si | {name: column.item() for name, column in columns.items()}
 
     def escapement(self, case: int) -> Escapement:
         """The escapement of one case.
@@ -129,7 +174,7 @@ class StudyPlan:
         """
         values = self.values(case)
         return Escapement(
-            mechanism=self._build_mechanism(values),
+            mechanism=self._built(values),
             inertia=Inertia(values["driver_inertia"], values["follower_inertia"]),
             torque=values["torque"],
             friction=values.get("friction", 0.0),
@@ -137,7 +182,11 @@ class StudyPlan:
             efficiency=values.get("efficiency", 1.0),
         )
 
-    def _build_mechanism(self, values: Mapping[str, Any]) -> Mechanism:
+    def mechanism(self, case: int) -> Mechanism:
+        """The mechanism of one case; errors as `escapement`."""
+        return self._built(self.values(case))
+
+    def _built(self, values: Mapping[str, Any]) -> Mechanism:
         if self.own_mechanism is not None:
             return self.own_mechanism
         module, _, name = self.kind.factory.partition(":")

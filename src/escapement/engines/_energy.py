@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from escapement._validate import fail
 from escapement.engines._cells import cells_of
 from escapement.engines._cycle import PAINLEVE, handoffs
 from escapement.engines._march import BREAK, MAXIMUM, OK, REVERSAL
@@ -144,8 +145,12 @@ def simulate(
     duration: float | None,
     initial_speed: float,
     rtol: float,
+    longest: int = 10_000_000,
 ) -> Motion:
-    """Motion in the driver-angle domain; arguments are validated by `escapement.simulate`."""
+    """Motion in the driver-angle domain; arguments are validated by `escapement.simulate`.
+
+    A duration of more than `longest` engagements is refused.
+    """
     clock, scene = escapement.time_unit, escapement.scene
     cells = cells_of(scene)
     horizon = np.inf if duration is None else duration / clock
@@ -154,9 +159,12 @@ def simulate(
     while True:
         times, speeds = np.empty(size), np.empty(size)
         code, done, angle = handoffs(cells, *scene, w, horizon, rtol, clock, times, speeds)
-        if code != OK or duration is None or done < size:
+        if code != OK or duration is None or done < size or times[-1] >= duration:
             break
-        size *= 8
+        if size >= longest:
+            rule = f"at most {times[-1]:.6g} s, in which {longest} engagements pass"
+            raise fail("duration", rule, duration, "terminal() needs no long motion")
+        size = min(8 * size, longest)
     if code == PAINLEVE:
         return no_motion(escapement, "energy", rtol)
     # the engagement in which the motion ends, and when

@@ -11,6 +11,8 @@ from escapement import _validate
 from escapement.mechanisms._slotted import Transmission, radius, transmission, two_vector_path
 from escapement.model import FloatArray
 
+_MOST_SLOTS = 1_000_000
+
 
 @dataclass(frozen=True)
 class Geneva:
@@ -19,7 +21,7 @@ class Geneva:
     Parameters
     ----------
     slots : int
-        Slots n of the follower, >= 3.
+        Slots n of the follower, from 3 to a million.
     pins : int, optional
         Equally spaced pins of the driver. Default: 2n/(n-2) where that is
         whole (3, 4 and 6 slots: continuous engagement, Meyer 1-3), else 1.
@@ -39,7 +41,8 @@ class Geneva:
     crank_radius: float | None = None
 
     def __post_init__(self) -> None:
-        n = _validate.integer("slots", self.slots, 3, "a Geneva wheel needs 3 slots or more")
+        remedy = "a Geneva wheel has from 3 slots to some dozens"
+        n = _validate.integer("slots", self.slots, 3, remedy, maximum=_MOST_SLOTS)
         if not isinstance(self.internal, bool | np.bool_):
             raise _validate.fail("internal", "true or false", self.internal, "give a truth value")
         most = 1 if self.internal else (2 * n) // (n - 2)

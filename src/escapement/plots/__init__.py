@@ -17,6 +17,8 @@ from escapement.plots.measurement import (
     plot_positions,
 )
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
+from escapement.plots.sample import plot_sample
+from escapement.plots.spread import plot_spread
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
 
 __all__ = [
@@ -36,6 +38,8 @@ __all__ = [
     "plot_phase_portrait",
     "plot_positions",
     "plot_rise_and_terminal",
+    "plot_sample",
+    "plot_spread",
     "plot_study",
     "plot_velocities",
     "save",

@@ -35,11 +35,14 @@ def print_unit(unit: str) -> str:
     return "/".join([text or "1", *below]) if below else text
 
 
-def label(name: str, unit: str = "") -> str:
-    """Text of an axis: name with a capital, its printed unit in brackets."""
+def label(name: str, unit: str = "", line: int = _LINE) -> str:
+    """Text of an axis: name with a capital, its printed unit in brackets.
+
+    line : characters after which it goes on below.
+    """
     whole = unit.replace(" ", "~")
     text = name[:1].upper() + name[1:] + (f" ({whole})" if unit else "")
-    return textwrap.fill(text, _LINE).replace("~", " ")
+    return textwrap.fill(text, line).replace("~", " ")
 
 
 def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
@@ -67,10 +70,15 @@ def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
     return 1000.0**steps, names[steps]
 
 
+def superscript(power: int) -> str:
+    """A whole number as an exponent."""
+    return str(power).translate(_SUPERSCRIPTS)
+
+
 def number(value: float) -> str:
     """A number to four figures, its power of ten written out."""
     mantissa, _, power = f"{value:.4g}".partition("e")
-    return f"{mantissa}×10{str(int(power)).translate(_SUPERSCRIPTS)}" if power else mantissa
+    return f"{mantissa}×10{superscript(int(power))}" if power else mantissa
 
 
 def quantity(name: str, value: float, unit: str) -> str:

@@ -30,7 +30,7 @@ def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D
     x = table.x_values
     factor, unit = scaled(study.units.get(result, ""), table.values)
     drawn = []
-    for look, column in zip(_style.LOOKS, _spread(table.values.shape[1]), strict=False):
+    for look, column in zip(_style.LOOKS, spread(table.values.shape[1]), strict=False):
         name = "" if table.lines is None else number(table.line_values[column])
         drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name))
     dress_axis(ax, "x", study, table.x)
@@ -64,7 +64,7 @@ def legend_title(study: Study, table: Table) -> str:
         return ""
     text = label(printed_name(study, table.lines), print_unit(study.units.get(table.lines, "")))
     count = table.values.shape[1]
-    shown = len(_spread(count))
+    shown = len(spread(count))
     return text if shown == count else f"{text}, {shown} of {count} values"
 
 
@@ -151,8 +151,8 @@ def _logarithmic(values: FloatArray) -> bool:
     return bool(np.allclose(steps, steps[0], rtol=1e-6))
 
 
-def _spread(count: int) -> list[int]:
-    """Indices of the lines drawn: evenly spread, ends included."""
+def spread(count: int) -> list[int]:
+    """Indices of the lines drawn, of so many: evenly spread, ends included."""
     most = len(_style.LOOKS)
     if count <= most:
         return list(range(count))

@@ -35,6 +35,10 @@ class Study(Protocol):
         """Values along each dimension; shape (n,)."""
 
     @property
+    def sampled(self) -> Mapping[str, NDArray[Any]]:
+        """Parameters of a sample, along the last axis; empty on a grid."""
+
+    @property
     def results(self) -> Mapping[str, NDArray[Any]]:
         """Arrays over the axes in order."""
 
@@ -86,12 +90,13 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
     """
     known = tuple(name for name in study.results if name != "status")
     _validate.choice("result", result, known)
+    if study.sampled:
+        raise InvalidValue(
+            "study must be a grid to be drawn as lines or a map, got a sample; use plot_study"
+        )
     varied = [name for name, values in study.axes.items() if np.size(values) > 1]
     if not varied:
-        raise InvalidValue(
-            "study must vary at least one parameter to be plotted, got a single case; "
-            "give a parameter two values or more"
-        )
+        raise single_case()
     if x is None:
         pair = varied[:2]
         x = "torque" if "torque" in pair else max(pair, key=lambda name: len(study.axes[name]))
@@ -161,6 +166,14 @@ def _fixed(study: Study, name: str, index: int) -> str:
     values = study.axes[name]
     text = quantity(printed_name(study, name), values[index], study.units.get(name, ""))
     return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)})"
+
+
+def single_case() -> InvalidValue:
+    """The error for a study that varies nothing."""
+    return InvalidValue(
+        "study must vary at least one parameter to be plotted, got a single case; "
+        "give a parameter two values or more"
+    )
 
 
 def _empty(names: Sequence[str]) -> NoResult:

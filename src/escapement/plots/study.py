@@ -19,6 +19,8 @@ from escapement.plots._panels import (
     legend_title,
 )
 from escapement.plots._table import NoResult, Study, Table, available, tabulate
+from escapement.plots.sample import plot_sample
+from escapement.plots.spread import plot_spread
 
 _ENOUGH = 5  # points on either axis that make a contour map worth while
 _TIMES = ("rise_time", "settling_time")
@@ -130,13 +132,17 @@ def plot_study(study: Study) -> Figure:
         One varied axis: rise and settling time, and the terminal velocities.
         Two: rise time and mean velocity, a line for each value of the second;
         with five points or more on both, contour maps below. More: the first
-        two, the others at their middle value, which the title tells.
+        two, the others at their middle value, which the title tells. A sample is
+        drawn by `plot_sample`, or with axes beside it by `plot_spread`.
 
     Raises
     ------
     InvalidValue
         When nothing was varied, or no case has a result.
     """
+    if study.sampled:
+        beside = [*study.axes.values()][:-1]
+        return (plot_spread if max(map(len, beside), default=1) > 1 else plot_sample)(study)
     names = available(study, ("rise_time", "velocity_mean"))
     table = tabulate(study, names[0])
     if table.lines is None:

@@ -2,7 +2,7 @@
 
 from escapement.store._block import Block, blocks_of, encode_block
 from escapement.store._chunks import Tiling
-from escapement.store._reader import read_configuration, read_study
+from escapement.store._reader import read_configuration, read_sample_case, read_study
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Result, Study, count_failed
 from escapement.store._target import check_target
 from escapement.store._writer import StudyWriter, partial_path, write_study
@@ -21,6 +21,7 @@ __all__ = [
     "encode_block",
     "partial_path",
     "read_configuration",
+    "read_sample_case",
     "read_study",
     "write_study",
 ]

@@ -48,7 +48,10 @@ class StudyImage:
         try:
             _write_root(self._hdf5, frame)
             for name, values in frame.axes.items():
-                _write_axis(self._hdf5, frame, name, values)
+                _write_line(self._hdf5, frame, name, values).make_scale(name)
+            for name, values in frame.sampled.items():
+                line = _write_line(self._hdf5, frame, name, values)
+                line.dims[0].attach_scale(self._hdf5[[*frame.axes][-1]])
             self._results = [
                 _create_result(self._hdf5, frame, name, tiling.tile) for name in RESULTS
             ]
@@ -128,13 +131,14 @@ def _write_root(hdf5: Any, frame: Study) -> None:
     dataset.attrs["long_name"] = "configuration of the study, JSON"
 
 
-def _write_axis(hdf5: Any, frame: Study, name: str, values: NDArray[Any]) -> None:
+def _write_line(hdf5: Any, frame: Study, name: str, values: NDArray[Any]) -> Any:
+    """A dataset over one dimension: values of an axis, or of a sampled parameter."""
     chunks = (min(values.size, CELLS),)
     kind = "<i8" if values.dtype.kind == "i" else "<f8"
-    axis = hdf5.create_dataset(name, data=values, dtype=kind, chunks=chunks, **_FILTERS)
-    axis.attrs["units"] = frame.units[name]
-    axis.attrs["long_name"] = frame.long_names[name]
-    axis.make_scale(name)
+    line = hdf5.create_dataset(name, data=values, dtype=kind, chunks=chunks, **_FILTERS)
+    line.attrs["units"] = frame.units[name]
+    line.attrs["long_name"] = frame.long_names[name]
+    return line
 
 
 def _create_result(hdf5: Any, frame: Study, name: str, tile: tuple[int, ...]) -> Any:
@@ -142,6 +146,8 @@ def _create_result(hdf5: Any, frame: Study, name: str, tile: tuple[int, ...]) ->
     dataset = hdf5.create_dataset(name, frame.shape, result.dtype, chunks=tile, **_FILTERS)
     dataset.attrs["units"] = frame.units[name]
     dataset.attrs["long_name"] = frame.long_names[name]
+    if frame.sampled:
+        dataset.attrs["coordinates"] = " ".join(frame.sampled)  # as the CF conventions have it
     if name == "status":
         dataset.attrs["flag_values"] = np.array([member.value for member in Status], "u1")
         dataset.attrs["flag_meanings"] = " ".join(member.label for member in Status)

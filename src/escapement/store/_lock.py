@@ -2,6 +2,10 @@
 
 import os
 import sys
+from pathlib import Path
+
+_ENDING = ("Z", "X", "D")  # dead, and waiting for a disk: a sound process soon is no longer
+_KILLED = 1 << 8  # SIGKILL, in a mask of signals
 
 if sys.platform == "win32":
     import msvcrt
@@ -30,3 +34,26 @@ else:
         except BlockingIOError:
             return False
         return True
+
+
+def is_ending(process: int) -> bool:
+    """Whether a process of this machine is gone, or killed and on its way.
+
+    One that is killed while its disk is busy holds its files until the disk has
+    answered. Where the system does not tell, only one that is gone counts.
+    """
+    if sys.platform == "win32":
+        return False  # it has no signal that merely asks
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    except OSError:
+        return False
+    try:
+        text = Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return False
+    fields = dict(line.split(":\t", 1) for line in text.splitlines() if ":\t" in line)
+    pending = int(fields.get("SigPnd", "0"), 16) | int(fields.get("ShdPnd", "0"), 16)
+    return fields.get("State", "")[:1] in _ENDING or bool(pending & _KILLED)

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from escapement.errors import EscapementError, InputFileError, MissingInput
+from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Study, count_failed
 
 T = TypeVar("T")
@@ -36,6 +36,27 @@ def read_study(path: str | PathLike[str]) -> Study:
 def read_configuration(path: str | PathLike[str]) -> dict[str, Any]:
     """The configuration of a study file, without its results; errors as `read_study`."""
     return _open_study(path, lambda hdf5: json.loads(hdf5["configuration"].asstr()[()]))
+
+
+def read_sample_case(path: str | PathLike[str], case: int) -> dict[str, Any]:
+    """Sampled parameters of one case of a study file, in its units; errors as `read_study`.
+
+    Raises
+    ------
+    InvalidValue
+        When there is no such case.
+    """
+
+    def read(hdf5: Any) -> dict[str, Any]:
+        cases = hdf5["status"].shape[-1]
+        if not 0 <= case < cases:
+            raise InvalidValue(
+                f"case must be one of the {cases} cases of {path}, got {case}; "
+                f"they are numbered from 0 to {cases - 1}"
+            )
+        return {name: hdf5[name][case].item() for name in _sampled(hdf5)}
+
+    return _open_study(path, read)
 
 
 def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
@@ -105,15 +126,22 @@ def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:
 
 def _read(hdf5: Any) -> Study:
     axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
-    names = [*axes, *RESULTS]
+    sampled = _sampled(hdf5)
+    names = [*axes, *sampled, *RESULTS]
     return Study(
         axes={name: hdf5[name][()] for name in axes},
+        sampled={name: hdf5[name][()] for name in sampled},
         results={name: hdf5[name][()] for name in RESULTS},
         units={name: str(hdf5[name].attrs["units"]) for name in names},
         long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
         configuration=json.loads(hdf5["configuration"].asstr()[()]),
         attributes={name: _plain(value) for name, value in hdf5.attrs.items()},
     )
+
+
+def _sampled(hdf5: Any) -> list[str]:
+    """Names of the parameters of a sample."""
+    return str(hdf5["status"].attrs.get("coordinates", "")).split()
 
 
 def _plain(value: Any) -> Any:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -42,15 +42,18 @@ class Study:
     Attributes
     ----------
     axes : dict of ndarray, shape (n,)
-        In the user's units; their order is that of the results' dimensions.
+        In the user's units; their order is that of the results' dimensions. The last
+        axis of a sample is `case`, the numbers of its cases.
     results : dict of ndarray
         NaN where a case has no such figure; `status` (uint8) says why.
     units, long_names : dict of str
-        For every axis and result.
+        For every axis, sampled parameter and result.
     configuration : dict
         The study as it was asked for.
     attributes : dict
         title, schema_version, package_version, engine, rtol and created.
+    sampled : dict of ndarray, shape (n,)
+        Parameters of a sample in the user's units, along `case`.
     """
 
     axes: dict[str, NDArray[Any]]
@@ -59,6 +62,7 @@ class Study:
     long_names: dict[str, str]
     configuration: dict[str, Any]
     attributes: dict[str, Any]
+    sampled: dict[str, NDArray[Any]] = field(default_factory=dict)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -67,7 +71,7 @@ class Study:
 
     @property
     def cases(self) -> int:
-        """Number of grid points."""
+        """Number of cases."""
         return math.prod(self.shape)
 
     @property

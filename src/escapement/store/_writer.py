@@ -120,6 +120,7 @@ class StudyWriter:
 
     def _begin(self, target: Path) -> None:
         """Find out what is there already, and what is still missing."""
+        self._journal.sign()
         failed = None
         if self._resume and not self._force and target.exists():
             failed = failed_cases(target, self._frame)

@@ -1,4 +1,4 @@
-"""Studies over grids of parameters: every case solved, into memory or into a file."""
+"""Studies over grids and samples of parameters: every case solved, into memory or into a file."""
 
 from escapement.sweeping._run import Tally, frame_of, run_plan, sweep, write_plan
 

@@ -8,6 +8,8 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
+_AHEAD = 8  # results that may wait while the disk is slow
+
 
 def in_threads(
     work: Callable[[int], T], numbers: Iterable[int], workers: int
@@ -18,7 +20,7 @@ def in_threads(
     pool = ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
     try:
         while True:
-            for number in islice(waiting, workers + 1 - len(running)):
+            for number in islice(waiting, workers + _AHEAD - len(running)):
                 running.append(pool.submit(work, number))
             if not running:
                 return

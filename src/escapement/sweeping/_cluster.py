@@ -11,7 +11,7 @@ from typing import Any
 from escapement.configuration import StudyPlan
 from escapement.errors import InvalidValue, StorageError
 from escapement.store import Block, Tiling, encode_block
-from escapement.sweeping._evaluate import evaluate
+from escapement.sweeping._evaluate import Evaluator
 from escapement.sweeping._numerics import numerics
 
 LOCAL = "local"
@@ -19,7 +19,7 @@ _TASK_TIME = 0.5  # s: far above the cost of a task, and little to lose with a w
 _LARGEST_TASK = 64  # blocks
 _AHEAD = 2  # tasks on their way for each thread of the cluster
 _PATIENCE = 15.0  # s to find a scheduler
-_PLANS: dict[str, tuple[StudyPlan, Tiling]] = {}
+_PLANS: dict[str, tuple[Evaluator, Tiling]] = {}
 
 
 class PlanOnWorkers:
@@ -29,10 +29,10 @@ class PlanOnWorkers:
     """
 
     def __init__(self, key: str, plan: StudyPlan, cut: Tiling) -> None:
-        self._key, self._content = key, (plan, cut)
+        self._key, self._plan, self._cut = key, plan, cut
 
     def setup(self, worker: Any) -> None:
-        _PLANS[self._key] = self._content
+        _PLANS[self._key] = Evaluator(self._plan), self._cut
 
     def teardown(self, worker: Any) -> None:
         _PLANS.pop(self._key, None)
@@ -46,8 +46,8 @@ def solve_blocks(key: str, numbers: list[int], version: str) -> tuple[list[Block
             "install the same geneva-escapement everywhere"
         )
     begin = time.perf_counter()
-    plan, cut = _PLANS[key]
-    blocks = [encode_block(cut, n, evaluate(plan, *cut.span(n))) for n in numbers]
+    evaluate, cut = _PLANS[key]
+    blocks = [encode_block(cut, n, evaluate(*cut.span(n))) for n in numbers]
     return blocks, time.perf_counter() - begin
 
 

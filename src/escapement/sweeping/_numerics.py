@@ -6,7 +6,8 @@ from pathlib import Path
 
 _SOURCES = (
     *("units.py", "model.py", "dynamics.py", "metrics.py", "simulation.py", "status.py"),
-    *("mechanisms/*.py", "engines/*.py", "configuration/*.py", "sweeping/_evaluate.py"),
+    *("mechanisms/*.py", "engines/*.py", "configuration/*.py"),
+    *("sweeping/_evaluate.py", "sweeping/_scenes.py"),
 )
 
 

@@ -1,6 +1,6 @@
-"""Running a study: every case of a grid, into memory or into a file."""
+"""Running a study: every case of a grid or a sample, into memory or into a file."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -27,7 +27,7 @@ from escapement.store import (
 )
 from escapement.sweeping._blocks import in_threads
 from escapement.sweeping._cluster import connect, in_cluster
-from escapement.sweeping._evaluate import evaluate
+from escapement.sweeping._evaluate import Evaluator
 from escapement.sweeping._numerics import numerics
 
 Report = Callable[[int, int, int], object]
@@ -45,6 +45,7 @@ class Tally:
 def sweep(
     escapement: Escapement,
     *,
+    sample: Mapping[str, Any] | None = None,
     engine: str = simulation.DEFAULT_ENGINE,
     rtol: float | None = None,
     initial_speed: ArrayLike = 0.0,
@@ -56,12 +57,17 @@ def sweep(
     scheduler: Any = None,
     **axes: ArrayLike,
 ) -> Study:
-    """Figures of merit over a grid of parameters.
+    """Figures of merit over a grid of parameters, or a sample of them.
 
     Parameters
     ----------
     escapement : Escapement
         The nominal design.
+    sample : Mapping, optional
+        Parameters that vary together, at every point of the grid: `method`
+        ("latin-hypercube", "sobol" or "list"), `size`, `seed` (default 0), and a
+        distribution [SI] of each parameter, such as {"relative_tolerance": 0.05} or
+        {"low": 0.2, "high": 0.3}; with "list" its values, case by case.
     engine, rtol : optional
         As for `terminal`.
     initial_speed : float or array
@@ -82,7 +88,7 @@ def sweep(
     **axes : array
         Values [SI] of any of friction or efficiency, torque, load_torque, driver_inertia,
         follower_inertia and the numbers of the mechanism (slots, pins); the
-        order is that of the results' dimensions.
+        order is that of the results' dimensions. A sample adds the last one, `case`.
 
     Returns
     -------
@@ -98,7 +104,14 @@ def sweep(
     """
     if np.ndim(initial_speed) > 0:
         axes["initial_speed"], initial_speed = initial_speed, 0.0
-    plan = plan_from(escapement, axes, initial_speed=initial_speed, engine=engine, rtol=rtol)  # type: ignore[arg-type]
+    plan = plan_from(
+        escapement,
+        axes,
+        sample=sample,
+        initial_speed=initial_speed,  # type: ignore[arg-type]
+        engine=engine,
+        rtol=rtol,
+    )
     return run_plan(
         plan,
         path,
@@ -136,11 +149,11 @@ def run_plan(
         raise _validate.fail("scheduler", "left out without a path", scheduler, "name a file")
     frame, count = frame_of(plan), _count(workers)
     results = {name: np.empty(plan.cases, result.dtype) for name, result in RESULTS.items()}
-    cut = blocks_of(frame)
+    cut, evaluate = blocks_of(frame), Evaluator(plan)
 
     def work(number: int) -> tuple[int, int]:
         start, stop = cut.span(number)
-        block = evaluate(plan, start, stop)
+        block = evaluate(start, stop)
         for name, values in results.items():
             values[start:stop] = block[name]
         return stop - start, count_failed(block["status"])
@@ -170,7 +183,8 @@ def write_plan(
     Arguments and errors as `sweep`.
     """
     count = _count(workers)
-    writer = StudyWriter(path, frame_of(plan), numerics=numerics(), force=force, resume=resume)
+    version = numerics() + ("" if plan.sample is None else plan.sample.fingerprint)
+    writer = StudyWriter(path, frame_of(plan), numerics=version, force=force, resume=resume)
 
     with (
         writer,
@@ -191,11 +205,12 @@ def _blocks(
     plan: StudyPlan, writer: StudyWriter, workers: int, scheduler: Any
 ) -> Iterator[Iterable[Block]]:
     """What a study still lacks, block after block, from threads or from a cluster."""
-
-    def work(number: int) -> Block:
-        return encode_block(writer.cut, number, evaluate(plan, *writer.cut.span(number)))
-
     if scheduler is None or not writer.missing:
+        evaluate = Evaluator(plan)
+
+        def work(number: int) -> Block:
+            return encode_block(writer.cut, number, evaluate(*writer.cut.span(number)))
+
         with closing(in_threads(work, writer.missing, workers)) as blocks:
             yield blocks
         return
@@ -208,11 +223,14 @@ def _blocks(
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    units = {name: plan.unit(name) for name in plan.axes}
-    names = {name: plan.parameters[name].long_name for name in plan.axes}
+    sampled = {} if plan.sample is None else plan.sample.values
+    varied = (*plan.dimensions, *sampled)
+    units = {name: plan.unit(name) for name in varied}
+    names = {name: plan.long_name(name) for name in varied}
     rtol = plan.solver.rtol
     return Study(
-        axes=plan.axes,
+        axes=plan.dimensions,
+        sampled=sampled,
         results={},
         units=units | {name: result.units for name, result in RESULTS.items()},
         long_names=names | {name: result.long_name for name, result in RESULTS.items()},

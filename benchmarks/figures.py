@@ -1,0 +1,187 @@
+"""Figures of accuracy, drawn from the tables in benchmarks/results.
+
+One function a figure; `docs/make_figures.py` puts them into the documentation.
+"""
+
+import csv
+import json
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from escapement.benchmark.figures import work_precision_figure
+from escapement.benchmark.problems import PROBLEMS
+from escapement.benchmark.work_precision import Point
+from escapement.plots._style import (
+    BLACK,
+    BLUE,
+    GREY,
+    LOOKS,
+    ONE_COLUMN,
+    SMALL_SIZE,
+    TWO_COLUMN,
+    VERMILLION,
+    dress,
+    legend_above,
+    new_axes,
+    new_figure,
+)
+
+RESULTS = Path(__file__).resolve().parent / "results"
+LEAST = 1e-17  # an error of nothing, on a logarithmic axis
+
+
+def table(name):
+    """Rows of a result as dictionaries, numbers as floats."""
+
+    def cell(text):
+        try:
+            return float(text)
+        except ValueError:
+            return text
+
+    with open(RESULTS / f"{name}.csv", newline="", encoding="utf-8") as stream:
+        return [{key: cell(text) for key, text in row.items()} for row in csv.DictReader(stream)]
+
+
+def columns(rows, *names):
+    return [np.array([row[name] for row in rows]) for name in names]
+
+
+def grouped(rows, *names):
+    """(values of `names`, rows) of each run of equal ones."""
+    return groupby(rows, key=lambda row: tuple(row[name] for name in names))
+
+
+def above(figure, axes, columns):
+    """One legend for all panels, over them."""
+    handles, names = axes.get_legend_handles_labels()
+    figure.legend(
+        handles,
+        names,
+        loc="outside upper center",
+        ncols=columns,
+        fontsize=SMALL_SIZE,
+        frameon=False,
+        handlelength=2.6,
+    )
+
+
+def work_precision():
+    """Error against run time of all solvers, as `escapement bench` measured them."""
+    points = [Point(**row) for row in table("work_precision")]
+    machine = json.loads((RESULTS / "machine.json").read_text(encoding="utf-8"))
+    names = {point.problem for point in points}
+    problems = [problem for problem in PROBLEMS if problem.name in names]
+    return work_precision_figure(points, problems, machine)
+
+
+def tolerance():
+    """Error got against error asked for, both engines."""
+    figure = new_figure(TWO_COLUMN, 3.1)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for axes, ((engine,), rows) in zip(panels, grouped(table("tolerance"), "engine"), strict=True):
+        dress(axes)
+        rtol, median, most, worst, cases = columns(
+            list(rows), "rtol", "median", "q95", "worst", "cases"
+        )
+        names = ("median", "95 of 100 are below", "worst")
+        for curve, look, name in zip((median, most, worst), LOOKS, names, strict=False):
+            axes.loglog(
+                rtol, curve, look.marker, ls=look.linestyle, color=look.color, label=name, ms=4
+            )
+        axes.loglog(rtol, rtol, color=BLACK, lw=0.8, label="asked for")
+        axes.loglog(rtol, 10 * rtol, color=BLACK, ls=":", lw=1.0, label="ten times that")
+        axes.set_xlabel("relative error asked for [-]")
+        axes.set_title(f"{engine}, {cases[0]:.0f} random cases")
+    panels[0].set_ylabel("relative error got [-]")
+    above(figure, panels[0], 5)
+    return figure
+
+
+def order():
+    """Error of solve_ivp's methods against a fixed step."""
+    axes = new_axes(ONE_COLUMN, 3.0)
+    for ((method, slope), rows), look in zip(
+        grouped(table("order"), "method", "order"), LOOKS, strict=False
+    ):
+        steps, error = columns(list(rows), "steps a cell", "error")
+        axes.loglog(
+            steps, error, look.marker, ls=look.linestyle, color=look.color, ms=4,
+            label=f"{method}: {slope:.1f}",
+        )  # fmt: skip
+    axes.set_xlabel("steps in an engagement")
+    axes.set_ylabel("relative error [-]")
+    legend_above(axes, 3, title="observed order")
+    return axes.figure
+
+
+def painleve():
+    """Error and run time against the distance to the Painleve limit."""
+    figure = new_figure(TWO_COLUMN, 3.1)
+    left, right = (dress(axes) for axes in figure.subplots(1, 2))
+    # two rows of three in the legend, which fills columns
+    ordered = sorted(table("painleve"), key=lambda row: (row["slots"], row["engine"]))
+    for (engine, slots), rows in grouped(ordered, "engine", "slots"):
+        gap, error, spent = columns(list(rows), "1 - mu/mu_c", "error", "ms")
+        style = {
+            "marker": {3: "^", 4: "o", 6: "s"}[int(slots)],
+            "color": BLUE if engine == "energy" else VERMILLION,
+            "ls": "-" if engine == "energy" else (0, (5, 1.6)),
+            "mfc": None if engine == "energy" else "white",
+            "ms": 4,
+        }
+        left.loglog(gap, np.maximum(error, LEAST), label=f"{engine}, {int(slots)} slots", **style)
+        right.loglog(gap, spent, **style)
+    for axes in (left, right):
+        axes.set_xlabel("distance to the limit, $1 - \\mu/\\mu_c$ [-]")
+        axes.invert_xaxis()
+    left.set_ylabel("relative error [-]")
+    right.set_ylabel("run time [ms]")
+    above(figure, left, 3)
+    return figure
+
+
+def long_run():
+    """Relative drift of time and of energy over a million engagements."""
+    figure = new_figure(TWO_COLUMN, 2.7)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for axes, name in zip(panels, ("time", "energy"), strict=True):
+        dress(axes)
+        for ((friction,), rows), look in zip(
+            grouped(table("long_run"), "friction"), LOOKS, strict=False
+        ):
+            count, drift = columns(list(rows), "engagements", f"{name} drift")
+            label = "no friction" if friction == 0.0 else f"friction {friction:g}"
+            axes.loglog(
+                count, np.maximum(drift, LEAST), look.marker, ls=look.linestyle,
+                color=look.color, ms=4, label=label,
+            )  # fmt: skip
+        axes.loglog(count, 2.0**-53 * np.sqrt(count), color=GREY, lw=0.9, label="a random walk")
+        axes.set_xlabel("engagements")
+        axes.set_title(name)
+    panels[0].set_ylabel("relative drift [-]")
+    above(figure, panels[0], 3)
+    return figure
+
+
+def conditioning():
+    """Per cent of change in each figure of merit for one per cent of each parameter."""
+    figure = new_figure(TWO_COLUMN, 3.4)
+    designs = [(name, list(rows)) for (name,), rows in grouped(table("conditioning"), "design")]
+    for axes, (name, rows) in zip(figure.subplots(1, 3, sharey=True), designs, strict=True):
+        rows = [row for row in rows if row["figure"] != "contraction"]
+        parameters = [key for key in rows[0] if key not in ("design", "figure")]
+        values = np.array([[row[key] for key in parameters] for row in rows])
+        axes.imshow(values, cmap="RdBu_r", vmin=-2.2, vmax=2.2, aspect="auto")
+        for (i, j), value in np.ndenumerate(values):
+            ink = "white" if abs(value) > 1.3 else "black"
+            text = f"{value:.2f}" if abs(value) > 5e-3 else "0"
+            axes.text(j, i, text, ha="center", va="center", fontsize=7, color=ink)
+        axes.set_xticks(range(len(parameters)), [p.replace("_", "\n") for p in parameters])
+        axes.set_yticks(range(len(rows)), [row["figure"].replace("_", " ") for row in rows])
+        axes.tick_params(labelsize=7, length=0)
+        axes.tick_params(axis="y", labelsize=SMALL_SIZE)
+        axes.set_title(name, fontsize=9)
+    return figure

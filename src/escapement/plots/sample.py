@@ -1,0 +1,208 @@
+"""Figures of a sample: what scatters, by how much, and which parameter it comes from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from escapement.errors import InvalidValue
+from escapement.model import FloatArray
+from escapement.plots import _style
+from escapement.plots._labels import label, number, print_unit, scaled, superscript
+from escapement.plots._table import NoResult, Study, printed_name, single_case
+
+QUANTILES = (0.05, 0.5, 0.95)
+_RESULTS = ("period", "velocity_max", "rise_time")
+_MOST_PANELS = 3  # parameters beside one another
+_MOST_POINTS = 1500
+_BINS = (8, 40)
+_LINE = 20  # characters of a label beside a panel
+_BESIDE = dict(zip(QUANTILES, ("top", "center", "bottom"), strict=True))
+_APART = 0.06  # least distance of two numbers, of a panel's height
+
+
+def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
+    """Results against each sampled parameter, and how they are distributed.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result over a sample.
+    results : sequence of str
+        Which results, a row each; those without a number are left out.
+
+    Returns
+    -------
+    Figure
+        Of more than three parameters, those whose ranks go most with the first
+        result. Lines across a row are its 5 %, 50 % and 95 % quantiles, of all cases
+        that have an answer; the points are at most 1500 of them, drawn at random.
+
+    Raises
+    ------
+    InvalidValue
+        When the study is no sample, or no case has a result.
+    """
+    flat = _flat(study)
+    rows = [name for name in results if np.isfinite(flat.results[name]).any()]
+    if not rows:
+        raise NoResult(
+            f"study must hold a number for {' or '.join(results)} to be plotted, got none; its "
+            "status says what went wrong in each case"
+        )
+    names = _foremost(flat, rows[0])
+    if not names:
+        raise single_case()
+    figure = _style.new_figure(_style.TWO_COLUMN, 0.9 + 1.75 * len(rows))
+    widths = [1.0] * len(names) + [0.75]
+    panels = figure.subplots(
+        len(rows), len(widths), sharex="col", sharey="row", squeeze=False, width_ratios=widths
+    )
+    shown = _chosen(len(flat.failed))
+    for line, name in zip(panels, rows, strict=True):
+        factor, unit = scaled(study.units.get(name, ""), flat.results[name])
+        values = flat.results[name] * factor
+        for ax, parameter in zip(line, names, strict=False):
+            _scatter(_style.dress(ax), flat.parameters[parameter], values, flat.failed, shown)
+        line[0].set_ylabel(_wrapped(printed_name(study, name), unit))
+        _distribution(_style.dress(line[-1]), values[np.isfinite(values)])
+        _quantile_lines(line, np.nanquantile(values, QUANTILES).tolist())
+    for ax in panels.ravel():
+        ax.label_outer()
+    for ax, parameter in zip(panels[-1], names, strict=False):
+        _dress_parameter(ax, study, parameter)
+    panels[-1][-1].set_xlabel("Cases")
+    _explain(figure, flat, names, rows[0])
+    return figure
+
+
+@dataclass(frozen=True)
+class _Flat:
+    """A sample as columns: parameters and results of shape (n,); `failed` without answer."""
+
+    parameters: dict[str, FloatArray]
+    results: dict[str, FloatArray]
+    failed: np.ndarray
+
+
+def _flat(study: Study) -> _Flat:
+    varied = [name for name, values in study.axes.items() if np.size(values) > 1]
+    if not study.sampled or len(varied) > 1:
+        raise InvalidValue(
+            "study must be a sample at one point of its grid for this figure, got "
+            f"{', '.join(varied) or 'a single case'}; use plot_study"
+        )
+    results = {name: np.ravel(v).astype(float) for name, v in study.results.items()}
+    failed = ~np.isfinite(results["velocity_mean"])
+    parameters = {name: np.asarray(v, dtype=float) for name, v in study.sampled.items()}
+    return _Flat(parameters, results, failed)
+
+
+def _foremost(flat: _Flat, result: str) -> list[str]:
+    """At most three parameters that vary: those with most effect on the result."""
+    varied = [name for name, values in flat.parameters.items() if np.ptp(values) > 0.0]
+    if len(varied) > _MOST_PANELS:
+        effect = {name: rank_correlation(flat.parameters[name], flat.results[result])
+                  for name in varied}  # fmt: skip
+        most = sorted(varied, key=lambda name: -abs(effect[name]))[:_MOST_PANELS]
+        varied = [name for name in varied if name in most]
+    return varied
+
+
+def rank_correlation(x: FloatArray, y: FloatArray) -> float:
+    """Spearman's coefficient of two columns, over the rows where both are finite [-]."""
+    both = np.isfinite(x) & np.isfinite(y)
+    if both.sum() < 2:
+        return 0.0
+    ranks = np.array([np.argsort(np.argsort(values[both])) for values in (x, y)], dtype=float)
+    return float(np.corrcoef(ranks)[0, 1])
+
+
+def _chosen(size: int) -> np.ndarray:
+    """Rows that are drawn; every n-th would cut through the pattern of a sample."""
+    if size <= _MOST_POINTS:
+        return np.arange(size)
+    return np.random.default_rng(0).choice(size, _MOST_POINTS, replace=False)
+
+
+def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray, rows: np.ndarray) -> None:
+    """Points of the chosen rows, and crosses on the ground where there is no answer."""
+    small = rows.size > 300
+    ax.plot(x[rows], y[rows], ".", color=_style.BLUE, ms=2.5 if small else 4.0, mew=0.0,
+            alpha=0.5 if small else 0.8)  # fmt: skip
+    lost = rows[failed[rows]]
+    ax.plot(x[lost], np.full(lost.size, 0.03), "x", color=_style.VERMILLION, ms=3.5, mew=0.8,
+            transform=ax.get_xaxis_transform())  # fmt: skip
+
+
+def _distribution(ax: Axes, values: FloatArray) -> None:
+    """A histogram on its side."""
+    bins = int(np.clip(2.0 * values.size ** (1.0 / 3.0), *_BINS))
+    look: dict[str, Any] = {"color": _style.SKY, "edgecolor": "white", "lw": 0.3}
+    ax.hist(values, bins=bins, orientation="horizontal", **look)
+    ax.xaxis.set_major_locator(MaxNLocator(2, integer=True))
+
+
+def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
+    """The quantiles across a row of panels, their numbers beside the last."""
+    low, high = row[-1].get_ylim()
+    placed: list[float] = []
+    for share, value in sorted(zip(QUANTILES, values, strict=True), key=lambda q: q[0] == 0.5):
+        for ax in row:
+            ax.axhline(value, color=_style.BLACK, lw=0.8, ls="-" if share == 0.5 else (0, (4, 2)))
+        if all(abs(value - other) > _APART * (high - low) for other in placed):
+            placed.append(value)
+            row[-1].annotate(
+                number(value), (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
+                textcoords="offset points", va=_BESIDE[share], fontsize=_style.SMALL_SIZE,
+            )  # fmt: skip
+
+
+def _dress_parameter(ax: Axes, study: Study, name: str) -> None:
+    """Ticks and label of a narrow panel: a power of ten goes into the unit."""
+    values = np.abs(np.asarray(study.sampled[name], dtype=float))
+    power = 3 * int(np.floor(np.log10(values.max()) / 3.0)) if values.max() > 0.0 else 0
+    power = 0 if -3 <= power <= 3 else power
+    ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], integer=_whole(values)))
+    ax.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
+    unit = print_unit(study.units.get(name, ""))
+    tens = f"10{superscript(power)}" if power else ""
+    ax.set_xlabel(_wrapped(printed_name(study, name), f"{tens} {unit}".strip()))
+
+
+def _whole(values: FloatArray) -> bool:
+    return bool((values == np.rint(values)).all())
+
+
+def _wrapped(name: str, unit: str) -> str:
+    """A label of a narrow panel, in two lines where it is long."""
+    return label(name, unit, _LINE)
+
+
+def _explain(figure: Figure, flat: _Flat, names: Sequence[str], result: str) -> None:
+    """What points, lines and crosses are, over the figure."""
+    size, lost = flat.failed.size, int(flat.failed.sum())
+    points = f"case ({min(size, _MOST_POINTS)} of {size})" if size > _MOST_POINTS else "case"
+    handles: list[Any] = [
+        Line2D([], [], ls="", marker=".", color=_style.BLUE, ms=5, mew=0, label=points),
+        Line2D([], [], color=_style.BLACK, lw=0.8, label="median"),
+        Line2D([], [], color=_style.BLACK, lw=0.8, ls=(0, (4, 2)), label="5 % and 95 %"),
+    ]
+    if lost:
+        text = f"no result ({lost} of {size})"
+        handles.append(
+            Line2D([], [], ls="", marker="x", color=_style.VERMILLION, ms=4, mew=0.8, label=text)
+        )
+    count = len(flat.parameters)
+    effect = f"with most effect on {result.replace('_', ' ')}"
+    title = f"{len(names)} of {count} parameters, those {effect}"
+    figure.legend(
+        handles=handles, loc="outside upper center", ncols=len(handles), frameon=False,
+        fontsize=_style.SMALL_SIZE, title_fontsize=_style.SMALL_SIZE,
+        title=title if len(names) < count else None,
+    )  # fmt: skip

@@ -1,0 +1,111 @@
+"""Scenes that blocks share: solved once in all, and the same bits however it is done."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from escapement import simulation
+from escapement.configuration import plan_from
+from escapement.engines import _energy_batch
+from escapement.mechanisms import Geneva
+from escapement.model import Escapement, Inertia
+from escapement.status import Status
+from escapement.store import RESULTS
+from escapement.sweeping import _scenes, run_plan
+from escapement.sweeping._evaluate import Evaluator
+
+TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
+TORQUE, FRICTION = np.linspace(0.005, 0.02, 500), np.linspace(0.05, 0.4, 90)
+GRIDS = {
+    "torque first": {"torque": TORQUE, "friction": FRICTION},
+    "torque last": {"friction": FRICTION, "torque": TORQUE},
+    "torque in the middle": {"slots": [3, 4], "torque": TORQUE, "friction": FRICTION[:45]},
+}
+
+
+@pytest.fixture
+def solves(monkeypatch):
+    """Numbers of scenes of each batch that was solved."""
+    counted = []
+    solve, access = _energy_batch.solve, threading.Lock()
+
+    def count(mechanism, rho, *rest):
+        with access:
+            counted.append(rho.size)
+        return solve(mechanism, rho, *rest)
+
+    monkeypatch.setattr(_energy_batch, "solve", count)
+    return counted
+
+
+@pytest.mark.parametrize("workers", [1, 4])
+@pytest.mark.parametrize("order", GRIDS)
+def test_a_scene_is_solved_once_in_all_blocks(order, workers, solves):
+    plan = plan_from(TIMER, GRIDS[order])
+    assert plan.cases == 45_000  # three blocks
+    run_plan(plan, workers=workers)
+    assert sum(solves) == 90
+
+
+@pytest.mark.parametrize("order", GRIDS)
+def test_the_bits_do_not_depend_on_what_is_shared(order, monkeypatch):
+    plan = plan_from(TIMER, GRIDS[order])
+    shared, threads = run_plan(plan), run_plan(plan, workers=4)
+    monkeypatch.setattr(_scenes, "MOST_SHARED", 50)  # too few: every block for itself
+    assert _scenes.shared_scenes(plan) is None
+    alone = run_plan(plan)
+    for name in RESULTS:
+        np.testing.assert_array_equal(shared.results[name], threads.results[name])
+        np.testing.assert_array_equal(shared.results[name], alone.results[name])
+
+
+def test_both_orders_are_one_map():
+    one, other = (
+        run_plan(plan_from(TIMER, GRIDS[order])) for order in ("torque first", "torque last")
+    )
+    for name in RESULTS:
+        np.testing.assert_array_equal(one.results[name], other.results[name].T)
+
+
+@pytest.mark.parametrize(
+    ("axes", "scenes"),
+    [
+        ({"torque": [1.0, 2.0], "friction": [0.1, 0.2]}, 2),
+        ({"torque": [1.0, 2.0]}, 1),
+        ({"friction": [0.1, 0.2]}, None),  # nothing to share
+        ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.0]}, 1),
+        ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.1]}, None),
+        ({"torque": [1.0, 2.0], "initial_speed": [3.0]}, None),
+    ],
+)
+def test_what_decides_a_scene(axes, scenes):
+    found = _scenes.shared_scenes(plan_from(TIMER, axes))
+    assert scenes == (None if found is None else found._status.size)
+
+
+def test_an_error_while_solving_reaches_everybody(monkeypatch):
+    def broken(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(_energy_batch, "solve", broken)
+    evaluate = Evaluator(plan_from(TIMER, GRIDS["torque first"]))
+    for _ in range(2):
+        with pytest.raises(MemoryError):
+            evaluate(0, 100)
+
+
+def test_impossible_numbers_mark_their_own_case_and_no_other():
+    plan = plan_from(TIMER, {"torque": [1e-300, 0.01, 1e300], "friction": [0.2, 0.35]})
+    grid = run_plan(plan)
+    bad = Status.INVALID
+    assert grid.results["status"].tolist() == [[bad, bad], [0, 0], [bad, bad]]
+    alone = simulation.terminal(plan.escapement(3))
+    assert grid.results["period"][1, 1] == pytest.approx(alone.period, rel=1e-12)
+    assert np.isnan(grid.results["period"][[0, 2]]).all()
+    loaded = run_plan(plan_from(TIMER, {"load_torque": [0.0, 1e300], "friction": [0.2]}))
+    assert loaded.results["status"][:, 0].tolist() == [0, bad]
+    alone = run_plan(plan_from(TIMER, {"driver_inertia": [1e-300]}))
+    assert alone.results["status"].tolist() == [bad]
+    unequal = run_plan(plan_from(TIMER, {"driver_inertia": [1e-300, 3e-7], "torque": [0.01, 0.02]}))
+    assert unequal.results["status"].tolist() == [[bad, bad], [0, 0]]

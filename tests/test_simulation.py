@@ -1,0 +1,368 @@
+"""What simulate and terminal answer: the same truth from both engines, exact where said so."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.motion import Motion
+from escapement.simulation import METHODS
+from escapement.status import Status
+
+BOTH = ("energy", "ivp")
+DEFAULT = {"energy": 1e-12, "ivp": 1e-10}
+
+
+def drive(slots=4, pins=None, rho=0.06, mu=0.35, load=0.0, **wheel):
+    """Natural units: the follower's inertia and the torque are 1."""
+    mechanism = esc.Geneva(slots, pins, **wheel)
+    return esc.Escapement(mechanism, esc.Inertia(rho, 1.0), 1.0, mu, load)
+
+
+def local(motion, events):
+    return events.theta - events.engagement * motion.escapement.mechanism.cell_angle
+
+
+def locus(scene, angle, w):
+    """Angles near `angle` where rho (g' w + load) + g vanishes, by bisection; w' = 2/rho there."""
+    low, high = angle - 1e-4, angle + 1e-4
+    rho = scene.inertia.driver
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        found = scene.mechanism.transmission(middle)
+        square = w + 2.0 * (middle - angle) / rho
+        high, low = (
+            (middle, low)
+            if rho * (found.dg * square + scene.load_torque) + found.g < 0.0
+            else (high, middle)
+        )
+    return 0.5 * (low + high)
+
+
+# what is asked for
+
+
+def test_defaults():
+    motion = esc.simulate(drive())
+    assert isinstance(motion, Motion)
+    assert (motion.engine, motion.rtol, motion.status) == ("energy", 1e-12, Status.OK)
+    assert motion.handoff_times.size == 20
+    assert motion.end_time == motion.handoff_times[-1]
+    assert motion.message == "done"
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_the_default_grid_is_even_between_handoffs(engine):
+    motion = esc.simulate(drive(5, 1), 3, engine=engine)
+    assert motion.t[0] == 0.0
+    assert motion.t[-1] == motion.end_time
+    assert set(motion.handoff_times) <= set(motion.t)
+    steps = np.diff(motion.t).reshape(3, -1)
+    np.testing.assert_allclose(steps, steps[:, :1] + 0.0 * steps, rtol=1e-11)
+    np.testing.assert_array_equal(motion.theta_dot, motion.at(motion.t).theta_dot)
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_states_have_the_shape_of_their_times(engine):
+    motion = esc.simulate(drive(), 2, engine=engine)
+    for shape in ((), (1,), (0,), (3, 1, 2)):
+        state = motion.at(np.full(shape, 0.5 * motion.end_time))
+        assert state.t.shape == state.phi_ddot.shape == state.contact_moment.shape == shape
+        assert state.contact_force is None
+    assert motion.at(motion.end_time).theta_dot == pytest.approx(motion.handoff_velocities[-1])
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_force_times_arm_is_the_moment(engine):
+    scene = drive(5, 1, crank_radius=0.02, internal=True, mu=0.1)
+    motion = esc.simulate(scene, 1, engine=engine)
+    state = motion.at(np.linspace(0.0, motion.end_time, 50))
+    arm = 0.02 * scene.mechanism.radius(state.theta)
+    moving = state.phi_dot > 0.0
+    np.testing.assert_allclose((state.contact_force * arm)[moving], state.contact_moment[moving])
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_a_duration_may_end_anywhere(engine):
+    """In the first instant, in a dwell, on a handoff and beyond the next one."""
+    scene = drive(5, 1, mu=0.1)
+    whole = esc.simulate(scene, 3, engine=engine)
+    dwell = whole.trajectory.start[np.nonzero(whole.trajectory.sign == 0.0)[0][0]]
+    inside = 0.5 * (dwell + whole.handoff_times[0])
+    just = np.nextafter(whole.handoff_times[1], [0.0, math.inf])
+    for duration, done in ((1e-9, 0), (inside, 0), (just[0], 1), (just[1], 2)):
+        cut = esc.simulate(scene, duration=float(duration), engine=engine)
+        assert cut.end_time == duration
+        # at the very handoff the last bit decides
+        assert cut.handoff_times.size == done or abs(duration - just.mean()) < 1e-9
+        end = cut.at(duration)
+        assert end.theta_dot == pytest.approx(float(whole.at(duration).theta_dot), rel=1e-8)
+        assert abs(cut.ledger.residual) <= 10.0 * DEFAULT[engine]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_of_solve_ivp_serves(method):
+    rtol = 1e-7 if method in ("DOP853", "LSODA", "RK45") else 1e-4
+    found = esc.simulate(drive(), 1, engine="ivp", method=method, rtol=rtol)
+    best = esc.simulate(drive(), 1)
+    np.testing.assert_allclose(found.handoff_times, best.handoff_times, rtol=10.0 * rtol)
+
+
+def test_a_shorter_longest_step_is_kept():
+    motion = esc.simulate(drive(), 1, engine="ivp", rtol=1e-3, max_step=0.01)
+    for piece in motion.trajectory.solution:
+        assert np.diff(piece.dense.before.ts).max() <= 0.01 * piece.unit * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("method", "steps", "order"),
+    [
+        ("RK23", (64, 128, 256), 3.0),
+        ("RK45", (64, 128, 256), 5.0),
+        ("DOP853", (32, 40, 50, 64), 8.0),
+    ],
+)
+def test_no_event_costs_a_method_its_order(method, steps, order):
+    """By regression over a dead centre, a reversal and a handoff; a corner would leave 1 or 2.
+
+    Means over several starts, as an error that passes through zero feigns order.
+    """
+    scene, errors = drive(rho=1.0, mu=0.2), []
+    starts = np.linspace(0.5, 2.0, 6)
+    exact = [esc.simulate(scene, 1, initial_speed=v, rtol=1e-13).handoff_times[0] for v in starts]
+    for count in steps:
+        fixed = {"rtol": 0.9, "atol": 1e6, "engine": "ivp", "method": method}
+        found = [
+            esc.simulate(scene, 1, initial_speed=v, max_step=t / count, **fixed).handoff_times[0]
+            for v, t in zip(starts, exact, strict=True)
+        ]
+        errors.append(np.sqrt(np.mean((np.array(found) / exact - 1.0) ** 2)))
+    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert -slope == pytest.approx(order, abs=1.0)
+
+
+# events
+
+
+@pytest.mark.parametrize("engine", BOTH)
+@pytest.mark.parametrize(
+    ("scene", "speed"),
+    [
+        (drive(), 0.0),
+        (drive(8, 1, rho=1118.9, mu=3e-4, load=0.0023), 0.0766),
+        (drive(5, 1, rho=29764.0, mu=4e-6, internal=True), 0.0),
+        (drive(7, 1, rho=7950.0, mu=0.0), 6.06),
+        (drive(4, 4, rho=10025.0), 5276.0),
+    ],
+)
+def test_reversals_are_located_exactly(engine, scene, speed):
+    motion = esc.simulate(scene, 3, engine=engine, initial_speed=speed)
+    turns = motion.reversals
+    assert turns.engagement.tolist() == [0, 1, 2]
+    exact = [
+        locus(scene, a, w) for a, w in zip(local(motion, turns), turns.theta_dot**2, strict=True)
+    ]
+    np.testing.assert_allclose(local(motion, turns), exact, rtol=0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("scene", "speed"),
+    [
+        (drive(4, 4, rho=10025.383550956372), 5276.958067583772),
+        (drive(3, 6, rho=71.42325839141594, mu=0.0, load=0.38494331400811665), 8603.179701318482),
+        (drive(4, 4, rho=225.70131618371116, load=0.031121924629788092), 298434.51804616104),
+        (drive(8, 1, rho=58.386705256164646, load=0.00017080852328393728), 77420.46942690747),
+        (drive(12, 1, rho=173380.65260580444, internal=True), 25919.406470347898),
+        (drive(6, 1, rho=469773.1507, mu=0.000294256, internal=True), 3824.8042684),
+    ],
+)
+def test_the_reference_sees_one_reversal_close_behind_dead_centre(scene, speed):
+    judge = esc.simulate(scene, 4, engine="ivp", initial_speed=speed, rtol=1e-11)
+    fast = esc.simulate(scene, 4, initial_speed=speed)
+    assert fast.reversals.engagement.tolist() == [0, 1, 2, 3]
+    assert judge.reversals.engagement.tolist() == [0, 1, 2, 3]
+    np.testing.assert_allclose(judge.handoff_times, fast.handoff_times, rtol=1e-10)
+
+
+def test_a_light_driver_keeps_the_tolerance_asked_for():
+    for scene in (drive(3, 6, rho=1e-7, mu=1e-4), drive(4, 4, rho=1e-8, mu=1e-4)):
+        fast, judge = (esc.simulate(scene, 3, engine=e, rtol=1e-11) for e in BOTH)
+        np.testing.assert_allclose(
+            judge.handoff_velocities, fast.handoff_velocities, rtol=1e-10, err_msg="10 rtol"
+        )
+
+
+@pytest.mark.parametrize("engine", BOTH)
+@pytest.mark.parametrize(
+    ("scene", "speed"),
+    [
+        (drive(4, 4, rho=8.1037, load=0.0039546), 5.4357),
+        (drive(3, 5, rho=57.011, load=0.0049955), 1.27843),
+        (drive(3, 1, rho=39.181), 0.0),
+    ],
+)
+def test_the_ledger_closes_to_the_tolerance(engine, scene, speed):
+    motion = esc.simulate(scene, 4, engine=engine, initial_speed=speed, rtol=1e-11)
+    assert abs(motion.ledger.residual) <= 1e-10
+
+
+@pytest.mark.parametrize(
+    ("scene", "speed"),
+    [
+        (drive(30, 1, rho=623.69, mu=34354.52, load=27.3742), 0.49077),
+        (drive(6, 3, rho=0.018736, load=46.42253), 0.101012),
+        (drive(3, 4, rho=0.004686, mu=0.0666427, load=44.36695), 0.206728),
+        (drive(4, 4, rho=907.63, mu=333.789, load=0.72528), 0.110035),
+    ],
+)
+def test_the_ledger_of_a_stop_closes(scene, speed):
+    """But for what the rounding of the stop's angle is worth against load and friction."""
+    motion = esc.simulate(scene, 4, initial_speed=speed)
+    assert motion.status is Status.STALL
+    found = scene.mechanism.transmission(np.linspace(*scene.mechanism.breaks[::2], 801))
+    resistance = 1.0 + scene.load_torque * (found.g + scene.friction * np.abs(found.u)).max()
+    there = max(motion.ledger.work, 0.5 * scene.inertia.driver * speed**2)
+    assert abs(motion.ledger.residual) <= 1e-11 + 1e-12 * resistance / there
+
+
+# figures of merit by their definitions
+
+
+def brute(scene, speed, engagements):
+    """Figures of merit from dense samples of motions, by the words of their definitions."""
+    figures = esc.terminal(scene, initial_speed=speed)
+    cycle = esc.simulate(scene, 1, initial_speed=figures.handoff_velocity)
+    corners = [*cycle.trajectory.start, cycle.end_time]
+    parts = [
+        cycle.within(piece, np.linspace(a, b, 4001))
+        for piece, (a, b) in enumerate(pairwise(corners))
+    ]
+
+    def peak(name):
+        best = 0.0
+        for piece, (a, b) in enumerate(pairwise(corners)):
+            for _ in range(4):  # each look is between the neighbours of the best point
+                times = np.linspace(a, b, 2001)
+                values = np.abs(getattr(cycle.within(piece, times), name))
+                at = int(values.argmax())
+                a, b = times[max(at - 1, 0)], times[min(at + 1, 2000)]
+            best = max(best, values[at])
+        return best
+
+    found = {
+        "velocity_max": peak("theta_dot"),
+        "velocity_min": min(part.theta_dot.min() for part in parts),
+        "period": cycle.end_time,
+        "velocity_mean": scene.mechanism.cell_angle / cycle.end_time,
+        "acceleration_max": peak("theta_ddot"),
+        "follower_acceleration_max": peak("phi_ddot"),
+        "contact_moment_max": peak("contact_moment"),
+        "contact_force_max": peak("contact_force"),
+    }
+    motion = esc.simulate(scene, engagements, initial_speed=speed)
+    extrema = motion.extrema
+    terminal = np.where(extrema.maximum, found["velocity_max"], found["velocity_min"])
+    error = np.abs(extrema.theta_dot / terminal - 1.0)
+    found["rise_time"] = extrema.time[error <= 0.02][0]
+    # greatest and least speed of each engagement, its ends included
+    late = 0.0
+    for start, end in zip([0.0, *motion.handoff_times[:-1]], motion.handoff_times, strict=True):
+        own = (extrema.time >= start) & (extrema.time <= end)
+        for kind, best in ((True, np.argmax), (False, np.argmin)):
+            same = np.nonzero(own & (extrema.maximum == kind))[0]
+            if same.size and error[lead := same[best(extrema.theta_dot[same])]] > 0.01:
+                late = max(late, extrema.time[lead])
+    found["settling_time"] = late
+    return figures, found
+
+
+SCENES = {
+    "four pins": (drive(crank_radius=0.02), 0.0),
+    "six pins, slow to settle": (drive(3, 6, 0.6, 0.05, crank_radius=1.0), 0.0),
+    "one pin, from above": (drive(8, 1, 0.5, 0.4, 0.05, crank_radius=0.02), 40.0),
+    "internal": (drive(5, 1, 0.3, 0.2, internal=True, crank_radius=0.02), 0.0),
+    "light driver": (drive(4, 4, 0.004, 0.0031, crank_radius=0.02), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_figures_by_brute_force(name):
+    scene, speed = SCENES[name]
+    figures, found = brute(scene, speed, 60)
+    late, slowest = found.pop("settling_time"), found.pop("velocity_min")
+    assert figures.velocity_min == pytest.approx(slowest, rel=1e-4)
+    for figure, value in found.items():
+        assert getattr(figures, figure) == pytest.approx(value, rel=1e-8), figure
+    assert late < figures.settling_time <= late + 1.01 * figures.period
+
+
+@pytest.mark.parametrize("name", ["four pins", "one pin, from above", "internal"])
+def test_both_engines_give_the_same_figures(name):
+    scene, speed = SCENES[name]
+    fast, judge = (esc.terminal(scene, engine=e, initial_speed=speed).as_dict() for e in BOTH)
+    for figure, value in judge.items():
+        if figure not in ("contraction", "energy_residual", "message"):
+            assert fast[figure] == pytest.approx(value, rel=1e-8), figure
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        drive(4, 1, 3.848446, 0.877957, internal=True),
+        drive(5, 1, 7.400645, 3.32557, 0.001549, internal=True),
+    ],
+)
+def test_settling_time_has_one_definition(scene):
+    """An extremum on a handoff belongs to both of its engagements, or to one: not to either."""
+    fast, judge = (esc.terminal(scene, engine=engine) for engine in BOTH)
+    assert fast.settling_time == pytest.approx(judge.settling_time, rel=1e-8)
+
+
+def test_a_start_far_too_fast_has_a_rise_time_too():
+    scene = drive(4, 4, 1.949, 0.1, 0.0154)
+    fast, judge = (esc.terminal(scene, engine=e, initial_speed=1262.2) for e in BOTH)
+    assert judge.rise_time == pytest.approx(fast.rise_time, rel=1e-8)
+    assert judge.settling_time == pytest.approx(fast.settling_time, rel=1e-8)
+
+
+def test_terminal_figures_keep_the_tolerance_where_little_is_lost():
+    """An engagement that hardly contracts magnifies the error of the map it is the root of."""
+    scene = drive(rho=1.0, mu=1e-4)
+    fast, judge = (esc.terminal(scene, engine=engine, rtol=1e-10) for engine in BOTH)
+    assert judge.velocity_max == pytest.approx(fast.velocity_max, rel=1e-9)
+    assert judge.period == pytest.approx(fast.period, rel=1e-9)
+
+
+@pytest.mark.parametrize(("mu", "load", "speed"), [(0.1, 0.76, 5.0), (0.02, 0.94, 50.0)])
+def test_the_search_for_a_cycle_does_not_stall_on_its_way(mu, load, speed):
+    scene = drive(rho=0.1, mu=mu, load=load)
+    assert esc.simulate(scene, 200, initial_speed=speed).status is Status.OK
+    for engine in BOTH:
+        assert esc.terminal(scene, engine=engine, initial_speed=speed).status is Status.OK
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_a_stall_on_the_way_to_the_cycle_is_told_as_it_happens(engine):
+    scene = drive(rho=1.0, mu=0.1, load=1.5)
+    motion = esc.simulate(scene, 40, initial_speed=100.0)
+    assert motion.status is Status.STALL
+    assert esc.terminal(scene, engine=engine, initial_speed=100.0).message == motion.message
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_without_friction_a_load_may_still_stop_the_start(engine):
+    scene = drive(rho=1.0, mu=0.0, load=0.9)
+    assert esc.simulate(scene, 1, engine=engine).status is Status.STALL
+    assert esc.terminal(scene, engine=engine).status is Status.STALL
+    assert esc.simulate(scene, 50, initial_speed=5.0, engine=engine).status is Status.OK
+    assert esc.terminal(scene, engine=engine, initial_speed=5.0).status is Status.NO_TERMINAL
+
+
+def test_much_friction_makes_a_load_a_help():
+    """Where mu |u| > g the load relieves the braking slot of more than it takes."""
+    easy, loaded = (
+        esc.terminal(drive(24, 1, 0.2417, 6.63, load)).velocity_mean for load in (0.05, 0.5)
+    )
+    assert loaded > easy
