@@ -136,7 +136,7 @@ REFUSED = [
     ({"mechanism": ...}, "the study lacks mechanism.slots (slots"),
     ({"sweep": ...}, "the study must sweep at least one parameter, got none; add an axis"),
     ({"mechanism": 4}, "mechanism must be a table, got 4; write [mechanism]"),
-    ({"mechanism": {"kind": "genva", "slots": 4}}, "mechanism.kind must be one of geneva, got"),
+    ({"mechanism": {"kind": "genva", "slots": 4}}, "mechanism.kind must be one of geneva, "),
     ({"mechanism": {"slots": 2}}, "mechanism.slots must be a whole number of at least 3, got 2"),
     ({"mechanism": {"slots": 4.5}}, "mechanism.slots must be a whole number of at least 3, got"),
     ({"mechanism": {"slots": True}}, "mechanism.slots must be a finite number, got True"),

@@ -2,6 +2,7 @@
 
 import math
 import operator
+from fractions import Fraction
 from typing import Any
 
 from escapement.errors import InvalidValue
@@ -54,6 +55,24 @@ def integer(name: str, value: Any, minimum: int, remedy: str) -> int:
     except TypeError:
         raise fail(name, rule, value, remedy) from None
     if result < minimum:
+        raise fail(name, rule, value, remedy)
+    return result
+
+
+def rational(name: str, value: Any, remedy: str) -> Fraction:
+    """`value` as a fraction of at least 0 with a denominator of at most 1000.
+
+    Text such as "1/2" counts, and so does a double that rounds such a fraction.
+    """
+    rule = "a rational number of at least 0, its denominator at most 1000"
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        exact = Fraction(value.item() if hasattr(value, "item") else value)
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        raise fail(name, rule, value, remedy) from None
+    result = exact.limit_denominator(1000)
+    if result < 0 or abs(result - exact) > Fraction(1, 10**12) * (1 + result):
         raise fail(name, rule, value, remedy)
     return result
 

@@ -28,7 +28,8 @@ MESSAGES = {
     Status.OK: "done",
     Status.NO_TERMINAL: (
         "no terminal velocity exists: nothing dissipates the work of the drive, "
-        "so the speed grows without bound; give a friction greater than 0"
+        "so the speed grows without bound; give a friction greater than 0, "
+        "to a mesh an efficiency below 1"
     ),
     Status.STALL: "the drive cannot carry the load and the mechanism stops",
     Status.PAINLEVE: "friction is at or above the Painleve limit: no unique rigid motion exists",

@@ -6,18 +6,15 @@ wrote; the conversion to SI follows.
 
 import argparse
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from escapement import _validate
-from escapement.cli._parser import Parser, UsageError, number, one_of, whole
+from escapement.cli._kinds import read_mechanism
+from escapement.cli._parser import Parser, UsageError, number, one_of, option
 from escapement.units import SYSTEMS, factor
 
 if TYPE_CHECKING:
-    from escapement.mechanisms import Geneva
     from escapement.model import Escapement, Inertia
-
-KINDS = ("geneva",)
-DEFAULT_SLOTS = 4
 
 
 class Quantity(NamedTuple):
@@ -39,12 +36,20 @@ QUANTITIES = {
     "friction": Quantity(
         "ratio", _validate.non_negative, "coefficient of friction between pin and slot"
     ),
+    "efficiency": Quantity(
+        "share",
+        _validate.positive,
+        "share of the power that a mesh passes on, in place of friction",
+    ),
     "load_torque": Quantity(
         "torque", _validate.non_negative, "constant torque opposing the follower"
     ),
     "crank_radius": Quantity(
         "length", _validate.positive, "distance of the pins from the driver's axis"
     ),
+    "fixed_radius": Quantity("length", _validate.positive, "radius of the fixed gear"),
+    "sun_radius": Quantity("length", _validate.positive, "pitch radius of the fixed sun gear"),
+    "planet_radius": Quantity("length", _validate.positive, "pitch radius of the spur planet"),
     "initial_speed": Quantity(
         "speed", _validate.non_negative, "driver speed at the first pin entry"
     ),
@@ -55,6 +60,7 @@ _METAVARS = {
     "torque": "M",
     "inertia": "I",
     "ratio": "MU",
+    "share": "E",
     "length": "R",
     "speed": "W",
     "time": "S",
@@ -68,11 +74,6 @@ _SHOWN = {
 }
 
 
-def option(name: str) -> str:
-    """Spelling of an argument on the command line."""
-    return "--" + name.replace("_", "-")
-
-
 def add_quantity(
     parser: argparse._ActionsContainer,
     name: str,
@@ -82,15 +83,18 @@ def add_quantity(
     note: str = "",
 ) -> None:
     """Add the option of one physical quantity."""
+    keywords = quantity_keywords(name, note=note)
+    parser.add_argument(option(name), required=required, default=default, **keywords)
+
+
+def quantity_keywords(name: str, *, note: str = "") -> dict[str, Any]:
+    """What `add_argument` takes for the option of one physical quantity."""
     quantity = QUANTITIES[name]
-    parser.add_argument(
-        option(name),
-        type=number(option(name), quantity.rule, f"give the {quantity.text}"),
-        required=required,
-        default=default,
-        metavar=_METAVARS[quantity.unit],
-        help=quantity.text + _SHOWN.get(quantity.unit, "") + note,
-    )
+    return {
+        "type": number(option(name), quantity.rule, f"give the {quantity.text}"),
+        "metavar": _METAVARS[quantity.unit],
+        "help": quantity.text + _SHOWN.get(quantity.unit, "") + note,
+    }
 
 
 def add_common(
@@ -107,46 +111,6 @@ def add_common(
         default=units,
         metavar="|".join(SYSTEMS),
         help=text,
-    )
-
-
-def add_mechanism(parser: Parser) -> None:
-    """Add the mechanism: its kind, and the geometry of a Geneva wheel."""
-    parser.add_argument(
-        "kind",
-        nargs="?",
-        type=one_of("KIND", KINDS),
-        default=KINDS[0],
-        metavar="KIND",
-        help="mechanism: geneva (default)",
-    )
-    group = parser.add_argument_group("mechanism")
-    group.add_argument(
-        "--slots",
-        type=whole("--slots", 3, "a Geneva wheel needs 3 slots or more"),
-        default=DEFAULT_SLOTS,
-        metavar="N",
-        help=f"slots of the wheel (default: {DEFAULT_SLOTS})",
-    )
-    group.add_argument(
-        "--pins",
-        type=whole("--pins", 1, "give the number of crank pins, or leave it out"),
-        metavar="P",
-        help="pins of the driver (default: continuous engagement where it exists, else 1)",
-    )
-    group.add_argument("--internal", action="store_true", help="internal wheel, driver inside")
-    add_quantity(group, "crank_radius")
-
-
-def read_mechanism(args: argparse.Namespace) -> "Geneva":
-    """The mechanism the arguments describe."""
-    from escapement.mechanisms import Geneva
-
-    return Geneva(
-        slots=args.slots,
-        pins=args.pins,
-        internal=args.internal,
-        crank_radius=optional_si(args, "crank_radius"),
     )
 
 
@@ -176,6 +140,7 @@ def read_escapement(args: argparse.Namespace) -> "Escapement":
         torque=si(args, "torque"),
         friction=args.friction,
         load_torque=si(args, "load_torque"),
+        efficiency=args.efficiency,
     )
 
 

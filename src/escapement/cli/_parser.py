@@ -4,6 +4,7 @@ import argparse
 import difflib
 import math
 import re
+import textwrap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
@@ -17,11 +18,18 @@ class UsageError(EscapementError):
     """The command line cannot be understood."""
 
 
+class _Formatter(argparse.RawDescriptionHelpFormatter):
+    """Wraps help between words only: a name with a hyphen stays whole."""
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        return textwrap.wrap(" ".join(text.split()), width, break_on_hyphens=False)
+
+
 class Parser(argparse.ArgumentParser):
     """argparse without its surprises: no abbreviations, errors raised as one line."""
 
     def __init__(self, **options: Any) -> None:
-        options.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        options.setdefault("formatter_class", _Formatter)
         super().__init__(allow_abbrev=False, **options)
 
     def error(self, message: str) -> NoReturn:
@@ -90,6 +98,11 @@ def _join_negative_numbers(argv: Sequence[str]) -> list[str]:
         else:
             tokens.append(token)
     return tokens
+
+
+def option(name: str) -> str:
+    """Spelling of an argument on the command line."""
+    return "--" + name.replace("_", "-")
 
 
 def checked(check: Callable[[str], Any]) -> Callable[[str], Any]:

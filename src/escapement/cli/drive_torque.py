@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
-from escapement.cli import _arguments, _files, _output
+from escapement.cli import _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, number
 from escapement.units import unit_name
 
@@ -17,7 +17,7 @@ SUMMARY = "Drive torque, power and pin reversals at constant driver speed."
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _arguments.add_mechanism(parser)
+    _kinds.add_mechanism(parser)
     model = parser.add_argument_group("model")
     model.add_argument(
         "--speed",
@@ -53,7 +53,7 @@ def execute(args: argparse.Namespace) -> int:
     from escapement.constant_speed import drive_torque
 
     result = drive_torque(
-        _arguments.read_mechanism(args),
+        _kinds.read_mechanism(args),
         args.speed,
         _arguments.si(args, "load_torque"),
         _arguments.si(args, "follower_inertia"),

@@ -5,19 +5,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
-from escapement.cli import _arguments, _files, _output
+from escapement.cli import _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, UsageError, number
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
-    from escapement.mechanisms import Geneva
+    from escapement.model import Mechanism
 
 SUMMARY = "Geometry, transmission, motion ratio and dwell of a mechanism."
 
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _arguments.add_mechanism(parser)
+    _kinds.add_mechanism(parser)
     inertia = parser.add_argument_group("inertia, for the critical friction")
     _arguments.add_quantity(inertia, "driver_inertia")
     _arguments.add_quantity(inertia, "follower_inertia")
@@ -43,52 +43,50 @@ def execute(args: argparse.Namespace) -> int:
         _files.check_picture(args.plot)
     elif args.angle is not None:
         raise UsageError("--angle must come with --plot FILE, got none; it turns the drawing")
-    mechanism = _arguments.read_mechanism(args)
-    record = describe(mechanism)
-    inertia = _arguments.read_inertia(args)
-    if inertia is not None:
-        from escapement.dynamics import critical_friction
-
-        record["critical_friction"] = critical_friction(mechanism, inertia)
-    if mechanism.crank_radius is not None:
-        distance = mechanism.centre_distance * mechanism.crank_radius
-        record["centre_distance"] = _output.in_units(distance, "length", args.units)
+    mechanism = _kinds.read_mechanism(args)
+    record = _report(mechanism, args)
     if args.plot is not None:
         _draw(mechanism, args)
     if args.json:
         _output.print_json(record)
     else:
-        units = {"centre_distance": unit_name("length", args.units)}
-        _output.print_values(
-            (_output.words(key), value, units.get(key, "deg" if key.endswith("_deg") else ""))
-            for key, value in record.items()
-        )
+        _print(record, _kinds.module(_kinds.chosen(args)).QUANTITIES, args.units)
     return 0
 
 
-def describe(mechanism: "Geneva") -> dict[str, Any]:
-    """Geometry of a Geneva wheel, by JSON key."""
+def _report(mechanism: "Mechanism", args: argparse.Namespace) -> dict[str, Any]:
+    """What `mechanism` reports, by JSON key, in the user's units."""
+    kind = _kinds.module(_kinds.chosen(args))
+    record = kind.describe(mechanism)
+    for key, quantity in kind.QUANTITIES.items():
+        if record.get(key) is not None:
+            record[key] = _output.in_units(record[key], quantity, args.units)
+    inertia = _arguments.read_inertia(args)
+    if inertia is not None:
+        from escapement.dynamics import critical_friction
+
+        record["critical_friction"] = critical_friction(mechanism, inertia)
+    return record
+
+
+def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> None:
+    """Name, value and unit of each; a list of objects follows as a table of its own."""
+    units = {key: unit_name(quantity, system) for key, quantity in quantities.items()}
+    units |= {key: "deg" for key in record if key.endswith("_deg")}
+    tables = {key: value for key, value in record.items() if isinstance(value, list)}
+    _output.print_values(
+        (_output.words(key), value, units.get(key, ""))
+        for key, value in record.items()
+        if key not in tables
+    )
+    for key, rows in tables.items():
+        if len(rows) > 1:
+            print(f"\n{_output.words(key)}")
+            _output.print_columns([[*map(_output.words, rows[0])]], [row.values() for row in rows])
+
+
+def _draw(mechanism: "Mechanism", args: argparse.Namespace) -> None:
     import math
 
-    # twelve decimals: sixty degrees should read as sixty
-    cell = round(math.degrees(mechanism.cell_angle), 12)
-    return {
-        "stations": mechanism.slots,
-        "motion_ratio": mechanism.motion_ratio,
-        "cell_angle_deg": cell,
-        "follower_step_deg": round(math.degrees(mechanism.follower_step), 12),
-        "slots": mechanism.slots,
-        "pins": mechanism.pins,
-        "continuous": mechanism.continuous,
-        "dwell_deg": cell * (1.0 - mechanism.motion_ratio),
-        "transmission_max": float(mechanism.transmission(0.0).g),
-        "centre_distance_over_crank_radius": mechanism.centre_distance,
-    }
-
-
-def _draw(mechanism: "Geneva", args: argparse.Namespace) -> None:
-    import math
-
-    from escapement.plots import plot_mechanism
-
-    _files.save_axes(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    draw = _kinds.module(_kinds.chosen(args)).draw
+    _files.save_axes(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)

@@ -9,7 +9,7 @@ from escapement.cli._parser import Parser, one_of
 
 SUMMARY = "A source's printed numbers beside computed ones, why they differ, and the figures."
 
-SOURCES = ("meyer", "filemon")
+SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
 """Each has a module `_reproduce_<source>` with `reproduce(folder, as_json, units)`."""
 
 
@@ -19,7 +19,9 @@ def configure(parser: Parser) -> None:
         "source",
         type=one_of("SOURCE", SOURCES),
         metavar="SOURCE",
-        help="meyer: the 49 printed runs of Appendix E (1973); filemon: Table I (1960)",
+        help="meyer: the 49 printed runs of Appendix E (1973); filemon: Table I (1960); "
+        "dijksman: gear-driven wheels (1974); "
+        "prikhodko: the planetary drive with elliptical gears (2020)",
     )
     parser.add_argument(
         "-o",

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
-from escapement.cli import SOME_FAILED, _arguments, _files, _output
-from escapement.cli._parser import Parser, UsageError, number, whole
+from escapement.cli import SOME_FAILED, _arguments, _files, _kinds, _output
+from escapement.cli._parser import Parser, UsageError, number, option, whole
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -48,12 +48,13 @@ def configure(parser: Parser) -> None:
         metavar="NAME=VALUE,...",
         help="a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1",
     )
-    _arguments.add_mechanism(parser)
+    _kinds.add_mechanism(parser)
     model = parser.add_argument_group("model")
     for name in REQUIRED:
         _arguments.add_quantity(model, name)
     for name in ("friction", "load_torque", "initial_speed"):
         _arguments.add_quantity(model, name, default=0.0, note=" (default: 0)")
+    _arguments.add_quantity(model, "efficiency", default=1.0, note=" (default: 1)")
     length = parser.add_argument_group("length of the motion")
     length.add_argument(
         "--engagements",
@@ -124,7 +125,7 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
     if args.study is None:
         if args.select is not None:
             raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
-        missing = [_arguments.option(name) for name in REQUIRED if getattr(args, name) is None]
+        missing = [option(name) for name in REQUIRED if getattr(args, name) is None]
         if missing:
             raise UsageError(
                 f"the following arguments are required: {', '.join(missing)}; "
@@ -142,19 +143,13 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
 
 def _refuse_beside_study(args: argparse.Namespace) -> None:
     """Whatever the study says must not be said twice."""
-    nothing: dict[str, Any] = {
-        "friction": 0.0,
-        "load_torque": 0.0,
-        "initial_speed": 0.0,
-        "internal": False,
-    }
-    nothing |= {"slots": _arguments.DEFAULT_SLOTS, "kind": _arguments.KINDS[0]}
-    for name in (*REQUIRED, *nothing, "pins", "crank_radius"):
-        if getattr(args, name, None) not in (None, nothing.get(name)):
-            raise UsageError(
-                f"{_arguments.option(name)} must not come with --from, which has its own; "
-                "leave it out"
-            )
+    nothing = {"friction": 0.0, "load_torque": 0.0, "initial_speed": 0.0, "efficiency": 1.0}
+    said = ["KIND"] if args.kind is not None else []
+    said += [option(name) for name in REQUIRED if getattr(args, name) is not None]
+    said += [option(name) for name in _kinds.given_options(args)]
+    said += [option(name) for name, value in nothing.items() if getattr(args, name) != value]
+    if said:
+        raise UsageError(f"{said[0]} must not come with --from, which has its own; leave it out")
 
 
 def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:

@@ -6,7 +6,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from escapement import _validate
-from escapement.configuration._parameters import KINDS, Kind, Option, Parameter
+from escapement.configuration._kinds import KINDS, Kind, Option
+from escapement.configuration._parameters import Parameter
 from escapement.configuration._parse import parse_plan
 from escapement.configuration._plan import StudyPlan
 from escapement.configuration._solver import DEFAULT_ENGINE
@@ -52,14 +53,17 @@ def plan_from(
     """
     if not isinstance(escapement, Escapement):
         raise _validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    from escapement.mechanisms._table import is_table
+
     machine, own = _describe(escapement.mechanism)
     inertia = escapement.inertia
+    loss = "efficiency" if is_table(escapement.mechanism.path) else "friction"
     solver = {"engine": engine, "rtol": rtol, "atol": atol, "method": method, "max_step": max_step}
     configuration = {
         "mechanism": machine,
         "inertia": {"driver": inertia.driver, "follower": inertia.follower},
         "torque": escapement.torque,
-        "friction": escapement.friction,
+        loss: getattr(escapement, loss),
         "load_torque": escapement.load_torque,
         "initial_speed": initial_speed,
         "sweep": axes,

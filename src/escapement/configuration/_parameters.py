@@ -1,11 +1,11 @@
-"""Every scalar a study may fix or sweep, and what each kind of mechanism adds.
+"""Every scalar of an escapement that a study may fix or sweep.
 
-The tables are the only place that knows a parameter: its key in the file, its
-rule, its unit and its default. A new kind of mechanism is one more entry.
+The table is the only place that knows a parameter: its key in the file, its rule,
+its unit and its default. What a kind of mechanism adds is in its own table.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,8 @@ class Parameter:
     """A number of the model.
 
     long_name, quantity : what it is, and its key in `escapement.units`.
-    minimum, exclusive, whole : the rule its values obey.
+    minimum, maximum, exclusive, whole, fraction : the rule its values obey; a
+        fraction may be written as text, "1/2".
     section, key : where its fixed value stands in the file ("" is top level).
     required, default : the fixed value when the file has none; None leaves the
         choice to the mechanism.
@@ -31,8 +32,10 @@ class Parameter:
     key: str
     section: str = ""
     minimum: float = 0.0
+    maximum: float = math.inf
     exclusive: bool = False
     whole: bool = False
+    fraction: bool = False
     required: bool = False
     default: float | None = None
 
@@ -51,12 +54,19 @@ class Parameter:
             number = _validate.number(label, value, self.remedy)
             whole = int(number) if number == int(number) else value
             return _validate.integer(label, whole, int(self.minimum), self.remedy)
+        if self.fraction:
+            return float(_validate.rational(label, value, self.remedy))
         rule = _validate.positive if self.exclusive else _validate.non_negative
-        return rule(label, value, self.remedy)
+        checked = rule(label, value, self.remedy)
+        if not self.minimum <= checked <= self.maximum:
+            raise _validate.fail(
+                label, f"in [{self.minimum:g}, {self.maximum:g}]", value, self.remedy
+            )
+        return checked
 
     def check_all(self, label: str, values: NDArray[np.float64]) -> NDArray[Any]:
         """`values`, whole ones as integers; raises for the first that breaks the rule."""
-        good = np.isfinite(values) & (values >= self.minimum)
+        good = np.isfinite(values) & (values >= self.minimum) & (values <= self.maximum)
         if self.exclusive:
             good &= values > self.minimum
         if self.whole:
@@ -76,6 +86,15 @@ MODEL = {
         "give a coefficient of friction, 0 for none",
         key="friction",
         default=0.0,
+    ),
+    "efficiency": Parameter(
+        "share of the power that the mesh passes on",
+        "ratio",
+        "give a share of 1, 1 for no loss",
+        key="efficiency",
+        minimum=1e-3,
+        maximum=1.0,
+        default=1.0,
     ),
     "torque": Parameter(
         "driving torque",
@@ -118,75 +137,7 @@ MODEL = {
         required=True,
     ),
 }
-"""Parameters of every escapement, by the name of their axis."""
+"""Parameters of an escapement, by the name of their axis.
 
-
-@dataclass(frozen=True)
-class Option:
-    """A setting of a mechanism that cannot be an axis.
-
-    check : the value that a user gave, or InvalidValue.
-    quantity : key in `escapement.units`, None for what is no number.
-    required : whether the mechanism has no default of its own.
-    """
-
-    check: Callable[[str, Any], Any]
-    quantity: str | None = None
-    required: bool = False
-
-    def to_si(self, value: Any, system: str) -> Any:
-        """A value in units of `system` in SI."""
-        return value if self.quantity is None else value * units.factor(self.quantity, system)
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A kind of mechanism: who builds it, from what.
-
-    factory : "module:class", imported when the first mechanism is built.
-    parameters : numbers that may be axes. options : everything else.
-    """
-
-    factory: str
-    parameters: Mapping[str, Parameter]
-    options: Mapping[str, Option] = field(default_factory=dict)
-
-
-def _truth(label: str, value: Any) -> bool:
-    if not isinstance(value, bool | np.bool_):
-        raise _validate.fail(label, "true or false", value, "give a truth value")
-    return bool(value)
-
-
-def _length(label: str, value: Any) -> float:
-    return _validate.positive(label, value, "give a length")
-
-
-KINDS = {
-    "geneva": Kind(
-        factory="escapement.mechanisms.geneva:Geneva",
-        parameters={
-            "slots": Parameter(
-                "slots of the follower",
-                "ratio",
-                "a Geneva wheel needs 3 slots or more",
-                key="slots",
-                section="mechanism",
-                minimum=3,
-                whole=True,
-                required=True,
-            ),
-            "pins": Parameter(
-                "pins of the driver",
-                "ratio",
-                "give the number of crank pins",
-                key="pins",
-                section="mechanism",
-                minimum=1,
-                whole=True,
-            ),
-        },
-        options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
-    ),
-}
-"""Kinds of mechanism by the name a file gives them."""
+A slot loses by friction, a mesh by its efficiency: no mechanism has both.
+"""

@@ -7,7 +7,8 @@ from typing import Any
 from escapement import _validate, units
 from escapement.configuration._axes import axis_values
 from escapement.configuration._keys import check_keys, table
-from escapement.configuration._parameters import KINDS, MODEL, Kind, Parameter
+from escapement.configuration._kinds import KINDS, Kind, other_keys
+from escapement.configuration._parameters import Parameter
 from escapement.configuration._plan import StudyPlan
 from escapement.configuration._sample import Sample, parse_sample
 from escapement.configuration._solver import Solver, parse_solver
@@ -42,9 +43,11 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         _check_keys(configuration, kind)
         machine = {"kind": machine["kind"]} | _options(machine, kind)
     else:
-        kind = Kind(factory="", parameters={})
+        from escapement.mechanisms._table import is_table  # compiled: not to read a file
+
+        kind = Kind(factory="", parameters={}, meshed=bool(is_table(mechanism.path)))
     system = _validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
-    parameters = {**kind.parameters, **MODEL}
+    parameters = kind.all_parameters
     axes, forms = _axes(table(configuration, "sweep"), parameters)
     drawn = table(configuration, "sample")
     if not axes and "sample" not in configuration:
@@ -81,8 +84,11 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
 
 def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
     """Refuse keys that no part of a study has, naming where each would belong."""
-    parameters = {**kind.parameters, **MODEL}
-    homes = {setting.name: "[solver]" for setting in fields(Solver)}
+    parameters = kind.all_parameters
+    homes = other_keys(kind)
+    slot = "without" if kind.other_loss == "efficiency" else "with"
+    homes[kind.other_loss] = f"a study of a mechanism {slot} a slot"
+    homes |= {setting.name: "[solver]" for setting in fields(Solver)}
     homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
     homes |= dict.fromkeys(["size", "seed"], "[sample]")
     keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}

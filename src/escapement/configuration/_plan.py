@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement import units
-from escapement.configuration._parameters import MODEL, Kind, Parameter
+from escapement.configuration._kinds import Kind
+from escapement.configuration._parameters import Parameter
 from escapement.configuration._sample import CASE, Sample
 from escapement.configuration._solver import Solver
 from escapement.model import Escapement, Inertia, Mechanism
@@ -86,7 +87,7 @@ class StudyPlan:
     @property
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter this study may fix or vary, by name."""
-        return {**self.kind.parameters, **MODEL}
+        return self.kind.all_parameters
 
     @property
     def configuration(self) -> dict[str, Any]:
@@ -176,8 +177,9 @@ class StudyPlan:
             mechanism=self._built(values),
             inertia=Inertia(values["driver_inertia"], values["follower_inertia"]),
             torque=values["torque"],
-            friction=values["friction"],
+            friction=values.get("friction", 0.0),
             load_torque=values["load_torque"],
+            efficiency=values.get("efficiency", 1.0),
         )
 
     def mechanism(self, case: int) -> Mechanism:

@@ -11,6 +11,7 @@ from escapement import _validate
 from escapement.constant_speed._kernels import tabulate_torque
 from escapement.constant_speed.extrema import checked
 from escapement.errors import InvalidValue
+from escapement.mechanisms._table import is_table
 from escapement.model import FloatArray, Mechanism
 
 Load = float | Callable[[FloatArray], ArrayLike]
@@ -43,6 +44,10 @@ class Case:
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
+        if self.friction > 0.0 and is_table(self.mechanism.path):
+            raise _validate.fail(
+                "friction", "0 for a mechanism without a slot", self.friction, "give its efficiency"
+            )
         if not 0.0 < self.inertial < math.inf:
             raise InvalidValue(
                 "speed and follower_inertia must give a torque a double can hold, got "

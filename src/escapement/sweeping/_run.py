@@ -86,7 +86,7 @@ def sweep(
     scheduler : str or distributed.Client, optional
         A Dask cluster to compute on, needs `path`: "local", an address, or a client.
     **axes : array
-        Values [SI] of any of friction, torque, load_torque, driver_inertia,
+        Values [SI] of any of friction or efficiency, torque, load_torque, driver_inertia,
         follower_inertia and the numbers of the mechanism (slots, pins); the
         order is that of the results' dimensions. A sample adds the last one, `case`.
 

@@ -1,6 +1,6 @@
 """Scenes of a plan: what is left of its cases once time is measured in natural units.
 
-There a case is its mechanism, inertia ratio, friction, load ratio and starting speed.
+There a case is its mechanism, inertia ratio, loss, load ratio and starting speed.
 Without a load and from rest torque is a pure change of clock and leaves all of these
 alone: cases that differ in nothing else share a scene, and a scene is solved once.
 """
@@ -24,7 +24,7 @@ MOST_SHARED = 1 << 20
 
 _SLICE = 256  # scenes solved at a time: a few milliseconds, and always the same ones together
 _NUMBERS = (
-    *("driver_inertia", "follower_inertia", "friction"),
+    *("driver_inertia", "follower_inertia"),
     *("torque", "load_torque", "initial_speed"),
 )
 
@@ -37,12 +37,15 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
     """Figures of the scenes of some cases, none of them solved twice."""
     columns = plan.columns(cases)
     values = plan.fixed_si | columns
-    driver, follower, friction, torque, load, speed = (
-        np.broadcast_to(np.asarray(values[name], dtype=float), cases.shape) for name in _NUMBERS
+    driver, follower, torque, load, speed, loss = (
+        np.broadcast_to(np.asarray(values[name], dtype=float), cases.shape)
+        for name in (*_NUMBERS, plan.kind.loss)
     )
+    if plan.kind.meshed:
+        loss = 1.0 / loss - 1.0
     with np.errstate(all="ignore"):  # what is out of range is told by the status
         scene = np.array([
-            driver / follower, friction, load / torque, speed**2 * (follower / torque)
+            driver / follower, loss, load / torque, speed**2 * (follower / torque)
         ])  # fmt: skip
         sound = ratio_in_range(scene[0]) & (scene[2] < MOST_UNEQUAL)
     figures = np.full((6, cases.size), np.nan)
@@ -158,7 +161,7 @@ class SharedScenes:
 
 def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
     """The scenes that blocks of a plan share; None where sharing saves or suits nothing."""
-    deciding = {*plan.kind.parameters, *_NUMBERS}
+    deciding = {*plan.kind.parameters, *_NUMBERS, plan.kind.loss}
     if not any(np.any(plan.every(name)) for name in ("load_torque", "initial_speed")):
         deciding -= {"torque", "load_torque", "initial_speed"}
     dimensions = tuple(

@@ -1,0 +1,117 @@
+"""The drive, table 1 and the statistics of Prikhodko (2020), printed against computed."""
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+from escapement.cli import _files, _output
+from escapement.published import prikhodko
+
+_NAME = "prikhodko"
+
+
+def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
+    """Recompute what can be; print it, and write it with figures to `folder`.
+
+    Lengths are in millimetres as printed, whatever the units.
+    """
+    rows = prikhodko.table()
+    mechanism = prikhodko.drive()
+    judged = [row for row in rows if row.right is not None]
+    record: dict[str, Any] = {
+        "rows": [_as_object(row) for row in rows],
+        "judged": len(judged),
+        "agreeing": sum(row.agrees for row in judged),
+        "errata": [vars(slip) for slip in prikhodko.ERRATA],
+        "stop_interval_deg": _degrees(mechanism.cell_angle),
+        "output_per_stop_deg": -_degrees(mechanism.follower_step),
+        "transmission_max": mechanism.ratio_max,
+        "position_function_error": prikhodko.position_function_error(),
+        "pitch_curve_slip": prikhodko.pitch_curve_slip(),
+    }
+    if folder is not None:
+        _files.write_text(folder / f"{_NAME}.json", _output.as_json(record))
+        _files.write_text(folder / f"{_NAME}.csv", _as_csv(rows))
+        _draw(folder)
+        _output.note(f"table and figures in {folder}")
+    if as_json:
+        _output.print_json(record)
+        return
+    _print(rows, record)
+
+
+def _degrees(angle: float) -> float:
+    import math
+
+    # twelve decimals: 202.5 degrees should read as that
+    return round(math.degrees(angle), 12)
+
+
+def _as_object(row: prikhodko.PrintedValue) -> dict[str, Any]:
+    return vars(row) | {"agrees": row.agrees}
+
+
+def _print(rows: list[prikhodko.PrintedValue], record: dict[str, Any]) -> None:
+    print("Prikhodko (2020): printed and computed; * differs, - follows from nothing printed\n")
+    cells = [
+        [
+            _output.words(row.name), row.place, row.printed,
+            "-" if row.right is None else f"{row.value:.6g}",
+            "" if row.agrees else "*", row.unit,
+        ]
+        for row in rows
+    ]  # fmt: skip
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    for name, place, printed, computed, star, unit in cells:
+        numbers = f"{printed:>{widths[2]}}  {computed:>{widths[3]}}{star:<1}"
+        print(f"{name:<{widths[0]}}  {place:<{widths[1]}}  {numbers}  {unit}".rstrip())
+    print(f"\n{record['agreeing']} of {record['judged']} numbers are right to their last digit.")
+    for row in rows:
+        if row.reason:
+            print(f"  {_output.words(row.name)}, {row.printed}: {row.reason}")
+    print("\nSlips in equations and text, some perhaps the scan's:")
+    for slip in prikhodko.ERRATA:
+        print(f"  {slip.place}: {slip.printed}\n      instead: {slip.right}")
+    print(
+        f"\nOutput per stop {record['output_per_stop_deg']:g} degrees; greatest output speed "
+        f"{record['transmission_max']:.6g} times the input's, backwards"
+    )
+    print(
+        "Closed position function against quadrature of (9): "
+        f"{record['position_function_error']:.1e} rad"
+    )
+    print(f"Slip of the pitch curves: {record['pitch_curve_slip']:.1e} centre distances")
+
+
+def _as_csv(rows: list[prikhodko.PrintedValue]) -> str:
+    """A line a number."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["quantity", "place", "unit", "printed", "right", "computed", "reason"])
+    for row in rows:
+        known = row.right is not None
+        computed = repr(row.value) if known else ""
+        writer.writerow(
+            [row.name, row.place, row.unit, row.printed, row.right or "", computed, row.reason]
+        )
+    return text.getvalue()
+
+
+def _draw(folder: Path) -> None:
+    """Figures 3 and 6 with the velocity analogue, and the drive of figure 2 to scale."""
+    import math
+
+    from escapement.plots import prikhodko as figures
+    from escapement.plots import save
+    from escapement.plots.planetary import plot_planetary
+
+    mechanism = prikhodko.drive()
+    save(figures.plot_velocity_plans(mechanism), folder / f"{_NAME}_figure_3.png")
+    panels = {
+        "figure_2": plot_planetary(mechanism, math.radians(30.0)),
+        "figure_6": figures.plot_position_function(mechanism),
+        "equation_9": figures.plot_velocity_analogue(mechanism),
+    }
+    for name, ax in panels.items():
+        _files.save_axes(ax, folder / f"{_NAME}_{name}.png")

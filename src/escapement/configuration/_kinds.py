@@ -1,0 +1,222 @@
+"""Kinds of mechanism in a study file: who builds each, from what.
+
+A new kind of mechanism is one more entry.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from escapement import _validate, units
+from escapement._curves import CURVES
+from escapement.configuration._parameters import MODEL, Parameter
+
+
+@dataclass(frozen=True)
+class Option:
+    """A setting of a mechanism that cannot be an axis.
+
+    check : the value that a user gave, or InvalidValue.
+    quantity : key in `escapement.units`, None for what is no number.
+    required : whether the mechanism has no default of its own.
+    """
+
+    check: Callable[[str, Any], Any]
+    quantity: str | None = None
+    required: bool = False
+
+    def to_si(self, value: Any, system: str) -> Any:
+        """A value in units of `system` in SI."""
+        return value if self.quantity is None else value * units.factor(self.quantity, system)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of mechanism: who builds it, from what.
+
+    factory : "module:class", imported when the first mechanism is built.
+    parameters : numbers that may be axes. options : everything else.
+    meshed : whether it loses by an efficiency rather than by friction in a slot.
+    """
+
+    factory: str
+    parameters: Mapping[str, Parameter]
+    options: Mapping[str, Option] = field(default_factory=dict)
+    meshed: bool = False
+
+    @property
+    def all_parameters(self) -> dict[str, Parameter]:
+        """Every number of an escapement with such a mechanism, by name."""
+        model = {name: entry for name, entry in MODEL.items() if name != self.other_loss}
+        return {**self.parameters, **model}
+
+    @property
+    def loss(self) -> str:
+        """Name of the loss that such a mechanism has."""
+        return "efficiency" if self.meshed else "friction"
+
+    @property
+    def other_loss(self) -> str:
+        """Name of the loss that it does not have."""
+        return "friction" if self.meshed else "efficiency"
+
+
+def _truth(label: str, value: Any) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise _validate.fail(label, "true or false", value, "give a truth value")
+    return bool(value)
+
+
+def _length(label: str, value: Any) -> float:
+    return _validate.positive(label, value, "give a length")
+
+
+def _curve(label: str, value: Any) -> str:
+    return _validate.choice(label, value, CURVES)
+
+
+def _angles(label: str, value: Any) -> tuple[float, ...]:
+    remedy = "give a list of angles in rad"
+    if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
+        raise _validate.fail(label, "a list of numbers", value, remedy)
+    return tuple(_validate.number(f"{label}[{i}]", x, remedy) for i, x in enumerate(value))
+
+
+def _angle(label: str, value: Any) -> float:
+    return _validate.positive(label, value, "give an angle in rad")
+
+
+KINDS = {
+    "geneva": Kind(
+        factory="escapement.mechanisms.geneva:Geneva",
+        parameters={
+            "slots": Parameter(
+                "slots of the follower",
+                "ratio",
+                "a Geneva wheel needs 3 slots or more",
+                key="slots",
+                section="mechanism",
+                minimum=3,
+                whole=True,
+                required=True,
+            ),
+            "pins": Parameter(
+                "pins of the driver",
+                "ratio",
+                "give the number of crank pins",
+                key="pins",
+                section="mechanism",
+                minimum=1,
+                whole=True,
+            ),
+        },
+        options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
+    ),
+    "gear-driven": Kind(
+        factory="escapement.mechanisms.gear_driven:GearDriven",
+        parameters={
+            "stations": Parameter(
+                "stations of the follower",
+                "ratio",
+                "the wheel needs 3 stations or more",
+                key="stations",
+                section="mechanism",
+                minimum=3,
+                whole=True,
+                required=True,
+            ),
+            "lobes": Parameter(
+                "unreal lobes between two lobes of the pin's path",
+                "ratio",
+                "give a whole number or a fraction such as '1/2'",
+                key="lobes",
+                section="mechanism",
+                fraction=True,
+                required=True,
+            ),
+            "pins": Parameter(
+                "pins on the planet",
+                "ratio",
+                "give the number of pins",
+                key="pins",
+                section="mechanism",
+                minimum=1,
+                whole=True,
+                default=1,
+            ),
+            "unused_lobes": Parameter(
+                "lobes without a slot between two that have one",
+                "ratio",
+                "give 0 to use every lobe",
+                key="unused_lobes",
+                section="mechanism",
+                whole=True,
+                default=0,
+            ),
+            "solution": Parameter(
+                "place of the mechanism in order of alpha",
+                "ratio",
+                "they count from 1",
+                key="solution",
+                section="mechanism",
+                minimum=1,
+                whole=True,
+                default=1,
+            ),
+        },
+        options={"curve": Option(_curve, required=True), "fixed_radius": Option(_length, "length")},
+    ),
+    "elliptical-planetary": Kind(
+        factory="escapement.mechanisms.elliptical_planetary:EllipticalPlanetary",
+        parameters={
+            "sun_radius": Parameter(
+                "pitch radius of the fixed sun gear",
+                "length",
+                "give the radius R1",
+                key="sun_radius",
+                section="mechanism",
+                exclusive=True,
+                required=True,
+            ),
+            "planet_radius": Parameter(
+                "pitch radius of the spur planet",
+                "length",
+                "give the radius R2, less than the sun's",
+                key="planet_radius",
+                section="mechanism",
+                exclusive=True,
+                required=True,
+            ),
+        },
+        meshed=True,
+    ),
+    "tabulated": Kind(
+        factory="escapement.mechanisms.tabulated:Tabulated",
+        parameters={},
+        options={
+            "theta": Option(_angles, required=True),
+            "phi": Option(_angles, required=True),
+            "measured": Option(_truth),
+            "cell_angle": Option(_angle),
+            "follower_step": Option(_angle),
+        },
+        meshed=True,
+    ),
+}
+"""Kinds of mechanism by the name a file gives them."""
+
+
+def other_keys(kind: Kind) -> dict[str, str]:
+    """Keys of [mechanism] that `kind` lacks and others have, each with where it belongs."""
+    owners: dict[str, list[str]] = {}
+    for name, other in KINDS.items():
+        for key in (*(p.key for p in other.parameters.values()), *other.options):
+            owners.setdefault(key, []).append(name)
+    own = {*(p.key for p in kind.parameters.values()), *kind.options}
+    return {
+        key: "[mechanism] of kind " + " or ".join(map(repr, kinds))
+        for key, kinds in owners.items()
+        if key not in own
+    }

@@ -1,0 +1,157 @@
+"""Periodic quintic splines: through given points, or smooth between scattered ones.
+
+The smooth one minimises
+
+    sum of (y_i - s(x_i))^2 + lambda integral of s'''^2
+
+over splines whose knots are a selection of the points; lambda is chosen by
+generalised cross-validation, and the residuals tell the noise.
+
+Source: P. Craven and G. Wahba, Numer. Math. 31 (1979) 377-403; for the standard
+deviations G. Wahba, J. R. Stat. Soc. B 45 (1983) 133-150.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement.model import FloatArray
+
+DEGREE = 5
+MOST_KNOTS = 120
+_ROWS_A_KNOT = 2
+_GRID = np.geomspace(1e-14, 1e6, 161)  # of lambda, in units that make both sums alike
+_RIDGE = 1e-13
+
+
+@dataclass(frozen=True)
+class PeriodicSpline:
+    """A spline of period `knots[-1] - knots[0]`, and how well it is known.
+
+    knots : ndarray, shape (n + 1,)
+        Ascending; the last is the first, a period later.
+    coefficients : ndarray, shape (n,)
+        Of the periodic B-splines.
+    noise : float
+        Standard deviation of the points from the curve that they scatter about.
+    spread : ndarray, shape (n, n)
+        Covariance of the coefficients; zeros for a spline through its points.
+    """
+
+    knots: FloatArray
+    coefficients: FloatArray
+    noise: float
+    spread: FloatArray
+
+    @cached_property
+    def period(self) -> float:
+        """Length after which the spline repeats itself."""
+        return float(self.knots[-1] - self.knots[0])
+
+    def __call__(self, x: ArrayLike, order: int = 0) -> FloatArray:
+        """The spline or one of its derivatives, at any x."""
+        from scipy.interpolate import BSpline
+
+        coefficients = np.concatenate([self.coefficients, self.coefficients[:DEGREE]])
+        spline = BSpline(_extended(self.knots), coefficients, DEGREE)
+        return np.asarray(spline(self._folded(x), nu=order), dtype=float)
+
+    def deviation(self, x: ArrayLike, order: int = 0) -> FloatArray:
+        """Standard deviation of the spline or of a derivative at 1-D x."""
+        rows = _design(self.knots, self._folded(x), order)
+        return np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", rows, self.spread, rows), 0.0))
+
+    def _folded(self, x: ArrayLike) -> FloatArray:
+        values = np.asarray(x, dtype=float)
+        first = self.knots[0]
+        inside = (values >= first) & (values <= self.knots[-1])
+        return np.where(inside, values, first + np.mod(values - first, self.period))
+
+
+def interpolating(x: FloatArray, y: FloatArray) -> PeriodicSpline:
+    """Spline through points; the last is the first, a period later.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n + 1,)
+        Strictly ascending.
+    y : ndarray, shape (n + 1,)
+        The last equals the first.
+    """
+    from scipy.linalg import solve
+
+    rows = _design(x, x[:-1], 0)
+    return PeriodicSpline(x, solve(rows, y[:-1]), 0.0, np.zeros((x.size - 1, x.size - 1)))
+
+
+def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
+    """Smooth spline near scattered points of one period.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Ascending, all within a period.
+    y : ndarray, shape (n,)
+        Values there.
+    """
+    from scipy.linalg import cholesky, solve_triangular
+
+    count = min(MOST_KNOTS, x.size // _ROWS_A_KNOT)
+    places = np.unique(x[np.linspace(0, x.size, count, endpoint=False).astype(int)])
+    knots = np.append(places, places[0] + period)
+    folded = np.where(x < knots[0], x + period, x)
+    rows = _design(knots, folded, 0)
+    normal, rough = rows.T @ rows, _roughness(knots)
+    scale = np.trace(normal) / np.trace(rough)
+    normal += _RIDGE * np.trace(normal) / knots.size * np.eye(knots.size - 1)
+    lower = cholesky(normal, lower=True)
+    whitened = solve_triangular(lower, rough * scale, lower=True)
+    sizes, axes = np.linalg.eigh(solve_triangular(lower, whitened.T, lower=True))
+    sizes = np.maximum(sizes, 0.0)
+    along = axes.T @ solve_triangular(lower, rows.T @ y, lower=True)
+    kept = 1.0 / (1.0 + np.outer(_GRID, sizes))
+    left = (y @ y - along @ along) + (((1.0 - kept) * along) ** 2).sum(axis=1)
+    free = x.size - kept.sum(axis=1)
+    best = int(np.argmin(np.maximum(left, 0.0) / free**2))
+    back = solve_triangular(lower, axes, lower=True, trans="T")
+    noise = float(np.sqrt(max(left[best], 0.0) / free[best]))
+    return PeriodicSpline(
+        knots,
+        back @ (kept[best] * along),
+        noise,
+        noise**2 * (back * kept[best]) @ back.T,
+    )
+
+
+def _extended(knots: FloatArray) -> FloatArray:
+    """Knots continued beyond both ends, as the periodic B-splines need them."""
+    period = knots[-1] - knots[0]
+    repeats = -(-DEGREE // (knots.size - 1))
+    whole = np.concatenate([knots[:-1] + k * period for k in range(-repeats, repeats + 1)])
+    whole = np.append(whole, knots[-1] + repeats * period)
+    first = repeats * (knots.size - 1)
+    return whole[first - DEGREE : first + knots.size + DEGREE]
+
+
+def _design(knots: FloatArray, x: FloatArray, order: int) -> FloatArray:
+    """Values of the periodic B-splines, or of their derivatives; a row each x."""
+    from scipy.interpolate import BSpline
+
+    size = knots.size - 1
+    splines = BSpline(_extended(knots), np.eye(size + DEGREE), DEGREE)
+    values = splines(x, nu=order)
+    rows = np.array(values[:, :size])
+    for k in range(DEGREE):
+        rows[:, k % size] += values[:, size + k]
+    return rows
+
+
+def _roughness(knots: FloatArray) -> FloatArray:
+    """Integrals of products of third derivatives, exact for quintic splines."""
+    points, weights = np.polynomial.legendre.leggauss(3)
+    half = 0.5 * np.diff(knots)
+    x = knots[:-1, None] + half[:, None] * (1.0 + points)
+    rows = _design(knots, x.ravel(), 3)
+    return np.asarray(rows.T @ ((half[:, None] * weights).ravel()[:, None] * rows))

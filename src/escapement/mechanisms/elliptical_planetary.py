@@ -1,0 +1,313 @@
+"""The planetary drive with elliptical gears: intermittent motion, always in mesh.
+
+A carrier rolls a spur planet (radius R2) round a fixed sun (R1). On the planet's
+shaft sits an ellipse, pivoted at a focus; it drives an equal ellipse, pivoted at a
+focus on the carrier's axis, with the output. Where the radii of the ellipses are
+as R2 to R1 the output stands still (Prikhodko 2020). With k = R1/R2 and
+h = k theta/2, half the turn of the planet on its carrier,
+
+    follower angle   phi = 2 atan(k tan h) - theta
+    transmission     g   = (k^2 - 1) cos^2 h / (cos^2 h + k^2 sin^2 h)
+
+which are the integral of the paper's eq. 9 and eq. 9 itself with e = (k-1)/(k+1),
+the sense reversed: the output turns against the carrier, phi_3 = -phi.
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement.mechanisms._pitch_ellipses import PitchEllipse
+from escapement.mechanisms._slotted import Transmission
+from escapement.mechanisms._table import chebyshev_table
+from escapement.model import FloatArray
+
+_MOST_STATIONS = 1000
+_GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
+
+
+@dataclass(frozen=True)
+class EllipticalPlanetary:
+    """Planetary drive with a pair of elliptical gears.
+
+    Parameters
+    ----------
+    sun_radius : float
+        Pitch radius R1 of the fixed sun gear [m].
+    planet_radius : float
+        Pitch radius R2 of the spur planet [m], 0 < R2 < R1. The ellipses follow:
+        semi-major axis (R1 + R2)/2, focal distance (R1 - R2)/2.
+
+    Raises
+    ------
+    InvalidValue
+        When a radius breaks its rule, or R1/R2 exceeds 10,000.
+
+    Notes
+    -----
+    Driver angles are counted from greatest output speed, the paper's phi_1. A cell
+    runs from one stop to the next. Only R1/R2 matters for the motion.
+
+    Source: Prikhodko (2020), eqs. 1 to 9.
+    """
+
+    sun_radius: float
+    planet_radius: float
+
+    def __post_init__(self) -> None:
+        planet = _validate.positive(
+            "planet_radius", self.planet_radius, "give the planet's pitch radius in m"
+        )
+        sun = _validate.positive("sun_radius", self.sun_radius, "give the sun's pitch radius in m")
+        if not sun > planet:
+            raise _validate.fail(
+                "sun_radius", f"greater than the planet_radius, {planet!r}", sun,
+                "R1 = a + c and R2 = a - c, so the sun is the greater",
+            )  # fmt: skip
+        if sun > _GREATEST_RATIO * planet:
+            raise _validate.fail(
+                "sun_radius / planet_radius", f"at most {_GREATEST_RATIO:g}", sun / planet,
+                "give a greater planet",
+            )  # fmt: skip
+        object.__setattr__(self, "sun_radius", sun)
+        object.__setattr__(self, "planet_radius", planet)
+
+    @classmethod
+    def from_ellipse(cls, semi_major_axis: float, eccentricity: float) -> "EllipticalPlanetary":
+        """The drive of a pair of ellipses, R1 = a (1 + e) and R2 = a (1 - e).
+
+        Parameters
+        ----------
+        semi_major_axis : float
+            a [m], > 0: half the centre distance.
+        eccentricity : float
+            e [-], between 0 and 1.
+        """
+        a = _validate.positive("semi_major_axis", semi_major_axis, "give half the centre distance")
+        e = _validate.positive("eccentricity", eccentricity, "a circle never stops the output")
+        if not e < 1.0:
+            raise _validate.fail("eccentricity", "below 1", e, "a closed ellipse has e < 1")
+        return cls(a * (1.0 + e), a * (1.0 - e))
+
+    @classmethod
+    def from_stop_interval(
+        cls, stop_interval: float, centre_distance: float
+    ) -> "EllipticalPlanetary":
+        """The drive that stops its output once in an angle of the input.
+
+        Parameters
+        ----------
+        stop_interval : float
+            Input angle from one stop to the next, 2 pi R2/R1 [rad]; less than a turn.
+        centre_distance : float
+            Of carrier axis and planet shaft, R1 + R2 [m].
+        """
+        remedy = "give the input angle between stops in rad, less than 2 pi"
+        interval = _validate.positive("stop_interval", stop_interval, remedy)
+        if not interval < 2.0 * math.pi:
+            raise _validate.fail("stop_interval", "below 2 pi", interval, remedy)
+        distance = _validate.positive("centre_distance", centre_distance, "give R1 + R2 in m")
+        planet = distance * interval / (2.0 * math.pi + interval)
+        return cls(distance - planet, planet)
+
+    @property
+    def ratio(self) -> float:
+        """k = R1/R2, turns of the planet on its carrier per turn of the input [-]."""
+        return self.sun_radius / self.planet_radius
+
+    @property
+    def centre_distance(self) -> float:
+        """Carrier axis to planet shaft, R1 + R2 = 2a [m]."""
+        return self.sun_radius + self.planet_radius
+
+    @property
+    def semi_major_axis(self) -> float:
+        """a = (R1 + R2)/2 of the ellipses [m]."""
+        return 0.5 * self.centre_distance
+
+    @property
+    def focal_distance(self) -> float:
+        """c = (R1 - R2)/2, centre to focus of the ellipses [m]."""
+        return 0.5 * (self.sun_radius - self.planet_radius)
+
+    @property
+    def semi_minor_axis(self) -> float:
+        """b = sqrt(R1 R2) of the ellipses [m]."""
+        return math.sqrt(self.sun_radius) * math.sqrt(self.planet_radius)
+
+    @property
+    def eccentricity(self) -> float:
+        """e = c/a of the ellipses [-]."""
+        return self.focal_distance / self.semi_major_axis
+
+    @property
+    def cell_angle(self) -> float:
+        """Driver angle from stop to stop, 2 pi R2/R1 [rad]."""
+        return 2.0 * math.pi / self.ratio
+
+    @property
+    def follower_step(self) -> float:
+        """Output angle from stop to stop, 2 pi (1 - R2/R1), against the input [rad]."""
+        return 2.0 * math.pi * self.focal_distance * 2.0 / self.sun_radius
+
+    @property
+    def stations(self) -> int | None:
+        """Directions in which the output stops; None where they never repeat.
+
+        The denominator of R2/R1 in lowest terms; more than 1000 count as never.
+        """
+        share = 1.0 / self.ratio
+        whole = Fraction(share).limit_denominator(_MOST_STATIONS)
+        return whole.denominator if abs(share - whole) < 1e-12 else None
+
+    @property
+    def motion_ratio(self) -> float:
+        """Moving share of the cell, 1: the output stands still for an instant only."""
+        return 1.0
+
+    @property
+    def breaks(self) -> tuple[float, float]:
+        """The stops at both ends of the cell [rad]."""
+        half = math.pi / self.ratio
+        return -half, half
+
+    @property
+    def ratio_max(self) -> float:
+        """Greatest transmission, k^2 - 1, half-way between stops [-]."""
+        return (self.ratio - 1.0) * (self.ratio + 1.0)
+
+    @property
+    def acceleration_max(self) -> tuple[float, float]:
+        """Greatest g' [-] and the driver angle that has it [rad]; the least mirrors it.
+
+        There 2 e cos^2 p + (1 + e^2) cos p = 4 e, p the planet's turn.
+        """
+        e = self.eccentricity
+        total = 1.0 + e * e
+        cosine = 8.0 * e / (total + math.sqrt(total * total + 32.0 * e * e))
+        angle = -math.acos(cosine) / self.ratio
+        return float(self.transmission(angle).dg), angle
+
+    @cached_property
+    def path(self) -> FloatArray:
+        """Flat numbers of the transmission for the kernels: a table."""
+        return chebyshev_table(lambda theta: self.transmission(theta).g, self.breaks)
+
+    def transmission(self, theta: ArrayLike) -> Transmission:
+        """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
+        sine, cosine = self._half_turn(theta)
+        length = cosine * cosine + (self.ratio * sine) ** 2
+        g = self.ratio_max * cosine * cosine / length
+        dg = -(self.ratio**3) * self.ratio_max * sine * cosine / (length * length)
+        return Transmission(g, np.zeros_like(g), dg)
+
+    def jerk_function(self, theta: ArrayLike) -> FloatArray:
+        """g'' at driver angles of any size [rad]."""
+        sine, cosine = self._half_turn(theta)
+        k, gain = self.ratio, self.ratio_max
+        length = cosine * cosine + (k * sine) ** 2
+        bent = (cosine - sine) * (cosine + sine) * length - 4.0 * gain * (sine * cosine) ** 2
+        return -0.5 * k**4 * gain * bent / length**3
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Output angle at driver angles of any size [rad], zero at theta = 0.
+
+        Counted against the input's sense: the paper's phi_3 is its negative.
+        """
+        angles = np.asarray(theta, dtype=float)
+        half = 0.5 * self.ratio * angles
+        turns = np.rint(half / math.pi)
+        near = half - math.pi * turns
+        within = np.arctan2(self.ratio * np.sin(near), np.cos(near))
+        return 2.0 * (within + math.pi * turns) - angles
+
+    def dwell_below(self, ratio: float) -> float:
+        """Driver angle about a stop within which g is at most `ratio` [rad].
+
+        Parameters
+        ----------
+        ratio : float
+            Tolerated output speed over input speed [-], >= 0.
+        """
+        limit = _validate.non_negative("ratio", ratio, "give output over input speed, 0.01 say")
+        left = self.ratio_max - limit
+        if left <= 0.0:
+            return self.cell_angle
+        # g is the limit where cot^2 h = k^2 limit/(k^2 - 1 - limit)
+        return 4.0 * math.atan(self.ratio * math.sqrt(limit / left)) / self.ratio
+
+    def dwell_within(self, angle: float) -> float:
+        """Driver angle about a stop in which the output stays within +-angle [rad].
+
+        Parameters
+        ----------
+        angle : float
+            Tolerated deviation of the output from where it stops [rad], > 0.
+        """
+        limit = _validate.positive("angle", angle, "give the tolerated deviation in rad")
+        if limit >= 0.5 * self.follower_step:
+            return self.cell_angle
+        from scipy.optimize import brentq
+
+        def beyond(turn: float) -> float:
+            left = 2.0 * math.atan(math.tan(0.5 * turn) / self.ratio) - turn / self.ratio
+            return left - limit
+
+        return 2.0 * float(brentq(beyond, 0.0, math.pi, xtol=1e-15)) / self.ratio
+
+    def planet_inertia(
+        self, mass: float, moment: float, offset: float = 0.0
+    ) -> tuple[float, float]:
+        """What planet, satellite shaft and driving ellipse add to the driver's inertia.
+
+        Their kinetic energy is that of a driver inertia mean - swing cos(k theta):
+        the planet turns 1 + k times as fast as the carrier, and a centre of mass
+        beside the shaft is now before, now behind the carrier's motion.
+
+        Parameters
+        ----------
+        mass : float
+            Of all that turns with the satellite shaft [kg], >= 0.
+        moment : float
+            Its moment of inertia about that shaft [kg m^2], >= 0.
+        offset : float
+            Distance of its centre of mass from the shaft, towards the ellipse's
+            centre [m]; the focal distance for the bare ellipse, 0 with a
+            counterweight.
+
+        Returns
+        -------
+        mean, swing : float
+            [kg m^2]. `Inertia.driver` takes the mean. It is constant: a swing
+            that is not small against it is beyond the equation of motion.
+        """
+        weight = _validate.non_negative("mass", mass, "give the planet's mass in kg")
+        about = _validate.non_negative("moment", moment, "give it about the satellite shaft")
+        away = _validate.number("offset", offset, "give the distance from the shaft in m")
+        if weight * away * away > about * (1.0 + 1e-12):
+            raise _validate.fail(
+                "moment", f"at least mass offset^2 = {weight * away * away:g}", about,
+                "give it about the satellite shaft, not about the centre of mass",
+            )  # fmt: skip
+        faster = 1.0 + self.ratio
+        arm = self.centre_distance
+        return weight * arm * arm + about * faster * faster, 2.0 * weight * arm * away * faster
+
+    @property
+    def pitch_ellipses(self) -> tuple[PitchEllipse, PitchEllipse]:
+        """Pitch curves of the driving (on the planet's shaft) and the driven ellipse.
+
+        At driver angle theta the driving one has turned k theta on the carrier, the
+        driven one theta + phi: the angles at which both touch.
+        """
+        a, e = self.semi_major_axis, self.eccentricity
+        return PitchEllipse(a, e, far=True), PitchEllipse(a, e, far=False)
+
+    def _half_turn(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        half = 0.5 * self.ratio * np.asarray(theta, dtype=float)
+        return np.sin(half), np.cos(half)

@@ -1,0 +1,290 @@
+"""A mechanism known by its position function alone: designed elsewhere, or measured."""
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement.errors import InputFileError, InvalidValue, MissingInput
+from escapement.mechanisms._periodic_spline import (
+    DEGREE,
+    PeriodicSpline,
+    interpolating,
+    smoothing,
+)
+from escapement.mechanisms._slotted import Transmission
+from escapement.mechanisms._table import chebyshev_table
+from escapement.model import FloatArray
+
+FEWEST = 12
+MOST_EXACT = 600
+_BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
+_SAMPLES = 2001
+_CLOSE = 1e-9  # of a cell: knots this near its ends are the ends
+
+
+@dataclass(frozen=True)
+class Tabulated:
+    """Any mechanism whose follower keeps to its driver, from a table.
+
+    A periodic quintic spline goes through the table, or, where the table is
+    measured, smoothly between its rows. The mechanism has no slot: its losses are
+    those of a mesh.
+
+    Parameters
+    ----------
+    theta : sequence of float
+        Driver angles [rad]: one cell, both ends included, ascending. With
+        `cell_angle` and `follower_step`: any angles in any order, at least 12.
+    phi : sequence of float
+        Follower angles there [rad].
+    measured : bool
+        Whether the rows scatter. Else they are exact, at most 600.
+    cell_angle : float, optional
+        Driver angle after which the motion repeats itself [rad], > 0. Default: that
+        of the table.
+    follower_step : float, optional
+        What the follower turns in it [rad], > 0 in either sense. Default: likewise.
+
+    Raises
+    ------
+    InvalidValue
+        When the table breaks a rule.
+
+    Notes
+    -----
+    The spline has four continuous derivatives. Where the follower's acceleration
+    jumps, as at the ends of a Geneva wheel's engagement, it is rounded off over a
+    few rows.
+    """
+
+    theta: Sequence[float]
+    phi: Sequence[float]
+    measured: bool = False
+    cell_angle: float = 0.0
+    follower_step: float = 0.0
+
+    def __post_init__(self) -> None:
+        theta, phi = (_column(name, getattr(self, name)) for name in ("theta", "phi"))
+        if theta.size != phi.size:
+            raise _validate.fail(
+                "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
+            )
+        if not isinstance(self.measured, bool | np.bool_):
+            raise _validate.fail("measured", "true or false", self.measured, "give a truth value")
+        if not self.measured and theta.size > MOST_EXACT + 1:
+            raise _validate.fail(
+                "theta", f"at most {MOST_EXACT + 1} rows of an exact table", theta.size,
+                "leave rows out, or say that they are measured",
+            )  # fmt: skip
+        cell, step = self.cell_angle, self.follower_step
+        if cell != 0.0 and step == 0.0:
+            raise InvalidValue(
+                "cell_angle must come with follower_step, got it alone; give both, or neither "
+                "for a table of one whole cell"
+            )
+        if cell == 0.0:
+            if not (np.diff(theta) > 0.0).all():
+                raise InvalidValue(
+                    "theta must ascend from one end of the cell to the other, got "
+                    f"{theta[1 + int(np.argmin(np.diff(theta) > 0.0))]!r} out of order; sort the "
+                    "table, or give cell_angle and follower_step"
+                )
+            cell, step = float(theta[-1] - theta[0]), step or abs(float(phi[-1] - phi[0]))
+        remedy = "give the angle after which the motion repeats itself"
+        checked: dict[str, Any] = {
+            "theta": tuple(theta.tolist()),
+            "phi": tuple(phi.tolist()),
+            "measured": bool(self.measured),
+            "cell_angle": _validate.positive("cell_angle", cell, remedy),
+            "follower_step": _validate.positive(
+                "follower_step", step, "the follower must have turned on from cell to cell"
+            ),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_csv(cls, path: str | PathLike[str], **options: Any) -> "Tabulated":
+        """Read a table of driver and follower angles in degrees.
+
+        Parameters
+        ----------
+        path : path
+            Two columns, separated by commas; a line of headings may come first, and
+            lines that start with # are passed over.
+        **options
+            `measured`; `cell_angle` and `follower_step` in radians.
+
+        Raises
+        ------
+        MissingInput, InputFileError
+            When the file is not there, or is no such table.
+        """
+        return cls(*np.radians(_read(path)), **options)
+
+    @property
+    def sense(self) -> float:
+        """+1 or -1: how the table's follower turns; here it counts so that it grows."""
+        theta, phi = np.array(self.theta), np.array(self.phi)
+        if self._is_one_cell:
+            return math.copysign(1.0, phi[-1] - phi[0])
+        slope = np.polynomial.polynomial.polyfit(theta, phi, 1)[1]
+        return math.copysign(1.0, slope)
+
+    @cached_property
+    def spline(self) -> PeriodicSpline:
+        """The position function less its mean rise, over the cell."""
+        theta, phi = np.array(self.theta), self.sense * np.array(self.phi)
+        rest = phi - self._mean * (theta - theta[0])
+        if not self.measured and self._is_one_cell:
+            rest[-1] = rest[0]
+            return interpolating(theta, rest)
+        start = float(theta.min())
+        folded = start + np.mod(theta - start, self.cell_angle)
+        order = np.argsort(folded, kind="stable")
+        if self.measured:
+            return smoothing(folded[order], rest[order], self.cell_angle)
+        if not (np.diff(folded[order]) > 0.0).all():
+            raise InvalidValue(
+                "theta must differ from row to row in an exact table, cells taken together; "
+                "leave out what repeats itself, or say that the rows are measured"
+            )
+        x = np.append(folded[order], folded[order[0]] + self.cell_angle)
+        return interpolating(x, np.append(rest[order], rest[order[0]]))
+
+    @property
+    def _mean(self) -> float:
+        return self.follower_step / self.cell_angle
+
+    @cached_property
+    def breaks(self) -> tuple[float, float]:
+        """Both ends of the cell [rad].
+
+        Those of the table; where its rows are of any cells, the cell about zero that
+        begins where the follower is slowest. Between them the third derivative of g
+        has a step at each knot. It costs an engine a few digits of its tolerance,
+        less than any table is worth.
+        """
+        first = float(self.spline.knots[0])
+        if self._is_one_cell:
+            return first, float(self.spline.knots[-1])
+        theta = np.linspace(first, first + self.cell_angle, _SAMPLES)
+        slowest = float(theta[np.argmin(self.transmission(theta).g)])
+        start = slowest - self.cell_angle * math.ceil(slowest / self.cell_angle)
+        return start, start + self.cell_angle
+
+    @property
+    def _is_one_cell(self) -> bool:
+        return self.theta[-1] - self.theta[0] == self.cell_angle
+
+    @property
+    def motion_ratio(self) -> float:
+        """Moving share of the cell, 1: the table knows no locked follower."""
+        return 1.0
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of the measured follower angles [rad]; 0 for an exact table."""
+        return self.spline.noise
+
+    def deviation(self, theta: ArrayLike) -> Transmission:
+        """Standard deviations of g and g' at 1-D driver angles [rad], from the noise.
+
+        Rounding off of sharp corners is not among them.
+        """
+        angles = np.atleast_1d(np.asarray(theta, dtype=float))
+        g, dg = (self.spline.deviation(angles, order) for order in (1, 2))
+        return Transmission(g, np.zeros_like(g), dg)
+
+    def transmission(self, theta: ArrayLike) -> Transmission:
+        """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
+        g = self._mean + self.spline(theta, 1)
+        return Transmission(g, np.zeros_like(g), self.spline(theta, 2))
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Follower angle at driver angles of any size [rad], in the sense that grows."""
+        angles = np.asarray(theta, dtype=float)
+        return self.spline(angles) + self._mean * (angles - self.theta[0])
+
+    @cached_property
+    def path(self) -> FloatArray:
+        """Flat numbers of the transmission for the kernels: the spline, piece by piece.
+
+        Raises
+        ------
+        InvalidValue
+            Where the follower turns back: by more than a thousandth of its greatest
+            speed and three standard deviations. No motion can be computed then.
+        """
+        theta = np.linspace(*self.breaks, _SAMPLES)
+        g = self.transmission(theta).g
+        worst = int(np.argmin(g))
+        doubt = 3.0 * float(self.deviation(theta[worst]).g[0])
+        if g[worst] < -max(_BACKWARDS * g.max(), doubt):
+            raise InvalidValue(
+                f"phi must rise (or fall) throughout for a motion, got a slope of {g[worst]:.3g} "
+                f"against its sense at theta = {theta[worst]:.6g} rad; correct the table, or "
+                "measure more of it"
+            )
+        start, end = self.breaks
+        # the last knot is the first again
+        knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
+        near = _CLOSE * self.cell_angle
+        inside = knots[(knots > start + near) & (knots < end - near)].tolist()
+        return chebyshev_table(lambda x: self.transmission(x).g, [start, *inside, end], DEGREE)
+
+
+def _column(name: str, values: Any) -> FloatArray:
+    """A 1-D array of finite numbers, long enough for a spline."""
+    try:
+        column = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise _validate.fail(name, "a list of numbers", values, "give angles in rad") from None
+    if column.ndim != 1:
+        raise _validate.fail(name, "one-dimensional", column.shape, "give a list of angles")
+    if column.size < FEWEST:
+        raise _validate.fail(
+            name, f"at least {FEWEST} rows long", column.size, "give more of the position function"
+        )
+    if not np.isfinite(column).all():
+        bad = float(column[~np.isfinite(column)][0])
+        raise _validate.fail(name, "finite throughout", bad, "leave out the row")
+    return column
+
+
+def _read(path: str | PathLike[str]) -> FloatArray:
+    """Two columns of numbers; shape (2, rows)."""
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as stream:
+            lines = [(k, row) for k, row in enumerate(csv.reader(stream), 1) if row]
+    except FileNotFoundError:
+        raise MissingInput(f"table {path} must exist, and does not; check the path") from None
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputFileError(
+            f"table {path} must be a text file, and cannot be read: {error}; write it as CSV"
+        ) from None
+    rows = [(k, row) for k, row in lines if not row[0].lstrip().startswith("#")]
+    if rows and not _numbers(rows[0][1]):
+        rows = rows[1:]
+    for k, row in rows:
+        if not _numbers(row):
+            raise InputFileError(
+                f"table {path} must have two numbers in each line, got {','.join(row)[:40]!r} in "
+                f"line {k}; give driver and follower angle in degrees"
+            )
+    return np.array([[float(cell) for cell in row[:2]] for _, row in rows]).reshape(-1, 2).T
+
+
+def _numbers(row: Sequence[str]) -> bool:
+    try:
+        return len(row) == 2 and all(math.isfinite(float(cell)) for cell in row)
+    except ValueError:
+        return False

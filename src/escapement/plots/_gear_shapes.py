@@ -1,0 +1,119 @@
+"""Shapes of a gear-driven Geneva wheel in fixed-gear radii, as complex numbers.
+
+As for the ordinary wheel, widths are chosen here so that nothing collides.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.mechanisms import GearDriven
+from escapement.model import FloatArray
+
+ComplexArray = NDArray[np.complex128]
+_FINE = 181
+
+
+@dataclass(frozen=True)
+class GearWheels:
+    """Proportions of a drawing; the common axis is the origin.
+
+    Slot 0 lies along the positive real axis when carrier and wheel are at zero.
+    """
+
+    mechanism: GearDriven
+
+    @property
+    def planet(self) -> float:
+        """Pitch radius of the planet."""
+        return abs(1.0 / float(self.mechanism.gear_ratio))
+
+    @property
+    def mouth(self) -> float:
+        """Distance of a pin from the axis where it enters."""
+        return self.mechanism.entry_radius_over_fixed
+
+    @property
+    def slot_end(self) -> float:
+        """Distance of a pin from the axis at dead centre."""
+        return abs(self.mechanism.arms.first + self.mechanism.arms.second)
+
+    @property
+    def inward(self) -> bool:
+        """Whether the slots open at the rim of a disc, else inside a ring."""
+        return self.slot_end < self.mouth
+
+    @property
+    def pin(self) -> float:
+        """Pin radius: small beside the path, and slots must not meet."""
+        narrow = min(self.mouth, self.slot_end) if self.mouth > 0.0 else self.slot_end
+        between = narrow * math.pi / max(self.mechanism.slots, 3)
+        return min(0.05, 0.35 * between)
+
+    @property
+    def half_slot(self) -> float:
+        """Half the slot width: the pin with a little play."""
+        return 1.1 * self.pin
+
+    @property
+    def rim(self) -> float:
+        """Outer radius of the wheel."""
+        if self.inward:
+            return math.hypot(self.mouth, self.half_slot)
+        return self.slot_end + 4.0 * self.half_slot
+
+    @property
+    def reach(self) -> float:
+        """Radius of the whole drawing."""
+        return max(self.rim, self.mechanism.reach_over_fixed + self.pin)
+
+    def outlines(self) -> list[ComplexArray]:
+        """Closed outlines of the wheel at zero: its body with the slots cut out."""
+        turns = np.exp(2j * np.pi * np.arange(self.mechanism.slots) / self.mechanism.slots)
+        if self.mouth == 0.0:  # slots right across, through the centre
+            slot = self._stadium()
+            return [_circle(self.rim), *(slot * turn for turn in turns[: max(1, len(turns) // 2)])]
+        edge = self.rim if self.inward else math.sqrt(self.mouth**2 - self.half_slot**2)
+        aside = math.asin(self.half_slot / edge)
+        sense = 1.0 if self.inward else -1.0
+        cap = np.exp(1j * np.linspace(0.5, 1.5, 19) * np.pi) * sense * self.half_slot
+        slot = np.concatenate([[edge * np.exp(1j * aside)], self.slot_end + cap[:: int(sense)]])
+        slot = np.concatenate([slot, [edge * np.exp(-1j * aside)]])[::-1]
+        arc = np.linspace(aside, 2.0 * np.pi / self.mechanism.slots - aside, 31)
+        tooth = np.concatenate([slot, edge * np.exp(1j * arc)])
+        body = np.concatenate([tooth * turn for turn in turns])
+        return [body] if self.inward else [body, _circle(self.rim)]
+
+    def _stadium(self) -> ComplexArray:
+        cap = self.slot_end + self.half_slot * np.exp(1j * np.linspace(-0.5, 0.5, 19) * np.pi)
+        return np.concatenate([cap, -cap])
+
+    def path(self) -> ComplexArray:
+        """The pin path until it closes."""
+        ratio = self.mechanism.gear_ratio
+        turns = ratio.denominator
+        lobes = abs(ratio.numerator)
+        angles = np.linspace(0.0, 2.0 * np.pi * turns, _FINE * max(lobes, turns))
+        return self.pin_at(angles, 0)
+
+    def pin_at(self, theta: FloatArray | float, number: int) -> ComplexArray:
+        """Where a pin of the planet stands at carrier angles."""
+        first, _, second, rate = self.mechanism.arms
+        phase = 2.0 * np.pi * number / self.mechanism.pins * np.sign(1.0 - rate)
+        angles = np.asarray(theta, dtype=float)
+        return first * np.exp(1j * angles) + second * np.exp(1j * (rate * angles + phase))
+
+    def wheel_at(self, theta: float) -> float:
+        """Angle of the wheel at a carrier angle: locked between engagements."""
+        mechanism = self.mechanism
+        half = mechanism.alpha / 2.0
+        cell = math.floor((theta + half) / mechanism.cell_angle)
+        local = min(theta - cell * mechanism.cell_angle, half)
+        turned = cell * mechanism.follower_step + float(mechanism.follower_angle(local))
+        return turned if mechanism.turns_with_driver else -turned
+
+
+def _circle(size: float) -> ComplexArray:
+    return size * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361))

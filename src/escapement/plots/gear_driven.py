@@ -1,0 +1,137 @@
+"""Gear-driven Geneva wheels drawn to scale, and the curves their pins trace."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, PathPatch
+from matplotlib.path import Path
+
+from escapement import _validate
+from escapement.mechanisms import GearDriven
+from escapement.plots import _style
+from escapement.plots._gear_shapes import GearWheels
+
+_FOLLOWER, _PLANET, _PIN = "#F5D7A9", "#DCE9F7", "#00446B"
+_CHAIN = (0, (8, 2, 1.5, 2))
+
+
+def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None = None) -> Axes:
+    """Gear-driven Geneva wheel to scale: fixed gear, planet, pin path and wheel.
+
+    Parameters
+    ----------
+    mechanism : GearDriven
+        What to draw. Pin and slot widths are the drawing's choice.
+    theta : float
+        Carrier angle from dead centre of the first pin [rad], of any size; in a
+        dwell the wheel stands locked.
+    ax : Axes, optional
+        Where to draw; limits are set in fixed-gear radii, the axis at the origin.
+
+    Returns
+    -------
+    Axes
+        Artists carry ids: "follower", "fixed-gear", "planet", "carrier", "path",
+        and "pin-k" with k counted from 0.
+
+    Raises
+    ------
+    InvalidValue
+        For another mechanism, or an angle that is not finite.
+    """
+    if not isinstance(mechanism, GearDriven):
+        raise _validate.fail(
+            "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
+        )
+    angle = _validate.number("theta", theta, "give the carrier angle in rad")
+    wheels = GearWheels(mechanism)
+    if ax is None:
+        ax = _style.new_axes(_style.ONE_COLUMN, _style.ONE_COLUMN)
+    _draw_wheel(ax, wheels, angle)
+    _draw_gears(ax, wheels, angle)
+    _draw_pins(ax, wheels, angle)
+    room = 1.06 * wheels.reach
+    ax.set(xlim=(-room, room), ylim=(-room, room), aspect="equal")
+    ax.set_axis_off()
+    return ax
+
+
+def plot_gear_driven_examples() -> Figure:
+    """Dijksman's mechanisms of figures 6 to 9, each in the middle of its motion."""
+    cases = {
+        6: GearDriven(4, 1, "epicycloid"),
+        7: GearDriven(12, 5, "epicycloid"),
+        8: GearDriven(4, 0, "hypocycloid"),
+        9: GearDriven(12, 3, "hypocycloid"),
+    }
+    figure = _style.new_figure(_style.TWO_COLUMN, 2.25)
+    for ax, (number, mechanism) in zip(figure.subplots(1, 4), cases.items(), strict=True):
+        plot_gear_driven(mechanism, ax=ax)
+        text = f"figure {number}: n = {mechanism.stations}, k = {mechanism.gear_ratio}"
+        ax.set_title(text, fontsize=_style.SMALL_SIZE)
+    return figure
+
+
+def plot_curves() -> Figure:
+    """The four cycloids: two paths, each made by two pairs of gears (figure 2)."""
+    cases = (
+        GearDriven(12, 3, "hypocycloid"),
+        GearDriven(12, 3, "contracted-hypocycloid"),
+        GearDriven(12, 3, "epicycloid"),
+        GearDriven(12, 3, "pericycloid"),
+    )
+    figure = _style.new_figure(_style.TWO_COLUMN, 2.35)
+    for ax, mechanism in zip(figure.subplots(1, 4), cases, strict=True):
+        wheels = GearWheels(mechanism)
+        _draw_gears(ax, wheels, 0.5)
+        _draw_pins(ax, wheels, 0.5)
+        room = 1.06 * wheels.reach
+        ax.set(xlim=(-room, room), ylim=(-room, room), aspect="equal")
+        ax.set_axis_off()
+        name = {"hypocycloid": "protracted\nhypocycloid"}.get(mechanism.curve, mechanism.curve)
+        title = f"{name.replace('-', chr(10))}\nk = {mechanism.gear_ratio}"
+        ax.set_title(title if "\n" in name or "-" in mechanism.curve else "\n" + title,
+                     fontsize=_style.SMALL_SIZE)  # fmt: skip
+    return figure
+
+
+def _draw_wheel(ax: Axes, wheels: GearWheels, theta: float) -> None:
+    turn = np.exp(1j * wheels.wheel_at(theta))
+    rings = [Path(_points(outline * turn), closed=True) for outline in wheels.outlines()]
+    body = PathPatch(
+        Path.make_compound_path(*rings), facecolor=_FOLLOWER, edgecolor=_style.BLACK,
+        linewidth=0.8, zorder=1, joinstyle="round", gid="follower",
+    )  # fmt: skip
+    ax.add_patch(body)
+
+
+def _draw_gears(ax: Axes, wheels: GearWheels, theta: float) -> None:
+    """Pitch circles of the fixed gear and the planet, the carrier between their axes."""
+    centre = wheels.mechanism.arms.first * np.exp(1j * theta)
+    place = (centre.real, centre.imag)
+    pitch: dict[str, Any] = {"linewidth": 0.9, "linestyle": _CHAIN, "zorder": 2.2}
+    ax.add_patch(Circle((0, 0), 1.0, fill=False, ec=_style.GREY, gid="fixed-gear", **pitch))
+    ax.add_patch(Circle(place, wheels.planet, fc=_PLANET, alpha=0.55, lw=0, zorder=2.1))
+    ax.add_patch(Circle(place, wheels.planet, fill=False, ec=_style.BLUE, gid="planet", **pitch))
+    ax.plot([0, place[0]], [0, place[1]], color=_style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
+    ax.plot([0, place[0]], [0, place[1]], "o", color="white", mec=_style.BLACK, ms=3.2, mew=0.8,
+            zorder=2.6)  # fmt: skip
+    path = wheels.path()
+    ax.plot(path.real, path.imag, color=_style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
+
+
+def _draw_pins(ax: Axes, wheels: GearWheels, theta: float) -> None:
+    centre = wheels.mechanism.arms.first * np.exp(1j * theta)
+    for number in range(wheels.mechanism.pins):
+        pin = complex(wheels.pin_at(theta, number))
+        ax.plot([centre.real, pin.real], [centre.imag, pin.imag], color=_PIN, lw=1.2, zorder=2.7)
+        size = max(wheels.pin, 0.018 * wheels.reach)
+        ax.add_patch(Circle((pin.real, pin.imag), size, color=_PIN, lw=0, zorder=3,
+                            gid=f"pin-{number}"))  # fmt: skip
+
+
+def _points(values: np.ndarray) -> np.ndarray:
+    """Complex numbers as rows of x and y."""
+    return np.column_stack([values.real, values.imag])

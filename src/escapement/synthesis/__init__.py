@@ -1,0 +1,18 @@
+"""Choosing a slotted mechanism: charts, comparison of motions, inverse synthesis, gears."""
+
+from escapement.synthesis.chart import lobes_for, motion_ratio_chart
+from escapement.synthesis.gears import GearPair, gear_pairs, planet_inertia
+from escapement.synthesis.peaks import MotionPeaks, motion_peaks
+from escapement.synthesis.search import Candidate, find_mechanisms
+
+__all__ = [
+    "Candidate",
+    "GearPair",
+    "MotionPeaks",
+    "find_mechanisms",
+    "gear_pairs",
+    "lobes_for",
+    "motion_peaks",
+    "motion_ratio_chart",
+    "planet_inertia",
+]

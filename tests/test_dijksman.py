@@ -1,0 +1,152 @@
+"""Dijksman (1974): captions of figures 6 to 9, errata, charts and the command line."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from escapement.cli import main
+from escapement.plots import gear_charts
+from escapement.published.dijksman import (
+    COLUMNS,
+    as_rows,
+    printed_figures,
+    proportions,
+    right_values,
+)
+from escapement.published.dijksman_equations import chart_mechanisms, equations, start_ratios
+
+# solved by hand with another program from the tangency at entry
+RIGHT = {
+    6: {"alpha": 21.4707, "V": 0.119282, "MC": 1.271230, "M0C": 0.563016},
+    7: {"alpha": 30.0, "V": 1.0 / 6.0, "MC": 0.866025, "M0C": 0.866025},
+    8: {"alpha": 90.0, "V": 1.0, "MC": 0.75, "M0C": 0.0},
+    9: {"alpha": 88.4041, "V": 0.736700, "MC": 0.597544, "M0C": 0.512012},
+}
+ERRATA = {
+    (6, "alpha"): ("21.5°", "V = 0.12, rounded: 21.6"),
+    (6, "MC"): ("1.271", "V = 0.12, rounded: 1.26286"),
+    (6, "M0C"): ("0.563", "V = 0.12, rounded: 0.562083"),
+    (9, "alpha"): ("88°24'", "V = 0.7368, a unit in the last digit above 0.7367: 88.416"),
+}
+
+
+def test_captions():
+    figures = printed_figures()
+    assert [figure.figure for figure in figures] == [6, 7, 8, 9]
+    for printed in figures:
+        found = right_values(printed.mechanism)
+        for column in COLUMNS:
+            assert found[column] == pytest.approx(RIGHT[printed.figure][column], abs=5.1e-5)
+        assert printed.mechanism.gear_ratio == printed.gear_ratio
+        assert printed.mechanism.slots == printed.slots
+
+
+def test_every_printed_number_is_right_or_explained():
+    cells = proportions()
+    assert len(cells) == 16
+    wrong = {(cell.figure, cell.column): cell for cell in cells if not cell.agrees}
+    assert wrong.keys() == ERRATA.keys()
+    for place, (right, reason) in ERRATA.items():
+        assert wrong[place].right == right
+        assert wrong[place].reason == f"computed from {reason}"
+    for cell in cells:
+        if cell.agrees and cell.printed != "M0M":
+            assert cell.right == cell.printed
+            assert cell.reason == ""
+
+
+def test_rows_for_json():
+    rows = as_rows(proportions())
+    assert [len(row["errata"]) for row in rows] == [3, 0, 0, 1]
+    assert rows[0]["printed"] == {
+        "alpha_deg": 21.6, "motion_ratio": 0.12, "arm_over_fixed": 1.263,
+        "entry_radius_over_fixed": 0.562,
+    }  # fmt: skip
+    assert rows[3]["printed"]["alpha_deg"] == pytest.approx(88.0 + 25.0 / 60.0)
+    assert rows[3]["computed"]["alpha_deg"] == pytest.approx(88.4041, abs=5e-5)
+    assert rows[2]["printed"]["arm_over_fixed"] == 0.75
+
+
+def test_errata_of_equations_prove_themselves():
+    tried = 0
+    for slip in equations():
+        assert slip.printed != slip.right
+        if slip.printed_error is not None:
+            assert slip.printed_error > 0.5
+            assert slip.right_error < 1e-13
+            tried += 1
+    assert tried == 4
+
+
+def test_wheels_of_the_charts_start_at_once():
+    assert len(chart_mechanisms()) > 600
+    per_cycle, per_motion = start_ratios(per_cycle=True), start_ratios(per_cycle=False)
+    assert per_cycle[0] > 1.15
+    assert per_motion[0] > 1.0
+    assert per_motion[1] < per_cycle[1]
+
+
+def test_charts(tmp_path):
+    figure = gear_charts.plot_design_charts()
+    inside, outside = figure.axes
+    ids = {line.get_gid() for line in inside.lines} - {None}
+    assert "n-24" in {line.get_gid() for line in outside.lines}
+    lines = {
+        line.get_gid(): line.get_xydata() for line in inside.lines if "n-" in str(line.get_gid())
+    }
+    for n, end in [(6, 1.0), (12, 4.0), (24, 10.0)]:
+        assert f"n-{n}" in ids
+        assert lines[f"n-{n}"][-1] == pytest.approx([end, 1.0])  # the wheel that never rests
+    assert not any(name == "n-3" for name in ids)
+
+
+def test_motions_begin_and_end_where_they_should():
+    figure = gear_charts.plot_motions()
+    angle, velocity, acceleration = figure.axes
+    for line in angle.lines:
+        x, y = line.get_data()
+        assert (y[0], y[-1]) == (0.0, 1.0)
+        assert np.all(np.diff(y) > -1e-12)
+    for line in velocity.lines:
+        x, y = line.get_data()
+        assert np.sum(np.diff(x) * (y[1:] + y[:-1]) / 2.0) == pytest.approx(1.0, abs=1e-3)
+    assert len(acceleration.lines) == 4
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("dijksman") / "out"
+    assert main(["reproduce", "dijksman", "-o", str(place)]) == 0
+    return place
+
+
+def test_reproduce_prints_figures_and_errata(capsys):
+    assert main(["reproduce", "dijksman"]) == 0
+    out = capsys.readouterr().out
+    assert "12 of 16 numbers are right" in out
+    for (figure, column), (right, reason) in ERRATA.items():
+        assert f"figure {figure}, {COLUMNS[column]}: " in out
+        assert f"must be {right}\n" in out
+        assert reason in out
+    assert "figure 8: slot gives instantaneous dwell" in out
+    assert "cycles of the same time" in out
+
+
+def test_reproduce_json(capsys):
+    assert main(["reproduce", "dijksman", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["cells"], record["agreeing"]) == (16, 12)
+    assert len(record["rows"]) == 4
+
+
+def test_reproduce_writes_tables_and_figures(folder):
+    files = {path.name for path in folder.iterdir()}
+    pictures = {"dijksman_figure_2.png", "dijksman_figures_6_to_9.png"}
+    pictures |= {"dijksman_charts.png", "dijksman_motions.png"}
+    assert files == pictures | {"dijksman_figures.json", "dijksman_figures.csv"}
+    rows = list(csv.DictReader((folder / "dijksman_figures.csv").read_text().splitlines()))
+    assert len(rows) == 16
+    assert sum(row["agrees"] == "no" for row in rows) == 4
+    assert all((folder / name).stat().st_size > 20_000 for name in pictures)

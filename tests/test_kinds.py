@@ -1,0 +1,219 @@
+"""Kinds of mechanism: an option belongs to its kinds, in whatever order things are typed."""
+
+import argparse
+import json
+import math
+import sys
+import types
+
+import pytest
+
+from escapement import Escapement, GearDriven, Inertia, read_study
+from escapement.cli import _kinds, main
+from escapement.cli._parser import Parser, UsageError, number, whole
+from escapement.configuration import parse_plan, plan_from
+from escapement.configuration._kinds import KINDS, Kind
+from escapement.configuration._parameters import Parameter
+from escapement.errors import InvalidValue
+from escapement.mechanisms import Geneva
+
+
+@pytest.fixture
+def second_kind(monkeypatch):
+    """Another kind of mechanism, which shares the pins of the Geneva wheel."""
+    module = types.ModuleType("escapement.cli._kind_cam_drive")
+    module.OPTIONS = {
+        "pins": {"type": whole("--pins", 1, ""), "metavar": "P", "help": "not shown"},
+        "lift": {"type": number("--lift", lambda name, x, _: x, ""), "help": "height of the cam"},
+    }
+    module.QUANTITIES = {"lift": "length"}
+    module.read = lambda args: Geneva(4, pins=1, crank_radius=args.lift)
+    module.describe = lambda mechanism: {"stations": 4, "lift": mechanism.crank_radius}
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setitem(_kinds.KINDS, "cam-drive", "a cam")
+
+
+def understand(*argv):
+    parser = Parser(prog="test")
+    _kinds.add_mechanism(parser)
+    args = parser.understand([*argv])
+    assert isinstance(args, argparse.Namespace)
+    return args
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [("cam-drive", "--slots", "5"), ("--slots", "5", "cam-drive"), ("--slots=4", "cam-drive")],
+)
+def test_an_option_of_another_kind_is_refused_by_name(second_kind, argv):
+    words = r"--slots must not come with a cam-drive mechanism, got [45]; it belongs to geneva$"
+    with pytest.raises(UsageError, match=words):
+        _kinds.read_mechanism(understand(*argv))
+
+
+@pytest.mark.parametrize("argv", [("--lift", "1"), ("--lift", "1", "geneva", "--slots", "4")])
+def test_the_default_kind_refuses_too(second_kind, argv):
+    with pytest.raises(UsageError, match=r"--lift .* a geneva mechanism.* belongs to cam-drive"):
+        _kinds.read_mechanism(understand(*argv))
+
+
+def test_a_shared_option_is_accepted_by_both(second_kind):
+    assert _kinds.read_mechanism(understand("--pins", "2")).pins == 2
+    assert _kinds.read_mechanism(understand("--pins", "2", "cam-drive")).pins == 1
+
+
+def test_what_a_kind_needs_is_named(second_kind):
+    args = understand("cam-drive", "--pins", "2")
+    with pytest.raises(UsageError, match="required with cam-drive: --lift"):
+        _kinds.require(args, "pins", "lift")
+
+
+def test_help_and_reports_know_every_kind(second_kind, capsys):
+    for command in ("run", "mechanism", "drive-torque"):
+        assert main([command, "--help"]) == 0
+        text = " ".join(capsys.readouterr().out.split())
+        for name, summary in _kinds.KINDS.items():
+            assert f"{name}: {summary}" in text
+        assert "geneva, gear-driven, cam-drive: pins of the driver" in text
+        assert "cam-drive: height of the cam" in text
+    assert main(["mechanism", "cam-drive", "--lift", "0.0254", "--units", "in-lbf-s"]) == 0
+    assert capsys.readouterr().out.split() == ["stations", "4", "lift", "1", "in"]
+
+
+def test_a_study_says_to_which_kind_a_key_belongs(monkeypatch):
+    lift = Parameter("height of the cam", "length", "", key="lift", section="mechanism")
+    monkeypatch.setitem(KINDS, "cam-drive", Kind("nowhere:Cam", {"lift": lift}))
+    study = {
+        "mechanism": {"slots": 4, "lift": 1.0},
+        "inertia": {"driver": 1.0, "follower": 1.0},
+        "torque": 1.0,
+        "sweep": {"friction": [0.1]},
+    }
+    words = r"'lift' in \[mechanism\]; it belongs in \[mechanism\] of kind 'cam-drive'$"
+    with pytest.raises(InvalidValue, match=words):
+        parse_plan(study)
+    study["mechanism"] = {"kind": "cam-drive", "slots": 4}
+    with pytest.raises(InvalidValue, match=r"'slots' .* of kind 'geneva'"):
+        parse_plan(study)
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [(["geneva"], "KIND"), (["--slots", "4"], "--slots"), (["--internal"], "--internal")],
+)
+def test_a_mechanism_beside_a_study_is_refused(words, named, capsys):
+    assert main(["run", "--from", "study.h5", *words]) == 2
+    assert f"{named} must not come with --from" in capsys.readouterr().err
+
+
+TWELVE = ["gear-driven", "--stations", "12", "--curve", "epicycloid"]
+
+
+def test_gear_driven_report(capsys):
+    """Figure 7 of Dijksman, and the same geometry in every solution."""
+    assert main(["mechanism", *TWELVE, "--lobes", "5", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    (solution,) = record.pop("solutions")
+    assert record == solution
+    assert record["stations"] == record["slots"] == 12
+    assert record["gear_ratio"] == -2.0
+    assert record["alpha_deg"] == record["follower_step_deg"] == 30.0
+    assert record["motion_ratio"] == pytest.approx(1.0 / 6.0, rel=1e-15)
+    assert record["cell_angle_deg"] == 180.0
+    for key in ("arm_over_fixed", "entry_radius_over_fixed"):
+        assert record[key] == pytest.approx(math.sqrt(0.75), rel=1e-15)
+    assert record["carrier_over_fixed"] == 1.5
+    assert record["closest_radius_over_fixed"] == pytest.approx(1.5 - math.sqrt(0.75), rel=1e-15)
+
+
+def test_gear_driven_solutions(capsys, tmp_path):
+    options = ["--stations", "4", "--lobes", "0", "--curve", "epicycloid", "--pins", "6"]
+    assert main(["mechanism", "gear-driven", *options, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    first, second = record["solutions"]
+    assert record["alpha_deg"] == first["alpha_deg"] < second["alpha_deg"] == 90.0
+    assert (first["pins"], second["pins"]) == (6, 1)
+    assert main(["mechanism", "gear-driven", *options, "--plot", str(tmp_path / "a.png")]) == 0
+    assert "solutions" in capsys.readouterr().out
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (["gear-driven"], "required with gear-driven: --stations, --lobes, --curve"),
+        ([*TWELVE, "--lobes", "-1"], "--lobes must be a rational number of at least 0"),
+        ([*TWELVE, "--lobes", "pi"], "--lobes must be a rational number"),
+        ([*TWELVE, "--lobes", "5", "--pins", "7"], "pins must be at most 6"),
+        ([*TWELVE, "--lobes", "5", "--slots", "4"], "--slots must not come with a gear-driven"),
+        (["--lobes", "5"], "--lobes must not come with a geneva mechanism"),
+        ([*TWELVE, "--lobes", "5", "--solution", "2"], "solution must be at most 1 here"),
+    ],
+)
+def test_gear_driven_errors(argv, said, capsys):
+    assert main(["mechanism", *argv]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert said in err
+
+
+def test_gear_driven_study(tmp_path, capsys):
+    """A sweep over lobes, a fraction among the fixed values, and one case of it again."""
+    text = """
+    friction = 0.05
+    torque = 0.01
+    [mechanism]
+    kind = "gear-driven"
+    stations = 12
+    lobes = "5/1"
+    curve = "epicycloid"
+    pins = 2
+    [inertia]
+    driver = 3e-6
+    follower = 5e-6
+    [sweep]
+    lobes = [5, 5.5]
+    load_torque = [0.0, 1e-4]
+    """
+    (tmp_path / "g.toml").write_text(text)
+    file = str(tmp_path / "g.h5")
+    assert main(["sweep", str(tmp_path / "g.toml"), "-o", file, "--quiet", "--json"]) == 0
+    capsys.readouterr()
+    assert main(["run", "--from", file, "--select", "lobes=5.5,load_torque=0", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    options = ["--lobes", "11/2", "--pins", "2", "--torque", ".01", "--friction", ".05"]
+    options += ["--driver-inertia", "3e-6", "--follower-inertia", "5e-6", "--json"]
+    assert main(["run", *TWELVE, *options]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert found["velocity_max"] == pytest.approx(again["velocity_max"], rel=1e-12)
+    study = read_study(file)
+    assert study.results["period"][1, 0] == pytest.approx(again["period"], rel=1e-10)
+
+
+def test_gear_driven_study_from_python():
+    drive = Escapement(
+        GearDriven(5, "1/3", "epicycloid"), Inertia(3e-6, 5e-6), torque=0.01, friction=0.02
+    )
+    plan = plan_from(drive, {"torque": [0.01, 0.02]})
+    assert parse_plan(plan.configuration).escapement(0).mechanism == drive.mechanism
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"lobes": "one"}, "mechanism.lobes must be a rational number"),
+        ({"curve": "circle"}, "mechanism.curve must be one of hypocycloid"),
+        ({"slots": 4}, r"'slots' .* of kind 'geneva'"),
+    ],
+)
+def test_gear_driven_study_errors(change, words):
+    machine = {"kind": "gear-driven", "stations": 12, "lobes": 5, "curve": "epicycloid"}
+    study = {
+        "mechanism": machine | change,
+        "inertia": {"driver": 1.0, "follower": 1.0},
+        "torque": 1.0,
+        "sweep": {"friction": [0.1]},
+    }
+    with pytest.raises(InvalidValue, match=words):
+        parse_plan(study)

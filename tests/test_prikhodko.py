@@ -1,0 +1,324 @@
+"""Prikhodko (2020): printed numbers, errata, figures and the command line."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from scipy.special import gammaincc
+
+import escapement as esc
+from escapement.cli import main
+from escapement.configuration import parse_plan
+from escapement.errors import InvalidValue
+from escapement.plots import planetary
+from escapement.plots import prikhodko as figures
+from escapement.published import prikhodko
+from escapement.units import INCH
+
+PAPER = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
+DRIVE = ("elliptical-planetary", "--sun-radius", 0.016, "--planet-radius", 0.009)
+
+
+@pytest.fixture
+def command(capsys, monkeypatch, tmp_path):
+    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*argv):
+        code = main([str(word) for word in argv])
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+def by_id(ax, gid):
+    (found,) = [artist for artist in ax.get_children() if artist.get_gid() == gid]
+    return found
+
+
+# --- numbers ------------------------------------------------------------------------------
+
+
+def test_every_number_is_right_or_has_its_reason():
+    rows = {row.name: row for row in prikhodko.table()}
+    assert len(rows) == 17
+    wrong = {name: (row.right, row.reason) for name, row in rows.items() if not row.agrees}
+    assert wrong == {
+        "intervals": ("8", "the next greater whole number: 8.205"),
+        "quantile": ("2.58", "cut off, not rounded: 2.576"),
+        "half_width": ("3.34", "cut off, not rounded: 3.336"),
+    }
+    raw = {name for name, row in rows.items() if row.right is None}
+    assert raw == {
+        *("sun_radius", "planet_radius", "sample_size"),
+        *("error_mean", "error_deviation", "chi_squared"),
+    }
+
+
+def test_statistics_by_other_means():
+    rows = {row.name: row.value for row in prikhodko.table()}
+    # (16) is the incomplete gamma function; for six degrees of freedom a finite sum
+    half = 7.595 / 2.0
+    assert rows["significance"] == pytest.approx(100.0 * gammaincc(3.0, half), rel=1e-12)
+    by_hand = math.exp(-half) * (1.0 + half + half * half / 2.0)
+    assert rows["significance"] == pytest.approx(100.0 * by_hand, rel=1e-12)
+    assert math.erf(rows["quantile"] / math.sqrt(2.0)) == pytest.approx(0.99, abs=1e-14)
+    assert rows["half_width"] == pytest.approx(3.33586, abs=1e-12)
+    assert prikhodko.sturges(148) == pytest.approx(3.32 * math.log10(148) + 1.0)
+    assert rows["degrees_of_freedom"] == 6.0
+
+
+def test_the_drive_is_that_of_table_1():
+    assert prikhodko.drive() == PAPER
+    assert prikhodko.position_function_error() < 1e-14
+    assert prikhodko.pitch_curve_slip() < 1e-12
+
+
+def test_errata_are_whole_sentences_of_one_line():
+    places = [slip.place for slip in prikhodko.ERRATA]
+    assert "(12)" in places
+    assert len(set(places)) == len(places)
+    assert all("\n" not in slip.right and slip.right for slip in prikhodko.ERRATA)
+
+
+# --- figures ------------------------------------------------------------------------------
+
+
+def test_position_function_is_flat_at_the_stops():
+    ax = figures.plot_position_function(PAPER, Figure().add_subplot())
+    curve = ax.lines[0].get_xydata()
+    stops = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"]
+    assert stops == pytest.approx([101.25, 303.75])
+    assert curve[-1] == pytest.approx([405.0, -315.0])
+    near = np.abs(curve[:, 0] - stops[0]) < 5.0
+    assert np.ptp(curve[near, 1]) < 0.02
+    marks = ax.lines[-1].get_xydata()
+    assert marks[[0, 4], 0] == pytest.approx(stops)
+    assert marks[2] == pytest.approx([202.5, -157.5])
+
+
+@pytest.mark.parametrize("drive", [PAPER, esc.EllipticalPlanetary.from_ellipse(0.1, 0.6)])
+def test_velocity_plans_hold_equation_3(drive):
+    """Lines of a plan: its slopes are the speeds, and D' lies on the planet's line."""
+    figure = figures.plot_velocity_plans(drive)
+    for ax, theta in zip(figure.axes, figures.positions(drive), strict=True):
+        lines = {line.get_label(): line for line in ax.lines}
+        carrier, planet, output = (
+            lines[name].get_xydata() for name in ("carrier, A C′", "planet, B C′", "output, A D′")
+        )
+        scale = carrier[1, 0] / carrier[1, 1]
+        np.testing.assert_allclose(carrier[1], planet[1])
+        speeds = output[1, 0] / scale, output[1, 1]
+        g = float(drive.transmission(theta).g)
+        assert speeds[0] / speeds[1] == pytest.approx(-g, abs=1e-12)
+        # the planet does not move where it rolls on the sun
+        share = (1e3 * drive.sun_radius - planet[0, 1]) / (planet[1, 1] - planet[0, 1])
+        rolling = planet[0, 0] + share * (planet[1, 0] - planet[0, 0])
+        assert rolling == pytest.approx(0.0, abs=1e-12 * drive.ratio)
+        np.testing.assert_allclose(planet[0], output[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("theta", [-2.0, 0.0, 0.4, 1.7, 9.0])
+@pytest.mark.parametrize("drive", [PAPER, esc.EllipticalPlanetary.from_ellipse(0.1, 0.6)])
+def test_ellipses_touch_where_the_dot_is_and_nowhere_overlap(drive, theta):
+    ax = planetary.plot_planetary(drive, theta, Figure().add_subplot())
+    assert ax.get_aspect() == 1.0
+    dot = by_id(ax, "contact").get_xydata()[0] @ [1, 1j]
+    along = np.exp(1j * theta)
+    assert (dot / along).imag == pytest.approx(0.0, abs=1e-9)
+    size = 1e3 * drive.centre_distance
+    pivots, semi = (0.0, size * along), 1e3 * drive.semi_major_axis
+    for name, pivot in zip(("driven", "driving"), pivots, strict=True):
+        edge = by_id(ax, name).get_xy() @ [1, 1j]
+        # the other focus lies opposite: distances to both make up 2a
+        ends = edge[[0, (edge.size - 1) // 2]]
+        other = ends.sum() - pivot
+        np.testing.assert_allclose(np.abs(edge - pivot) + np.abs(edge - other), 2 * semi)
+        assert abs(dot - pivot) + abs(dot - other) == pytest.approx(2 * semi, rel=1e-12)
+    driven = by_id(ax, "driven").get_xy() @ [1, 1j]
+    other = by_id(ax, "driving").get_xy() @ [1, 1j]
+    focus = other[[0, (other.size - 1) // 2]].sum() - size * along
+    # outside of an ellipse is beyond 2a from its focuses
+    apart = np.abs(driven - size * along) + np.abs(driven - focus)
+    assert apart.min() >= 2.0 * semi * (1.0 - 1e-9)
+
+
+def test_output_turns_in_the_drawing_as_it_should():
+    first, second = (planetary.outlines(PAPER, theta)[0] for theta in (0.3, 1.4))
+    # seen from the carrier; in space the carrier's turn is added
+    turned = np.angle(second[0] / first[0]) + (1.4 - 0.3)
+    expected = -np.diff(PAPER.follower_angle([0.3, 1.4]))[0]
+    assert turned == pytest.approx(expected, abs=1e-9)
+
+
+def test_only_this_drive_is_drawn():
+    with pytest.raises(InvalidValue, match="elliptical gears"):
+        planetary.plot_planetary(esc.Geneva(4))
+    with pytest.raises(InvalidValue, match="theta"):
+        planetary.plot_planetary(PAPER, math.nan)
+
+
+# --- command line -------------------------------------------------------------------------
+
+
+def test_mechanism(command):
+    code, out, _ = command("mechanism", *DRIVE, "--json")
+    record = json.loads(out)
+    assert code == 0
+    assert record["stations"] == 16
+    assert record["motion_ratio"] == 1.0
+    assert record["cell_angle_deg"] == record["stop_interval_deg"] == 202.5
+    assert record["follower_step_deg"] == 157.5
+    assert record["output_per_stop_deg"] == -157.5
+    assert record["eccentricity"] == pytest.approx(0.28)
+    assert [rest["tolerance_deg"] for rest in record["dwell_within"]] == [0.01, 0.1, 1.0]
+    shares = [rest["share"] for rest in record["dwell_within"]]
+    assert shares == sorted(shares)
+    inches = [*DRIVE[:2], 0.016 / INCH, DRIVE[3], 0.009 / INCH, "--units", "in-lbf-s", "--json"]
+    other = json.loads(command("mechanism", *inches)[1])
+    assert other["centre_distance"] * INCH == pytest.approx(record["centre_distance"])
+    assert other["eccentricity"] == pytest.approx(record["eccentricity"])
+
+
+def test_mechanism_drawing(command, tmp_path):
+    code, out, _ = command("mechanism", *DRIVE, "--plot", "drive.svg", "--angle", "30")
+    assert code == 0
+    assert "stop interval" in out
+    assert (tmp_path / "drive.svg").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        (("--sun-radius", 1), ["--planet-radius", "required"]),
+        (("--sun-radius", 1, "--planet-radius", 2), ["sun_radius", "greater", "1.0"]),
+        (("--sun-radius", 0, "--planet-radius", 2), ["--sun-radius", "greater than 0"]),
+        ((*DRIVE[1:], "--slots", 4), ["--slots", "elliptical-planetary", "geneva"]),
+    ],
+)
+def test_wrong_use(command, argv, words):
+    code, out, err = command("mechanism", DRIVE[0], *argv)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert all(word in err for word in words)
+
+
+def test_study_over_the_planet_s_radius():
+    plan = parse_plan(
+        {
+            "mechanism": {"kind": "elliptical-planetary", "sun_radius": 0.016},
+            "inertia": {"driver": 1e-5, "follower": 2e-5},
+            "torque": 0.01,
+            "sweep": {"planet_radius": [0.008, 0.009]},
+        }
+    )
+    assert plan.shape == (2,)
+    second = plan.escapement(1).mechanism
+    assert second == PAPER
+
+
+def test_reproduce(command, tmp_path):
+    code, out, err = command("reproduce", "prikhodko", "-o", "there")
+    assert code == 0
+    assert "26.9301" in out
+    assert "202.5" in out
+    assert "-157.5" in out
+    assert "there" in err
+    made = {path.name for path in (tmp_path / "there").iterdir()}
+    assert made >= {
+        *("prikhodko.csv", "prikhodko.json", "prikhodko_figure_2.png"),
+        *("prikhodko_figure_3.png", "prikhodko_figure_6.png"),
+    }
+    text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(text.splitlines()))
+    assert [row["right"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
+    record = json.loads(command("reproduce", "prikhodko", "--json")[1])
+    assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
+    assert (record["agreeing"], record["judged"]) == (8, 11)
+
+
+def test_run_with_a_mesh_that_loses(command):
+    options = ("--torque", 0.01, "--driver-inertia", 1e-5, "--follower-inertia", 2e-5)
+    code, out, _ = command("run", *DRIVE, *options, "--efficiency", 0.9, "--json", "-o", "m.h5")
+    record = json.loads(out)
+    assert (code, record["status"]) == (0, "ok")
+    assert record["critical_friction"] is None
+    slow = json.loads(
+        command("run", *DRIVE, *options, "--efficiency", 0.9, "--json", "--engine", "ivp")[1]
+    )
+    for name in ("velocity_max", "velocity_min", "period", "rise_time", "settling_time"):
+        assert record[name] == pytest.approx(slow[name], rel=1e-8)
+    code, out, _ = command("run", *DRIVE, *options, "--json")
+    assert json.loads(out)["status"] == "no_terminal"
+    code, _, err = command("run", *DRIVE, *options, "--friction", 0.1)
+    assert code == 2
+    assert "friction must be 0 for a mechanism without a slot" in err
+    assert command("plot", "m.h5")[0] == 0
+
+
+def test_drive_torque(command):
+    code, out, _ = command(
+        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
+        "--efficiency", 0.8, "--json",
+    )  # fmt: skip
+    record = json.loads(out)
+    assert code == 0
+    theta = np.linspace(*PAPER.breaks, 20001)
+    table = PAPER.transmission(theta)
+    torque = table.g * (0.01 + 2e-5 * 100.0 * table.dg) / 0.8
+    assert record["torque_max"] == pytest.approx(torque.max(), rel=1e-7)
+    code, _, err = command(
+        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
+        "--friction", 0.1,
+    )  # fmt: skip
+    assert code == 2
+    assert "friction must be 0" in err
+
+
+def test_sweep_over_efficiency_is_terminal_case_by_case():
+    timer = esc.Escapement(PAPER, esc.Inertia(1e-5, 2e-5), 0.01, efficiency=0.9)
+    study = esc.sweep(timer, efficiency=[0.6, 0.9, 1.0], torque=[0.01, 0.04])
+    for i, efficiency in enumerate((0.6, 0.9)):
+        one = esc.terminal(esc.Escapement(PAPER, timer.inertia, 0.01, efficiency=efficiency))
+        for name in ("velocity_max", "period", "rise_time"):
+            expected = getattr(one, name) * np.array([1.0, 0.5 if name != "velocity_max" else 2.0])
+            np.testing.assert_allclose(study.results[name][i], expected, rtol=1e-9)
+    assert np.isnan(study.results["period"][2]).all()
+    wide = esc.sweep(timer, sun_radius=[0.016, 0.02], engine="ivp")
+    assert wide.results["velocity_max"][0] == pytest.approx(
+        study.results["velocity_max"][1, 0], rel=1e-8
+    )
+
+
+@pytest.mark.parametrize(
+    ("axes", "words"),
+    [
+        ({"friction": [0.0, 0.1]}, ["friction"]),
+        ({"efficiency": [0.5, 1.5]}, ["efficiency[1]", "[0.001, 1]", "1.5"]),
+        ({"planet_radius": [0.0]}, ["planet_radius[0]", "greater than 0"]),
+    ],
+)
+def test_studies_that_cannot_be(axes, words):
+    timer = esc.Escapement(PAPER, esc.Inertia(1e-5, 2e-5), 0.01, efficiency=0.9)
+    with pytest.raises(InvalidValue) as caught:
+        esc.sweep(timer, **axes)
+    assert all(word in str(caught.value) for word in words)
+
+
+def test_a_study_names_the_loss_of_its_mechanism():
+    study = {
+        "mechanism": {"kind": "elliptical-planetary", "sun_radius": 2.0, "planet_radius": 1.0},
+        "inertia": {"driver": 1.0, "follower": 1.0},
+        "friction": 0.1,
+        "sweep": {"torque": [1.0]},
+    }
+    with pytest.raises(InvalidValue, match=r"'friction' .* a mechanism with a slot"):
+        parse_plan(study)
+    study["mechanism"] = {"slots": 4}
+    study["efficiency"] = study.pop("friction")
+    with pytest.raises(InvalidValue, match=r"'efficiency' .* a mechanism without a slot"):
+        parse_plan(study)

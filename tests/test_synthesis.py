@@ -1,0 +1,188 @@
+"""Peaks, charts, inverse synthesis and gears, against quadrature, scans and kinetic energy."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from escapement import GearDriven, Geneva
+from escapement.constant_speed import transmission_extrema
+from escapement.errors import InvalidValue
+from escapement.synthesis import (
+    GearPair,
+    find_mechanisms,
+    gear_pairs,
+    lobes_for,
+    motion_peaks,
+    motion_ratio_chart,
+    planet_inertia,
+)
+
+WHEELS = [
+    Geneva(4, pins=1),
+    Geneva(12, pins=1),
+    Geneva(9, internal=True),
+    GearDriven(4, 1, "epicycloid"),
+    GearDriven(24, 8, "epicycloid"),
+    GearDriven(12, 3, "hypocycloid"),
+    GearDriven(24, 1, "hypocycloid"),
+    GearDriven(24, 1, "contracted-hypocycloid"),
+    GearDriven(8, "1/2", "pericycloid"),
+]
+
+
+@pytest.mark.parametrize("wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}")
+def test_peaks_are_those_of_the_transmission(wheel):
+    found, angle, step = motion_peaks(wheel), wheel.engagement_angle, wheel.follower_step
+    extrema = transmission_extrema(wheel)
+    assert found.velocity_max * step / angle == pytest.approx(extrema.ratio_max.value, rel=1e-12)
+    rate = step / angle**2
+    start = extrema.acceleration_start
+    assert found.acceleration_start * rate == pytest.approx(start, rel=1e-11)
+    assert found.acceleration_max * rate == pytest.approx(extrema.acceleration_max.value, rel=1e-11)
+    jerk = max(abs(extrema.jerk_max.value), abs(extrema.jerk_min.value))
+    assert found.jerk_max * step / angle**3 == pytest.approx(jerk, rel=1e-8)
+    cycle = found.per_cycle()
+    assert cycle.velocity_max * found.motion_ratio == pytest.approx(found.velocity_max)
+    assert cycle.jerk_max * found.motion_ratio**3 == pytest.approx(found.jerk_max)
+
+
+def test_cognates_move_the_wheel_alike():
+    """The same path gives the same motion: only the driver's angle is another."""
+    for wheel in (GearDriven(12, 3), GearDriven(9, "1/2", "epicycloid")):
+        one, other = motion_peaks(wheel), motion_peaks(wheel.cognate)
+        for name, value in vars(one).items():
+            assert getattr(other, name) == pytest.approx(value, rel=1e-10)
+
+
+def test_the_jerk_at_the_start_stays():
+    """The wheel is still taken along at once: Dijksman's aim is met in V alone.
+
+    In a cycle of the same time no gear-driven wheel begins with less acceleration
+    than the ordinary ones, which begin alike, external and internal.
+    """
+    for n in range(4, 25):
+        start = [
+            motion_peaks(Geneva(n, pins=1, internal=inside)).per_cycle().acceleration_start
+            for inside in (False, True)
+        ]
+        assert start[0] == pytest.approx(start[1], rel=1e-12)
+        inward = [GearDriven(n, m, "epicycloid") for m in range(12)]
+        outward = [GearDriven(n, Fraction(m, 2)) for m in range(n - 4)]
+        for wheel in inward + outward:
+            assert motion_peaks(wheel).per_cycle().acceleration_start > 1.05 * start[0]
+
+
+def test_charts_are_read_both_ways():
+    for curve, lobes in [("hypocycloid", [0.0, 0.31, 2.0, 4.9]), ("epicycloid", [0.0, 0.7, 9.0])]:
+        for m, ratio in zip(lobes, motion_ratio_chart(15, lobes, curve), strict=True):
+            found = lobes_for(15, ratio, curve)
+            assert min(abs(other - m) for other in found) < 1e-9
+            assert motion_ratio_chart(15, found, curve) == pytest.approx(ratio, rel=1e-12)
+    assert np.isnan(motion_ratio_chart(5, [0.51, 1.0, 3.0], "hypocycloid")).all()
+    assert motion_ratio_chart(5, 0.5, "hypocycloid") == 1.0
+    assert lobes_for(24, 0.47) == pytest.approx([1.5604, 2.6916], abs=1e-4)
+    assert lobes_for(24, 0.46) == lobes_for(4, 0.5) == lobes_for(7, 0.3, "epicycloid") == []
+
+
+def test_the_search_finds_all_there_is():
+    """Against a plain loop over everything, whatever the wish."""
+    wished = {
+        (curve, m, pins, unused)
+        for curve in ("hypocycloid", "epicycloid")
+        for m in [Fraction(i, 2) for i in range(13)]
+        for pins in (1, 2)
+        for unused in (0, 1, 2)
+        if _fits(8, m, curve, pins, unused, 0.3, 0.05)
+    }
+    found = find_mechanisms(8, 0.3, tolerance=0.05, most_lobes=6, most_pins=2, most_unused=2)
+    listed = [one.mechanism for one in found]
+    assert {(w.curve, w.lobes, w.pins, w.unused_lobes) for w in listed} == wished
+    assert len(wished) > 5
+    errors = [abs(one.motion_ratio - 0.3) for one in found]
+    assert errors == sorted(errors)
+
+
+def _fits(n, m, curve, pins, unused, wanted, room):
+    try:
+        wheel = GearDriven(n, m, curve, pins, unused)
+    except InvalidValue:
+        return False
+    return not wheel.through_centre and abs(wheel.motion_ratio - wanted) <= room
+
+
+def test_sizes_are_kept():
+    wishes = {"largest_radius": 0.05, "shaft_radius": 0.004, "planet_radius": 0.006}
+    found = find_mechanisms(6, dwell_ratio=0.9, most_slots=6, **wishes)
+    free = find_mechanisms(6, motion_ratio=0.1)
+    assert 0 < len(found) < len(free)
+    for one in found:
+        wheel, size = one.mechanism, one.mechanism.fixed_radius
+        theta = np.linspace(0.0, 20.0 * math.pi, 20_001)
+        reach = size * wheel.radius(theta)
+        assert reach.max() <= 0.05 * (1.0 + 1e-12)
+        assert reach.min() >= 0.004
+        assert one.closest_radius == pytest.approx(reach.min(), rel=1e-4)
+        assert size / abs(wheel.gear_ratio) >= 0.006
+        assert wheel.slots <= 6
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({}, "motion_ratio or dwell_ratio must be given"),
+        ({"motion_ratio": 0.3, "dwell_ratio": 0.7}, "and not both"),
+        ({"motion_ratio": 1.3}, "motion_ratio must be at most 1"),
+        ({"dwell_ratio": -0.3}, "dwell_ratio must be at least 0"),
+        ({"motion_ratio": 0.3, "curves": ["circle"]}, "curves must be one of"),
+        ({"motion_ratio": 0.3, "finest": 10**4}, "most_lobes and finest must"),
+        ({"motion_ratio": 0.3, "largest_radius": 0.0}, "largest_radius must be greater than 0"),
+    ],
+)
+def test_impossible_wishes(arguments, words):
+    with pytest.raises(InvalidValue, match=words):
+        find_mechanisms(6, **arguments)
+
+
+@pytest.mark.parametrize("wheel", WHEELS[3:], ids=lambda w: f"{w.stations} {w.curve}")
+def test_gears_have_the_exact_ratio_and_touch(wheel):
+    pairs = gear_pairs(wheel, 0.06)
+    assert pairs
+    for pair in pairs:
+        assert Fraction(pair.fixed_teeth, pair.planet_teeth) == abs(wheel.gear_ratio)
+        assert pair.reach <= 0.06 * (1.0 + 1e-12)
+        sense = -1.0 if pair.internal else 1.0
+        distance = abs(pair.fixed_radius + sense * pair.planet_radius)
+        assert pair.carrier_length == pytest.approx(distance, rel=1e-12)
+    assert [p.module for p in pairs] == sorted((p.module for p in pairs), reverse=True)
+
+
+def test_teeth_that_do_not_mesh():
+    wheel = GearDriven(12, 3)
+    with pytest.raises(InvalidValue, match=r"teeth must be in the ratio \|k\| = 3 .*60/21"):
+        GearPair(wheel, 60, 21, 1e-3)
+    with pytest.raises(InvalidValue, match=r"planet_teeth must be .* at least 17, got 16"):
+        GearPair(wheel, 48, 16, 1e-3)
+    with pytest.raises(InvalidValue, match=r"must differ by at least 10 .*use the epicycloid"):
+        GearPair(GearDriven(12, 0, "pericycloid"), 84, 91, 1e-3)
+    with pytest.raises(InvalidValue, match="module must be greater than 0"):
+        GearPair(wheel, 60, 20, 0.0)
+    assert gear_pairs(wheel, 1e-3) == []
+
+
+@pytest.mark.parametrize("wheel", [GearDriven(12, 5, "epicycloid", pins=6), GearDriven(12, 3)])
+def test_planets_have_the_kinetic_energy_of_a_constant_inertia(wheel):
+    """Energy of planet and pins at unit carrier speed, from their positions."""
+    size, mass, own, pin = 0.03, 0.02, 3e-6, 0.001
+    first, _, second, rate = wheel.arms
+    theta = np.linspace(0.0, 2.0 * math.pi / abs(1.0 - rate), 97)[:-1]
+    twice = mass * (size * first) ** 2 + own * rate**2
+    phase = 2.0 * math.pi * np.arange(wheel.pins)[:, None] / wheel.pins
+    velocity = first * np.exp(1j * theta) + rate * second * np.exp(1j * (rate * theta + phase))
+    total = twice + pin * size**2 * (abs(velocity) ** 2).sum(axis=0)
+    constant = planet_inertia(wheel, size, mass, own, pin)
+    assert total.mean() == pytest.approx(constant, rel=1e-13)
+    swing = 2.0 * pin * size**2 * first * second * rate * np.cos((1.0 - rate) * theta)
+    assert total == pytest.approx(constant + (swing if wheel.pins == 1 else 0.0), rel=1e-13)
+    assert planet_inertia(wheel, size, mass, own, pin, planets=3) == pytest.approx(3.0 * constant)
