@@ -67,7 +67,9 @@ def _by_mechanism(plan: StudyPlan, columns: dict[str, NDArray[Any]], size: int) 
     if not varied:
         return [np.arange(size)]
     _, group = np.unique(np.array(varied), axis=1, return_inverse=True)
-    return [np.flatnonzero(group.reshape(-1) == value) for value in range(group.max() + 1)]
+    group = group.reshape(-1)
+    order = np.argsort(group, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
 
 
 def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> Figures:
