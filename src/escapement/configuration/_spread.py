@@ -83,8 +83,9 @@ def parse_spread(name: str, form: Any, parameter: Parameter, nominal: float | No
     """
     label = f"sample.{name}"
     if parameter.whole or parameter.fraction:
+        numbers = "whole numbers" if parameter.whole else "fractions"
         raise InvalidValue(
-            f"{label} must be left out, whole numbers and fractions are not drawn at random; "
+            f"{label} must be left out, {numbers} are not drawn at random; "
             f'write {name} in [sweep], or use method = "list"'
         )
     if not isinstance(form, Mapping):
