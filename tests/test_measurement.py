@@ -1,6 +1,8 @@
 """Measured positions against theory: what was planted is found, and nothing else."""
 
+import csv
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -271,6 +273,29 @@ def test_chi_squared_test_keeps_its_level(normal_errors, bins, level):
 def test_anderson_darling_test_keeps_its_level(normal_errors, level):
     rate = (measurement.anderson_darling(normal_errors).p_value < level).mean()
     assert rate == pytest.approx(level, abs=3 * math.sqrt(level * (1 - level) / REPETITIONS))
+
+
+def test_committed_rates_hold_what_the_page_says():
+    root = Path(__file__).parents[1]
+    table = (root / "benchmarks/results/normality_level.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(table.splitlines()))
+    page = (root / "docs/measurement.md").read_text(encoding="utf-8")
+    names = {
+        "chi-squared as published": "as published",
+        "equal probabilities, fitted to counts": "fitted to counts",
+        "chi-squared": "**chi-squared**",
+        "Anderson-Darling": "**Anderson-Darling**",
+    }
+    for test, name in names.items():
+        normal = [row for row in rows if row["test"] == test and row["law"] == "normal"]
+        rates = [f"{100 * float(row['rate']):.1f}" for row in normal if row["level"] == "0.05"]
+        assert f"| {name} |" in page
+        assert f"| {' | '.join(rates)} |" in page
+        if name.startswith("**"):
+            for row in normal:
+                level = float(row["level"])
+                near = 3 * math.sqrt(level * (1 - level) / REPETITIONS)
+                assert float(row["rate"]) == pytest.approx(level, abs=near)
 
 
 def test_published_test_rejects_normal_errors_twice_too_often(normal_errors):

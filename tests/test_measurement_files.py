@@ -1,6 +1,5 @@
 """Measurements as files: whatever a CSV holds is read, or refused with its line."""
 
-import time
 import tracemalloc
 from pathlib import Path
 
@@ -82,6 +81,20 @@ def test_radians_by_name_or_by_wish(file):
     check(esc.read_readings(path, angle_unit="rad"))
     mixed = [(a, b) for (a, _), (_, b) in zip(ROWS, rows, strict=True)]
     check(esc.read_readings(file(text(mixed, head="input,output_rad"))))
+
+
+def test_degrees_are_not_assumed_in_silence(file):
+    said = "angles without a unit are taken for degrees"
+    for head, unit, remark in (
+        ("input,output", None, said),
+        ("input_deg,output", None, said),
+        (None, None, said),
+        ("input,output", "deg", ""),
+        ("input (deg),output_deg", None, ""),
+    ):
+        readings = esc.read_readings(file(text(head=head)), angle_unit=unit)
+        assert readings.remark == remark
+        assert (said in esc.measure(readings, DRIVE).message) == bool(remark)
 
 
 def test_columns_by_name(file):
@@ -270,21 +283,19 @@ def test_errors_as_a_table(tmp_path):
     np.testing.assert_allclose(table[:, 1] - table[:, 2], table[:, 3], atol=2e-6)
 
 
-def test_many_rows_take_time_and_memory_in_proportion(tmp_path):
+def test_many_rows_take_memory_in_proportion(tmp_path):
     """A tenth of a million rows; ten millions are in benchmarks/results."""
     readings = esc.synthetic_readings(
         DRIVE, seed=9, samples=100_000, turns=500.0, noise=0.01, encoder=esc.Encoder(4096)
     )
     path = tmp_path / "many.csv"
     esc.write_readings(readings, path)
-    start = time.perf_counter()
     tracemalloc.start()
     try:
         result = esc.measure(path, DRIVE)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert time.perf_counter() - start < 20.0
     # two columns of doubles, a few copies of them, and one block of text
     assert peak < 100_000 * 16 * 10 + 60e6
     assert result.errors.size == 100_000

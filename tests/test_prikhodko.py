@@ -78,6 +78,16 @@ def test_the_drive_is_that_of_table_1():
     assert prikhodko.pitch_curve_slip() < 1e-12
 
 
+def test_a_measurement_such_as_the_paper_s():
+    made_up = prikhodko.synthetic_measurement()
+    assert made_up.readings.synthetic
+    assert made_up.errors.size == 148
+    assert made_up.histogram.observed.size == 9
+    deviation = math.degrees(made_up.standard_deviation)
+    assert deviation == pytest.approx(1.298, abs=4.0 * 1.298 / math.sqrt(2 * 148))
+    assert made_up.published_test.degrees_of_freedom == 6
+
+
 def test_errata_are_whole_sentences_of_one_line():
     places = [slip.place for slip in prikhodko.ERRATA]
     assert "(12)" in places
@@ -232,6 +242,7 @@ def test_reproduce(command, tmp_path):
     assert made >= {
         *("prikhodko.csv", "prikhodko.json", "prikhodko_figure_2.png"),
         *("prikhodko_figure_3.png", "prikhodko_figure_6.png"),
+        *(f"prikhodko_figure_{number}_synthetic.png" for number in (7, 8, 9)),
     }
     text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))

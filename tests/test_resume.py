@@ -1,7 +1,9 @@
 """Continuing a study: what is taken over, what is refused, and who may write."""
 
+import contextlib
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -283,37 +285,33 @@ import crash_tools as tools
 from pathlib import Path
 with tools.StudyWriter(Path({path!r}), tools.small_study()) as writer:
     writer.add(tools.block(tools.small_study(), 0))
-    if os.fork() == 0:  # it holds what its parent held, and outlives it
-        time.sleep({held})
-        os._exit(0)
-    print("begun", flush=True)
+    child = os.fork()  # it holds what its parent holds, and outlives it
+    if child:
+        print(child, flush=True)
     time.sleep(60)
 """
-
-
-def hold(path, held):
-    """A process that writes, and whose files outlive it by some seconds."""
-    code = HOLDER.format(folder=str(Path(__file__).parent), path=str(path), held=held)
-    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "begun\n"
-    process.stdout.close()
-    return process
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatch):
     """As one does whose disk is busy: its lock goes later than its name."""
-    monkeypatch.setattr(_journal, "_PATIENCE", 0.1)
-    with hold(tmp_path / "a.h5", held=1.0) as process:
-        process.kill()
-        process.wait()
-        assert tools.missing(tmp_path / "a.h5") == list(range(1, 10))
+    path = tmp_path / "a.h5"
+    code = HOLDER.format(folder=str(Path(__file__).parent), path=str(path))
+    monkeypatch.setattr(_journal, "_PATIENCE", 0.0)
     monkeypatch.setattr(_journal, "_LONG_PATIENCE", 0.2)
-    with hold(tmp_path / "b.h5", held=3.0) as process:
-        process.kill()
-        process.wait()
-        with pytest.raises(CannotCreate, match=f"process {process.pid} on .* is writing it"):
-            tools.write(tmp_path / "b.h5", tools.small_study(), resume=True)
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
+        child = int(process.stdout.readline())
+        try:
+            process.kill()
+            process.wait()
+            with pytest.raises(CannotCreate, match=f"process {process.pid} on .* is writing it"):
+                tools.write(path, tools.small_study(), resume=True)
+            monkeypatch.setattr(_journal, "_LONG_PATIENCE", 60.0)
+            threading.Timer(0.3, os.kill, (child, signal.SIGKILL)).start()
+            assert tools.missing(path) == list(range(1, 10))
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(child, signal.SIGKILL)
 
 
 def test_who_is_ending():

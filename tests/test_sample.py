@@ -393,3 +393,33 @@ def test_a_selection_that_names_no_case(run, selection, message):
     assert (code, out) == (2, "")
     assert message in err
     assert err.count("\n") == 1
+
+
+def test_other_kinds_of_mechanism_scatter_alike():
+    """A mechanism of its own in every case, and the loss of a mesh."""
+    drawn = {"method": "latin-hypercube", "size": 5, "sun_radius": {"relative_tolerance": 0.01}}
+    drawn |= {"efficiency": {"low": 0.85, "high": 0.95}, "torque": {"relative_tolerance": 0.1}}
+    machine = {"kind": "elliptical-planetary", "sun_radius": 0.016, "planet_radius": 0.009}
+    plan = parse_plan(
+        {
+            "torque": 0.01,
+            "mechanism": machine,
+            "inertia": {"driver": 1e-6, "follower": 1e-6},
+            "sample": drawn,
+        }
+    )
+    assert len({plan.escapement(i).mechanism.cell_angle for i in range(5)}) == 5
+    study = run_plan(plan)
+    for case in range(5):
+        alone = simulation.terminal(plan.escapement(case))
+        for name in RESULTS:
+            value = study.results[name][case]
+            assert value == pytest.approx(getattr(alone, name), rel=1e-11), name
+
+
+def test_fractions_are_not_drawn():
+    machine = {"kind": "gear-driven", "curve": "hypocycloid", "stations": 5, "lobes": "1/2"}
+    with pytest.raises(InvalidValue, match=r"sample\.lobes must be left out, fractions are not"):
+        parse_plan(
+            GOOD | {"mechanism": machine, "sample": {"method": "sobol", "size": 4, "lobes": EVEN}}
+        )

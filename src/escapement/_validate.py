@@ -21,6 +21,8 @@ def fail(name: str, rule: str, value: Any, remedy: str) -> InvalidValue:
 
 def number(name: str, value: Any, remedy: str = "give a finite real number") -> float:
     """`value` as a finite float; of an array only one without dimensions will do."""
+    if type(value) is float and math.isfinite(value):
+        return value
     rule = "a finite number"
     if isinstance(value, bool | str | bytes | complex) or not _is_plain(value, "iuf"):
         raise fail(name, rule, value, remedy)
@@ -57,6 +59,8 @@ def non_negative(name: str, value: Any, remedy: str) -> float:
 
 def integer(name: str, value: Any, minimum: int, remedy: str, maximum: int | None = None) -> int:
     """`value` as an int of at least `minimum`, and at most `maximum` where there is one."""
+    if type(value) is int and value >= minimum and (maximum is None or value <= maximum):
+        return value
     rule = f"a whole number of at least {minimum}"
     if isinstance(value, bool) or not _is_plain(value, "iu"):
         raise fail(name, rule, value, remedy)

@@ -159,15 +159,22 @@ def beyond_painleve(path, rho, mu, entry, exit_):
     """Whether `mu` is at or above the Painleve limit.
 
     (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| at most the radius of the
-    circle that (g, u) runs on: most scenes need no more than this bound. A mesh
-    has no such limit: rho + g^2 eta is positive.
+    circle that (g, u) runs on: most scenes need no more than this bound. Most
+    others need the place on the circle, but not the angle. A mesh has no such
+    limit: rho + g^2 eta is positive.
     """
     if is_table(path):
         return False
     first = path[3] / path[1]
     second = (path[3] + path[4]) / (path[1] + path[2])
-    if mu * abs(first - second) < 4.0 * np.sqrt(rho):
+    if mu * abs(first - second) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
         return False
+    if second < 0.0 < first:
+        # an engagement begins and ends with g = 0 and passes `first`, at dead centre
+        g = _stationary(first, second, rho, first)
+        share = mu * g * np.sqrt((first - g) * (g - second)) / (rho + g * g)
+        if abs(share - 1.0) > 1e-9:
+            return share > 1.0
     return mu >= painleve_limit(path, rho, entry, exit_)[0]
 
 

@@ -35,6 +35,8 @@ def describe(mechanism: "EllipticalPlanetary") -> dict[str, Any]:
     """Geometry of the drive, by JSON key."""
     import math
 
+    from escapement.mechanisms.elliptical_teeth import fewest_teeth
+
     interval = round(math.degrees(mechanism.cell_angle), 12)
     step = round(math.degrees(mechanism.follower_step), 12)
     rests = [(deg, mechanism.dwell_within(math.radians(deg))) for deg in TOLERANCES]
@@ -49,6 +51,7 @@ def describe(mechanism: "EllipticalPlanetary") -> dict[str, Any]:
         "transmission_max": mechanism.ratio_max,
         "acceleration_function_max": mechanism.acceleration_max[0],
         **{name: getattr(mechanism, name) for name in _LENGTHS},
+        "fewest_teeth": fewest_teeth(mechanism),
         "dwell_within": [
             {
                 "tolerance_deg": deg,

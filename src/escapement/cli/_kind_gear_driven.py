@@ -71,7 +71,7 @@ def read(args: argparse.Namespace) -> "GearDriven":
 
 def describe(mechanism: "GearDriven") -> dict[str, Any]:
     """Geometry of a gear-driven wheel by JSON key, and of every other solution."""
-    from escapement.mechanisms.gear_driven import lobe_ratios
+    from escapement.mechanisms.gear_equation import lobe_ratios
 
     count = len(lobe_ratios(mechanism.stations, mechanism.lobes, mechanism.curve))
     solutions = [_with_solution(mechanism, place) for place in range(1, count + 1)]

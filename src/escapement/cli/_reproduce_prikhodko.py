@@ -99,9 +99,10 @@ def _as_csv(rows: list[prikhodko.PrintedValue]) -> str:
 
 
 def _draw(folder: Path) -> None:
-    """Figures 3 and 6 with the velocity analogue, and the drive of figure 2 to scale."""
+    """Figures 2, 3 and 6, the velocity analogue, and 7 to 9 of readings that are made up."""
     import math
 
+    from escapement.plots import measurement as errors
     from escapement.plots import prikhodko as figures
     from escapement.plots import save
     from escapement.plots.planetary import plot_planetary
@@ -112,6 +113,12 @@ def _draw(folder: Path) -> None:
         "figure_2": plot_planetary(mechanism, math.radians(30.0)),
         "figure_6": figures.plot_position_function(mechanism),
         "equation_9": figures.plot_velocity_analogue(mechanism),
+    }
+    made_up = prikhodko.synthetic_measurement()
+    panels |= {
+        "figure_7_synthetic": errors.plot_errors(made_up),
+        "figure_8_synthetic": errors.plot_error_histogram(made_up),
+        "figure_9_synthetic": errors.plot_frequencies(made_up),
     }
     for name, ax in panels.items():
         _files.save_axes(ax, folder / f"{_NAME}_{name}.png")

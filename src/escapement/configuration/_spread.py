@@ -82,9 +82,10 @@ def parse_spread(name: str, form: Any, parameter: Parameter, nominal: float | No
         For another form, or one that reaches values which break the rule.
     """
     label = f"sample.{name}"
-    if parameter.whole:
+    if parameter.whole or parameter.fraction:
+        numbers = "whole numbers" if parameter.whole else "fractions"
         raise InvalidValue(
-            f"{label} must be left out, whole numbers are not drawn at random; "
+            f"{label} must be left out, {numbers} are not drawn at random; "
             f'write {name} in [sweep], or use method = "list"'
         )
     if not isinstance(form, Mapping):

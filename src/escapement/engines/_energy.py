@@ -12,7 +12,7 @@ import numpy as np
 from escapement._validate import fail
 from escapement.engines._cells import cells_of
 from escapement.engines._cycle import PAINLEVE, handoffs
-from escapement.engines._march import BREAK, MAXIMUM, OK, REVERSAL
+from escapement.engines._march import BREAK, MAXIMUM, OK, REVERSAL, STALL
 from escapement.engines._pieces import events_of, states_in
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
@@ -21,6 +21,7 @@ from escapement.status import MESSAGES, Status
 _ENTRY, _EXIT = -1.0, 4.0
 _NOWHERE = np.empty(0)
 _START = np.zeros(1)
+_DONE = MESSAGES[Status.OK]
 
 
 @dataclass
@@ -28,7 +29,7 @@ class EnergyTrajectory:
     """Handoffs of a motion, and what follows from them; natural units inside.
 
     initial_speed : at the first entry [rad/s].
-    times, speeds : of every handoff but the last if the motion ends with it [s, rad/s].
+    times, speeds : of handoffs, of which the first `turns` start an engagement [s, rad/s].
     end_time : [s].
     """
 
@@ -37,13 +38,15 @@ class EnergyTrajectory:
     initial_speed: float
     times: FloatArray
     speeds: FloatArray
+    turns: int
     end_time: float
 
     @cached_property
     def _events(self) -> FloatArray:
         clock = self.escapement.time_unit
-        starts = np.concatenate([_START, self.times]) / clock
-        squares = (np.concatenate([[self.initial_speed], self.speeds]) * clock) ** 2
+        starts = np.concatenate([_START, self.times[: self.turns]]) / clock
+        speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
+        squares = (speeds * clock) ** 2
         scene = self.escapement.scene
         table = events_of(cells_of(scene), *scene, starts, squares, self.rtol)
         return table[table[:, 3] <= self.end_time / clock]
@@ -170,13 +173,14 @@ def simulate(
     # the engagement in which the motion ends, and when
     last = done - 1 if code == OK else done
     end = float(times[last])
-    status, message = Status(code), MESSAGES[Status(code)]
-    if status is Status.STALL:
-        message = stall_message(angle, done)
+    status, message = Status.OK, _DONE
+    if code != OK:
+        status = Status(code)
+        message = stall_message(angle, done) if code == STALL else MESSAGES[status]
     if duration is not None and end >= duration:
         done = done if end == duration else last
-        end, status, message = duration, Status.OK, MESSAGES[Status.OK]
-    trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times[:last], speeds[:last], end)
-    return Motion(
-        escapement, "energy", rtol, trajectory, end, times[:done], speeds[:done], status, message
-    )
+        end, status, message = duration, Status.OK, _DONE
+    trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times, speeds, last, end)
+    if done < size:
+        times, speeds = times[:done], speeds[:done]
+    return Motion(escapement, "energy", rtol, trajectory, end, times, speeds, status, message)

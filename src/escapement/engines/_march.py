@@ -46,6 +46,7 @@ from escapement.engines._panels import (
     place_of,
     solution_of,
     solve_side,
+    tail_of_inverse,
     whole,
 )
 
@@ -120,7 +121,9 @@ def march(
             if slope > 0.0:
                 start_slowly(s, at, path, rho, w / (2.0 * slope * s[at + HALF]))
                 at, to = START, solution_of(START, side)
-                solve_side(s, at, side, rho, mu, load)
+                s[to + TAIL] = tail_of_inverse(s, at)
+                if s[to + TAIL] <= strict:
+                    solve_side(s, at, side, rho, mu, load)
         tail = s[to + TAIL]
         # next to rest an error of the energy counts in full
         split = tail > (strict if at == START else loose)

@@ -142,8 +142,23 @@ def whole(s, at):
 
 
 @jit
+def _falling(b):
+    """exp(-b) for |b| <= 0.7, by its series: vector code, two terms at a time."""
+    x = -b
+    y = x * x
+    z = y * y
+    c0 = 1.0 + x + (1.0 / 2.0 + x * (1.0 / 6.0)) * y
+    c1 = 1.0 / 24.0 + x * (1.0 / 120.0) + (1.0 / 720.0 + x * (1.0 / 5040.0)) * y
+    c2 = 1.0 / 40320.0 + x * (1.0 / 362880.0)
+    c2 += (1.0 / 3628800.0 + x * (1.0 / 39916800.0)) * y
+    c3 = 1.0 / 479001600.0 + x * (1.0 / 6227020800.0)
+    c3 += (1.0 / 87178291200.0 + x * (1.0 / 1307674368000.0)) * y
+    return c0 + (c1 + (c2 + c3 * z) * z) * z
+
+
+@jit
 def _decay(s):
-    """alpha = exp(-b) in the scratch: by its series, which vectorises, where b is small."""
+    """alpha = exp(-b) at the points, in the scratch."""
     large = 0
     for i in range(N):
         large += abs(s[SOLVED + B + i]) > 0.7
@@ -152,23 +167,7 @@ def _decay(s):
             s[SOLVED + ALPHA + i] = np.exp(-s[SOLVED + B + i])
         return
     for i in range(N):
-        x = -s[SOLVED + B + i]
-        y = 1.0 + x * (1.0 / 16.0)
-        y = 1.0 + x * (1.0 / 15.0) * y
-        y = 1.0 + x * (1.0 / 14.0) * y
-        y = 1.0 + x * (1.0 / 13.0) * y
-        y = 1.0 + x * (1.0 / 12.0) * y
-        y = 1.0 + x * (1.0 / 11.0) * y
-        y = 1.0 + x * (1.0 / 10.0) * y
-        y = 1.0 + x * (1.0 / 9.0) * y
-        y = 1.0 + x * (1.0 / 8.0) * y
-        y = 1.0 + x * (1.0 / 7.0) * y
-        y = 1.0 + x * (1.0 / 6.0) * y
-        y = 1.0 + x * (1.0 / 5.0) * y
-        y = 1.0 + x * (1.0 / 4.0) * y
-        y = 1.0 + x * (1.0 / 3.0) * y
-        y = 1.0 + x * (1.0 / 2.0) * y
-        s[SOLVED + ALPHA + i] = 1.0 + x * y
+        s[SOLVED + ALPHA + i] = _falling(s[SOLVED + B + i])
 
 
 @jit
@@ -197,7 +196,7 @@ def solve_side(s, at, side, rho, mu, load):
     for i in range(N):
         s[SOLVED + BETA + i] *= s[SOLVED + ALPHA + i]
     largest = max(abs(s[SOLVED + BETA + N - 1]), abs(s[SOLVED + BETA + N // 2]))
-    alpha = np.exp(-total)
+    alpha = _falling(total) if abs(total) <= 0.7 else np.exp(-total)
     tail = tail_of(s, SOLVED + ALPHA) / max(1.0, alpha)
     tail = max(tail, tail_of(s, SOLVED + BETA) / max(largest, 1e-300))
     tail = max(tail, tail_of_inverse(s, at))

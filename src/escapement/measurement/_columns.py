@@ -33,6 +33,7 @@ class Layout(NamedTuple):
     places : of input and output among them.
     scales : unit of input and output in rad.
     header : whether the first line holds names.
+    assumed : whether degrees were assumed, for want of a unit.
     """
 
     separator: str
@@ -41,6 +42,7 @@ class Layout(NamedTuple):
     places: tuple[int, int]
     scales: tuple[float, float]
     header: bool
+    assumed: bool
 
     @property
     def named_separator(self) -> str:
@@ -110,7 +112,8 @@ def find_layout(text: str, input: str | None, output: str | None, angle_unit: st
         )
     units = [angle_unit or (_name_and_unit(fields[i])[1] if header else None) for i in places]
     scales = tuple(UNITS[unit or "deg"] for unit in units)
-    return Layout(separator, decimal_comma, len(fields), places, scales, header)  # type: ignore[arg-type]
+    assumed = None in units
+    return Layout(separator, decimal_comma, len(fields), places, scales, header, assumed)  # type: ignore[arg-type]
 
 
 def _separator(text: str) -> str:

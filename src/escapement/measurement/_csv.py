@@ -15,6 +15,7 @@ from escapement.model import FloatArray
 
 SYNTHETIC = "# synthetic"
 """How a comment begins that tells computed readings from measured ones."""
+_NO_UNIT = "angles without a unit are taken for degrees"
 _BLOCK_BYTES = 1 << 22
 _NOTHING = {"", "nan", "na", "n/a", "null", "none"}
 
@@ -169,9 +170,10 @@ class _Table:
         first, second = (
             np.multiply(table[:, i], scale) for i, scale in enumerate(self.layout.scales)
         )
+        assumed = self.layout.assumed
         del table
         try:
-            return Readings(first, second, line, self.synthetic)
+            return Readings(first, second, line, self.synthetic, _NO_UNIT if assumed else "")
         except InvalidValue as error:
             raise InputFileError(f"{path}: {error}") from None
 

@@ -19,7 +19,7 @@ _ROUNDS = 60
 _HALVINGS = 40
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """Zeros of the encoders and what remains of the readings.
 

@@ -21,6 +21,8 @@ def remarks(result: "Measurement") -> Iterator[str]:
     """Remarks, the gravest first."""
     if result.readings.synthetic:
         yield "synthetic data, computed and not measured"
+    if result.readings.remark:
+        yield result.readings.remark
     yield from _of_the_fit(result)
     yield from _of_independence(result)
     yield from _of_shafts(result)

@@ -29,7 +29,7 @@ from escapement.model import FloatArray, Mechanism
 _EXPECTED = 5  # errors in a class, on average, for the chi-squared law to hold
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Measurement:
     """Errors of measured positions, and what they tell.
 

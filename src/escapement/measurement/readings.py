@@ -16,7 +16,7 @@ LEAST_SAMPLES = 20
 """Fewer leave nothing to test once a fit and the classes have taken their share."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Readings:
     """Readings of an encoder on the input and of one on the output.
 
@@ -30,6 +30,8 @@ class Readings:
         Line of each sample in its file. Default: 1, 2, ...
     synthetic : bool
         Whether the readings were computed and not measured.
+    remark : str
+        What whoever reads the figures must know of them.
 
     Raises
     ------
@@ -42,6 +44,7 @@ class Readings:
     output: FloatArray
     line: np.ndarray | None = None
     synthetic: bool = False
+    remark: str = ""
 
     def __post_init__(self) -> None:
         columns = {name: _column(name, getattr(self, name)) for name in ("input", "output")}

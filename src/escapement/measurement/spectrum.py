@@ -23,7 +23,7 @@ _OVERSAMPLING = 6
 _SINGULAR = 1e-3  # of a greatest value of 1/4; far above the error of the sums
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Periodogram:
     """Share of the variance of errors that comes back at a frequency.
 

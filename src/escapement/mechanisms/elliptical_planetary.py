@@ -28,6 +28,8 @@ from escapement.mechanisms._table import chebyshev_table
 from escapement.model import FloatArray
 
 _MOST_STATIONS = 1000
+_SHRINKING = 20  # halvings of the pieces towards a stop: to a millionth of a cell
+_OUTSIDE = 8.0  # last digits of an angle
 _GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
 
 
@@ -115,6 +117,22 @@ class EllipticalPlanetary:
         planet = distance * interval / (2.0 * math.pi + interval)
         return cls(distance - planet, planet)
 
+    @classmethod
+    def from_teeth(cls, sun_teeth: int, planet_teeth: int, module: float) -> "EllipticalPlanetary":
+        """The drive of a pair of spur gears, R = module teeth/2.
+
+        Parameters
+        ----------
+        sun_teeth, planet_teeth : int
+            Teeth of the sun and, fewer, of the planet.
+        module : float
+            Of both [m], > 0.
+        """
+        sun = _validate.integer("sun_teeth", sun_teeth, 1, "give the teeth of the sun")
+        planet = _validate.integer("planet_teeth", planet_teeth, 1, "give those of the planet")
+        size = _validate.positive("module", module, "give the spur gears' module in m")
+        return cls(0.5 * size * sun, 0.5 * size * planet)
+
     @property
     def ratio(self) -> float:
         """k = R1/R2, turns of the planet on its carrier per turn of the input [-]."""
@@ -195,8 +213,34 @@ class EllipticalPlanetary:
 
     @cached_property
     def path(self) -> FloatArray:
-        """Flat numbers of the transmission for the kernels: a table."""
-        return chebyshev_table(lambda theta: self.transmission(theta).g, self.breaks)
+        """Flat numbers of the transmission for the kernels: a table.
+
+        In the outer halves of the cell angles are counted from the stops while it is
+        made, and its pieces shrink towards them: so g and g' keep their relative
+        accuracy where both vanish. The stops lie a few roundings outside of the cell,
+        lest the sign of a force that vanishes there be decided by an angle's last digit.
+        """
+        entry, exit_ = self.breaks
+        away = 0.5 * exit_ * np.append(0.0, np.exp2(np.arange(-_SHRINKING, 1)))
+        outside = _OUTSIDE * math.ulp(exit_)
+        parts = (
+            (entry, lambda x: self._from_stop(x + outside), away),
+            (0.0, lambda x: self.transmission(x).g, np.array([-away[-1], away[-1]])),
+            (exit_, lambda x: self._from_stop(x - outside), -away[::-1]),
+        )
+        tables = [chebyshev_table(function, edges.tolist()) for _, function, edges in parts]
+        counts = [int(table[1]) for table in tables]
+        starts = [
+            zero + table[3 : 3 + count]
+            for (zero, _, _), table, count in zip(parts, tables, counts, strict=True)
+        ]
+        series = [table[4 + count :] for table, count in zip(tables, counts, strict=True)]
+        return np.concatenate([[0.0, sum(counts), tables[0][2]], *starts, [exit_], *series])
+
+    def _from_stop(self, angle: FloatArray) -> FloatArray:
+        """Transmission at driver angles from a stop."""
+        sine, cosine = self._half_turn(angle)
+        return self.ratio_max * sine * sine / (sine * sine + (self.ratio * cosine) ** 2)
 
     def transmission(self, theta: ArrayLike) -> Transmission:
         """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""

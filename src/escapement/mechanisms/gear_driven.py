@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from escapement import _validate
 from escapement._curves import COGNATES, CURVES
 from escapement.errors import InvalidValue
-from escapement.mechanisms._gear_equation import arm_length, design_position, existence_limit
 from escapement.mechanisms._slotted import Transmission, transmission, two_vector_path
+from escapement.mechanisms.gear_equation import arm_length, gear_ratio, lobe_ratios
 from escapement.model import FloatArray
 
 
@@ -244,10 +244,17 @@ class GearDriven:
         lobe = 2.0 * math.pi / abs(float(self.gear_ratio))
         return lobe * (self.unused_lobes + 1) / self.pins
 
-    @property
+    @cached_property
     def breaks(self) -> tuple[float, float, float]:
-        """Pin entry, dead centre and pin exit [rad]."""
+        """Pin entry, dead centre and pin exit [rad].
+
+        A few roundings inside alpha where the computed g would else be below zero:
+        a wheel at rest must not be taken for one that is pushed back.
+        """
         half = self.alpha / 2.0
+        if not self.through_centre:
+            while float(transmission(self.path, half).g) < 0.0:
+                half = math.nextafter(half, 0.0)
         return -half, 0.0, half
 
     @property
@@ -352,28 +359,3 @@ class GearDriven:
     def crank_radius(self) -> float | None:
         """Unit of `radius` [m], which contact forces need; None where it is unknown."""
         return self.fixed_radius
-
-
-def gear_ratio(stations: int, lobes: Fraction, curve: str) -> Fraction:
-    """k = R0/R from stations, lobes and curve (12a-d) [-]; raises InvalidValue."""
-    share = (lobes + 1) / stations
-    if curve == "epicycloid":
-        return -1 / share
-    if curve == "pericycloid":
-        return 1 / (1 + share)
-    if not share < Fraction(1, 2):
-        rule = f"below stations/2 - 1 = {float(Fraction(stations, 2) - 1):g} for a {curve}"
-        remedy = "fewer lobes, more stations, or an epicycloid"
-        raise _validate.fail("lobes", rule, str(lobes), remedy)
-    return 1 / share if curve == "hypocycloid" else 1 / (1 - share)
-
-
-def lobe_ratios(stations: int, lobes: Fraction, curve: str) -> list[float]:
-    """V0 of every mechanism there is, in order of alpha; empty where there is none [-].
-
-    Roots of (10) with alpha <= pi - gamma and V0 <= 1. Cognates share them.
-    """
-    source = curve if curve in CURVES[:2] else COGNATES[curve]
-    k = gear_ratio(stations, lobes, source)
-    limit = existence_limit(k, stations)
-    return [v for v in design_position(k, stations) if v <= float(limit) * (1.0 + 1e-14)]

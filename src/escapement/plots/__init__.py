@@ -17,9 +17,11 @@ from escapement.plots.measurement import (
     plot_positions,
 )
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
+from escapement.plots.planetary import plot_planetary
 from escapement.plots.sample import plot_sample
 from escapement.plots.spread import plot_spread
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
+from escapement.plots.tabulated import plot_table
 
 __all__ = [
     "new_axes",
@@ -36,11 +38,13 @@ __all__ = [
     "plot_mechanism",
     "plot_periodogram",
     "plot_phase_portrait",
+    "plot_planetary",
     "plot_positions",
     "plot_rise_and_terminal",
     "plot_sample",
     "plot_spread",
     "plot_study",
+    "plot_table",
     "plot_velocities",
     "save",
 ]

@@ -125,8 +125,10 @@ def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None
     """Letters at the pivots, and arrows for carrier and output."""
     distance = 1e3 * mechanism.centre_distance
     shaft = distance * np.exp(1j * theta)
-    write(ax, "A", (0.0, 0.0), (-9.0, -8.0))
-    write(ax, "C", (shaft.real, shaft.imag), (9.0, 8.0))
+    # letters to the right of the carrier, arrows to its left and behind it
+    aside = 10.0 * np.exp(1j * (theta - 0.5 * np.pi))
+    write(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
+    write(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
     # the carrier turns counter-clockwise, the output the other way
     for arc in (
         distance * np.exp(1j * (theta + np.linspace(0.1, 0.4, 21))),

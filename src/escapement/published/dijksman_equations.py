@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from escapement.mechanisms import GearDriven, Geneva
-from escapement.mechanisms.gear_driven import lobe_ratios
+from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import FloatArray
 from escapement.published.filemon_equations import EquationErratum
 from escapement.synthesis import motion_peaks

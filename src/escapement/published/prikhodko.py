@@ -9,12 +9,16 @@ import math
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from escapement.measurement import sturges
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.published._filemon_reasons import digits
+
+if TYPE_CHECKING:
+    from escapement.measurement import Measurement
 
 ENCODER_STEPS = 4096
 CONFIDENCE = 0.99
@@ -103,6 +107,25 @@ def table() -> list[PrintedValue]:
         _judged(row["quantity"], row["place"], row["unit"], row["printed"], values)
         for row in _rows()
     ]
+
+
+def synthetic_measurement() -> "Measurement":
+    """A measurement such as the paper's, made up: its drive, encoders, spread and classes.
+
+    148 readings over two cells, whose errors are normal with the printed deviation.
+    """
+    from escapement.measurement import Encoder, measure, synthetic_readings
+
+    given, mechanism = printed(), drive()
+    readings = synthetic_readings(
+        mechanism,
+        seed=2020,
+        samples=int(given["sample_size"]),
+        turns=2.0 * mechanism.cell_angle / (2.0 * math.pi),
+        encoder=Encoder(ENCODER_STEPS),
+        noise=math.radians(float(given["error_deviation"])),
+    )
+    return measure(readings, mechanism, bins=int(given["intervals"]))
 
 
 def position_function_error(nodes: int = _NODES) -> float:

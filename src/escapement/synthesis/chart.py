@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from escapement import _validate
 from escapement._curves import CURVES
 from escapement.errors import InvalidValue
-from escapement.mechanisms.gear_driven import lobe_ratios
+from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import FloatArray
 
 _EDGE = 1e-12

@@ -18,8 +18,36 @@ from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 
+from escapement import _validate
+from escapement._curves import COGNATES, CURVES
+
 _EDGE = 1e-12
 """A root this close to x = pi is V0 = 1: there the equation is c + 1 = 2 j - 2/n exactly."""
+
+
+def gear_ratio(stations: int, lobes: Fraction, curve: str) -> Fraction:
+    """k = R0/R from stations, lobes and curve (12a-d) [-]; raises InvalidValue."""
+    share = (lobes + 1) / stations
+    if curve == "epicycloid":
+        return -1 / share
+    if curve == "pericycloid":
+        return 1 / (1 + share)
+    if not share < Fraction(1, 2):
+        rule = f"below stations/2 - 1 = {float(Fraction(stations, 2) - 1):g} for a {curve}"
+        remedy = "fewer lobes, more stations, or an epicycloid"
+        raise _validate.fail("lobes", rule, str(lobes), remedy)
+    return 1 / share if curve == "hypocycloid" else 1 / (1 - share)
+
+
+def lobe_ratios(stations: int, lobes: Fraction, curve: str) -> list[float]:
+    """V0 of every mechanism there is, in order of alpha; empty where there is none [-].
+
+    Roots of (10) with alpha <= pi - gamma and V0 <= 1. Cognates share them.
+    """
+    source = curve if curve in CURVES[:2] else COGNATES[curve]
+    k = gear_ratio(stations, lobes, source)
+    limit = existence_limit(k, stations)
+    return [v for v in design_position(k, stations) if v <= float(limit) * (1.0 + 1e-14)]
 
 
 def design_position(k: Fraction, stations: int) -> list[float]:
