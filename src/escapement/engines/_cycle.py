@@ -72,10 +72,12 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
     count = lay_out(store, path, breaks, cells, rho, loose)
     time, carry = 0.0, 0.0
     start = w
+    # told by a value: a constant would have the march compiled once more
+    record = times.size < 0
     same = store[place_of(0) + ENDS] ** 2 + rho == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
         status, out, length, exponent, source, _side, _r, count, _u = march(
-            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, False, events
+            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, record, events
         )
         if status != OK:
             times[k] = (time + length) * clock
@@ -141,7 +143,7 @@ def _terminal(store, count, cells, path, breaks, dwell, rho, mu, load, w, rtol, 
     ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     last_good = w
     plain = 0
-    near = False
+    near = w < 0.0  # no: by a value, see `handoffs`
     for k in range(MAX_ENGAGEMENTS):
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, near, events
@@ -226,9 +228,10 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
     time, rising = 0.0, 0.0
     filled = 0
     found = False
+    record = out.size > 0  # a value: see `handoffs`
     for k in range(MAX_ENGAGEMENTS):
         status, exit_w, length, exponent, source, _s, rising, count, used = march(
-            store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, True, events
+            store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, record, events
         )
         if status != OK:
             for i in range(FIGURES):

@@ -68,10 +68,11 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
     filled = 0
     rising = 0.0
+    record = starts.size > 0  # a value: see `handoffs`
     for k in range(starts.size):
         status, out, length, _x, _s, side, rising, count, used = march(
             store, count, path, cells, rho, mu, load, squares[k], 0.0, rising,
-            loose, strict, True, events,
+            loose, strict, record, events,
         )  # fmt: skip
         if filled + used + 2 > table.shape[0]:
             larger = np.empty((2 * table.shape[0] + used, EVENT_COLUMNS))
