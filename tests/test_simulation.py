@@ -1,12 +1,14 @@
 """What simulate and terminal answer: the same truth from both engines, exact where said so."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.dynamics import critical_friction
 from escapement.motion import Motion
 from escapement.simulation import METHODS
 from escapement.status import Status
@@ -225,6 +227,26 @@ def test_the_ledger_of_a_stop_closes(scene, speed):
     resistance = 1.0 + scene.load_torque * (found.g + scene.friction * np.abs(found.u)).max()
     there = max(motion.ledger.work, 0.5 * scene.inertia.driver * speed**2)
     assert abs(motion.ledger.residual) <= 1e-11 + 1e-12 * resistance / there
+
+
+# the Painleve limit
+
+
+@pytest.mark.parametrize("n", [5, 6, 7, 8, 9, 10, 13, 15, 40])
+def test_the_limit_itself_is_beyond_the_limit(n):
+    """Also where the two factors of the limit have their extremes at one angle: rho = T^2."""
+    rho = math.tan(math.pi / n) ** 4
+    wheel = esc.Geneva(n)
+    mu = critical_friction(wheel, esc.Inertia(rho, 1.0))
+    for friction in (mu, np.nextafter(mu, 2.0 * mu)):
+        scene = esc.Escapement(wheel, esc.Inertia(rho, 1.0), 1.0, float(friction))
+        for engine in BOTH:
+            assert esc.simulate(scene, 1, engine=engine).status is Status.PAINLEVE
+        assert esc.terminal(scene).status is Status.PAINLEVE
+        study = esc.sweep(scene, friction=[friction])
+        assert study.results["status"].tolist() == [Status.PAINLEVE]
+    below = replace(scene, friction=float(mu * (1.0 - 1e-6)))
+    assert esc.simulate(below, 1).status is Status.OK
 
 
 # figures of merit by their definitions
