@@ -24,6 +24,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import independent
+import judge
 import stress
 
 import escapement as esc
@@ -48,6 +49,15 @@ def write(name, head, rows):
         )
 
 
+def kept(name, wanted):
+    """Rows of an earlier run that are wanted still."""
+    path = RESULTS / f"{name}.csv"
+    if not path.exists():
+        return []
+    with open(path, newline="", encoding="utf-8") as stream:
+        return [row for row in list(csv.reader(stream))[1:] if wanted(row)]
+
+
 def exact(case, w, engagements=ENGAGEMENTS):
     """Handoff times and speeds, or None of a case that stops."""
     rows = np.empty((engagements, independent.ROW))
@@ -70,8 +80,14 @@ def error_of(problem, engine, rtol, truth, **more):
 
 
 def study_tolerance(options):
-    """Share of random cases whose error is at most ten times the one asked for."""
-    rows = []
+    """Share of random cases whose error is at most ten times the one asked for.
+
+    Where an answer is off by more than was asked for, the 34 digits of `judge.py` decide:
+    the double precision of the independent integrator has its own errors.
+    """
+    head = ["engine", "rtol", "cases", "median", "q95", "worst", "worst / rtol", "share <= 10 rtol"]
+    head += ["ms a case", *stress.Problem._fields[:7]]
+    rows = kept("tolerance", lambda row: getattr(options, row[0]) == 0)
     for engine, count, lowest in (("energy", options.energy, 13), ("ivp", options.ivp, 12)):
         random = np.random.default_rng(SEED)
         problems = []
@@ -79,12 +95,19 @@ def study_tolerance(options):
             problem = stress.draw(random)
             truth = exact(independent.case_of(*problem.physics[:6]), problem.speed**2)
             if truth is not None:
-                problems.append((problem, truth))
-        for power in range(3, lowest + 1):
+                problems.append([problem, truth])
+        judged = set()
+        for power in range(3, lowest + 1 if count else 0):
             rtol = 10.0**-power
-            began = time.perf_counter()
+            began = time.process_time()
             errors = np.array([error_of(p, engine, rtol, truth) for p, truth in problems])
-            spent = (time.perf_counter() - began) / count
+            spent = (time.process_time() - began) / count
+            for i in np.nonzero(errors > rtol)[0]:
+                if i not in judged:
+                    judged.add(i)
+                    numbers = judge.answer(*problems[i][0].physics, ENGAGEMENTS).numbers()
+                    problems[i][1] = np.array([float(number) for number in numbers])
+                errors[i] = error_of(problems[i][0], engine, rtol, problems[i][1])
             errors = np.maximum(errors, 1e-17)
             worst = int(errors.argmax())
             middle, most = np.quantile(errors, [0.5, 0.95])
@@ -93,8 +116,7 @@ def study_tolerance(options):
             rows.append(
                 [engine, rtol, count, float(middle), float(most), float(errors[worst]), *rest]
             )
-    head = ["engine", "rtol", "cases", "median", "q95", "worst", "worst / rtol", "share <= 10 rtol"]
-    write("tolerance", [*head, "ms a case", *stress.Problem._fields[:7]], rows)
+    write("tolerance", head, sorted(rows, key=lambda row: row[0]))
 
 
 def study_order(_options):
@@ -244,8 +266,9 @@ def study_conditioning(_options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--energy", type=int, default=1000)
-    parser.add_argument("--ivp", type=int, default=1000)
+    told = "cases of the tolerance study; 0 keeps the rows of an earlier run"
+    parser.add_argument("--energy", type=int, default=1000, help=told)
+    parser.add_argument("--ivp", type=int, default=1000, help=told)
     names = ("tolerance", "order", "painleve", "long_run", "conditioning")
     parser.add_argument("--only", nargs="+", choices=names, default=names)
     options = parser.parse_args()

@@ -48,7 +48,7 @@ from escapement.engines._panels import (
     tail_of,
     whole,
 )
-from escapement.mechanisms._slotted import PLACES
+from escapement.mechanisms._slotted import PLACES, transmission_at
 
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
 FROM_REST = 0.5 * (1.0 + POINTS) ** 2 - 1.0
@@ -226,9 +226,13 @@ def weights_to(s, x):
 
 @jit
 def locate(s, values, place, left, right, high):
-    """x where values at the points change sign between point `place` and the one before.
+    """Where values at the points change sign between point `place` and the one before.
 
     `left` is the value at -1, `right` that at x = `high`, which bounds the last point.
+
+    Returns
+    -------
+    x, slope : the place, and the derivative of the values there.
     """
     values &= PLACES
     combine(POWERS, s, values, K)
@@ -256,16 +260,44 @@ def locate(s, values, place, left, right, high):
             for i in range(N):
                 value += s[Q + i] * (s[values + i] - left)
             x = max(-1.0, x - value / slope)
-    return x
+    return x, slope
 
 
 @jit
-def state_inside(s, at, x):
-    """Angle, time since the left end and w at x; leaves the weights to x in V and Q."""
+def state_inside(s, at, x, path, rho):
+    """State at x, and the weights to it in V and Q.
+
+    Returns
+    -------
+    angle, elapsed, w, g, u, dg
+        Elapsed is the time since the left end. g may be rougher than what the panel
+        was made for: it is evaluated, not interpolated.
+    """
     weights_to(s, x)
     combine(CUMULATE, s, F, K)
     angle = s[at + LEFT] + s[at + HALF] * (1.0 + x)
-    return angle, dot(s, Q, K), dot(s, V, W)
+    g, u, dg = transmission_at(path, angle)
+    return angle, dot(s, Q, K), dot(s, V, E) / (rho + g * g), g, abs(u), dg
+
+
+@jit
+def extremum_at(s, at, side, x, slope, path, rho, mu, load):
+    """Angle, time since the left end and w of an extremum located at x."""
+    angle, elapsed, w, g, u, dg = state_inside(s, at, x, path, rho)
+    # a last step of Newton's with the evaluated transmission
+    way = (1.0 - (g + bend(side, mu) * u) * (dg * w + load)) / -slope
+    way = way if abs(way) < 1e-4 else 0.0
+    return angle + s[at + HALF] * way, elapsed + way * s[at + HALF] / np.sqrt(w), w
+
+
+@jit
+def reversal_at(s, at, side, x, slope, path, rho, load):
+    """Angle, time since the left end and w of a reversal located at x."""
+    angle, elapsed, w, g, _u, dg = state_inside(s, at, x, path, rho)
+    way = side * (rho * (dg * w + load) + g) / -slope
+    way = s[at + HALF] * (way if abs(way) < 1e-4 else 0.0)
+    # without a force the driver turns free
+    return angle + way, elapsed + way / np.sqrt(w), w + 2.0 * way / rho
 
 
 @jit

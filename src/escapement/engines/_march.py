@@ -16,14 +16,15 @@ from escapement.engines._inside import (
     clearly_against,
     contact_at_end,
     dips,
+    extremum_at,
     find_extremum,
     first_against,
     locate,
     rate_at_end,
+    reversal_at,
     rough,
     run_over,
     start_slowly,
-    state_inside,
     turn,
 )
 from escapement.engines._panels import (
@@ -184,21 +185,21 @@ def march(
             count = halve(s, panel, path, cells, rho, count)
             continue
         before = used
-        high, a_right, x = 1.0, 1.0, 1.0
+        high, a_right, x, slope = 1.0, 1.0, 1.0, 0.0
         if reversal >= 0:
             c_left = side * contact_at_end(s, at, 0, w, rho, load)
-            x = locate(s, C, reversal, c_left, c_right, 1.0)
+            x, slope = locate(s, C, reversal, c_left, c_right, 1.0)
             high = x
         if extremum >= 0:
             a_left = rate_at_end(s, at, 0, side, w, mu, load)
             if reversal < 0:
                 a_right = rate_at_end(s, at, 1, side, w_right, mu, load)
-            top = locate(s, A, extremum, a_left, a_right, high)
-            angle, elapsed, w_top = state_inside(s, at, top)
+            top, bent = locate(s, A, extremum, a_left, a_right, high)
+            angle, elapsed, w_top = extremum_at(s, at, side, top, bent, path, rho, mu, load)
             kind = MAXIMUM if rising > 0.0 else MINIMUM
             used = _note(events, used, kind, angle, time + elapsed, w_top)
         if reversal >= 0:
-            angle, elapsed, w_turn = state_inside(s, at, x)
+            angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, rho, load)
             used = _note(events, used, REVERSAL, angle, time + elapsed, w_turn)
             good, e_right, length, shrunk, source_ = turn(
                 s, at, side, reversal, rho, mu, load, strict, record, source
