@@ -200,10 +200,18 @@ def test_everything_else_takes_a_table(tmp_path):
     assert np.isfinite(study.results["period"]).all()
 
 
-def test_a_motion_of_a_table_is_written_and_read(tmp_path):
+def test_a_measured_table_is_swept():
+    timer = esc.Escapement(measured(200, 0.005), INERTIA, 0.01, efficiency=0.9)
+    study = esc.sweep(timer, efficiency=[0.7, 0.9])
+    one = esc.terminal(timer)
+    assert study.results["period"][1] == pytest.approx(one.period, rel=1e-9)
+
+
+@pytest.mark.parametrize("table", [exact(24), measured(40, 0.005)], ids=["exact", "measured"])
+def test_a_motion_of_a_table_is_written_and_read(table, tmp_path):
     from escapement.store_motion import read_motion, write_motion
 
-    motion = esc.simulate(esc.Escapement(exact(24), INERTIA, 0.01, efficiency=0.9), 3)
+    motion = esc.simulate(esc.Escapement(table, INERTIA, 0.01, efficiency=0.9), 3)
     write_motion(motion, tmp_path / "motion.h5")
     again = read_motion(tmp_path / "motion.h5")
     assert again.escapement.mechanism == motion.escapement.mechanism
@@ -265,7 +273,7 @@ LINE = np.linspace(0.0, 1.0, 20)
         (lambda: esc.Tabulated(LINE, np.where(LINE > 0.9, np.nan, LINE)), ["phi", "finite"]),
         (lambda: esc.Tabulated("abc", LINE), ["theta", "list of numbers", "'abc'"]),
         (lambda: esc.Tabulated([LINE], [LINE]), ["theta", "one-dimensional"]),
-        (lambda: esc.Tabulated(LINE[::-1], LINE), ["theta must ascend", "sort the table"]),
+        (lambda: esc.Tabulated(LINE[::-1], LINE), ["must ascend", "got 0.9", "sort the table"]),
         (lambda: esc.Tabulated(LINE, 0.0 * LINE), ["follower_step", "greater than 0", "turned on"]),
         (lambda: esc.Tabulated(LINE, LINE, measured="yes"), ["measured", "true or false"]),
         (lambda: esc.Tabulated(LINE, LINE, cell_angle=1.0), ["must come with", "both"]),

@@ -11,6 +11,7 @@ from escapement.configuration._parameters import Parameter
 from escapement.configuration._parse import parse_plan
 from escapement.configuration._plan import StudyPlan
 from escapement.configuration._solver import DEFAULT_ENGINE
+from escapement.errors import InvalidValue
 from escapement.model import Escapement, Mechanism
 
 
@@ -89,6 +90,10 @@ def _chosen(mechanism: Mechanism, kind: Kind) -> dict[str, Any]:
     chosen = {name: getattr(mechanism, name) for name in settings}
     for name in (name for name, setting in settings.items() if not setting.required):
         without = {key: value for key, value in chosen.items() if key != name}
-        if getattr(type(mechanism)(**without), name) == chosen[name]:
+        try:
+            own_choice = getattr(type(mechanism)(**without), name)
+        except InvalidValue:  # there is no such mechanism without it
+            continue
+        if own_choice == chosen[name]:
             chosen = without
     return chosen

@@ -24,6 +24,7 @@ MOST_KNOTS = 120
 _ROWS_A_KNOT = 2
 _GRID = np.geomspace(1e-14, 1e6, 161)  # of lambda, in units that make both sums alike
 _RIDGE = 1e-13
+_BLOCK = 20_000  # points at a time: what they need of memory does not grow with the table
 
 
 @dataclass(frozen=True)
@@ -102,15 +103,15 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
     places = np.unique(x[np.linspace(0, x.size, count, endpoint=False).astype(int)])
     knots = np.append(places, places[0] + period)
     folded = np.where(x < knots[0], x + period, x)
-    rows = _design(knots, folded, 0)
-    normal, rough = rows.T @ rows, _roughness(knots)
+    normal, right = _normal(knots, folded, y)
+    rough = _roughness(knots)
     scale = np.trace(normal) / np.trace(rough)
     normal += _RIDGE * np.trace(normal) / knots.size * np.eye(knots.size - 1)
     lower = cholesky(normal, lower=True)
     whitened = solve_triangular(lower, rough * scale, lower=True)
     sizes, axes = np.linalg.eigh(solve_triangular(lower, whitened.T, lower=True))
     sizes = np.maximum(sizes, 0.0)
-    along = axes.T @ solve_triangular(lower, rows.T @ y, lower=True)
+    along = axes.T @ solve_triangular(lower, right, lower=True)
     kept = 1.0 / (1.0 + np.outer(_GRID, sizes))
     left = (y @ y - along @ along) + (((1.0 - kept) * along) ** 2).sum(axis=1)
     free = x.size - kept.sum(axis=1)
@@ -146,6 +147,18 @@ def _design(knots: FloatArray, x: FloatArray, order: int) -> FloatArray:
     for k in range(DEGREE):
         rows[:, k % size] += values[:, size + k]
     return rows
+
+
+def _normal(knots: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Matrix and right-hand side of the least squares, block after block of points."""
+    size = knots.size - 1
+    normal, right = np.zeros((size, size)), np.zeros(size)
+    for start in range(0, x.size, _BLOCK):
+        block = slice(start, start + _BLOCK)
+        rows = _design(knots, x[block], 0)
+        normal += rows.T @ rows
+        right += rows.T @ y[block]
+    return normal, right
 
 
 def _roughness(knots: FloatArray) -> FloatArray:

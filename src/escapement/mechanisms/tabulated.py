@@ -91,11 +91,12 @@ class Tabulated:
                 "for a table of one whole cell"
             )
         if cell == 0.0:
-            if not (np.diff(theta) > 0.0).all():
+            rising = np.diff(theta) > 0.0
+            if not rising.all():
+                late = float(theta[1 + int(np.argmin(rising))])
                 raise InvalidValue(
                     "theta must ascend from one end of the cell to the other, got "
-                    f"{theta[1 + int(np.argmin(np.diff(theta) > 0.0))]!r} out of order; sort the "
-                    "table, or give cell_angle and follower_step"
+                    f"{late!r} out of order; sort the table, or give cell_angle and follower_step"
                 )
             cell, step = float(theta[-1] - theta[0]), step or abs(float(phi[-1] - phi[0]))
         remedy = "give the angle after which the motion repeats itself"
