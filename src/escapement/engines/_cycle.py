@@ -25,9 +25,10 @@ EVENTS_OF_ONE = 16
 
 
 @jit(allocates=True)
-def workspace():
+def workspace(breaks):
     """Panel store, events of an engagement and extrema seen, for `figures`."""
-    return new_store(), np.empty((EVENTS_OF_ONE, EVENTS)), np.empty((SEEN, EVENTS))
+    most = EVENTS_OF_ONE + 4 * breaks.size
+    return new_store(), np.empty((most, EVENTS)), np.empty((SEEN + 2 * most, EVENTS))
 
 
 @jit
@@ -68,13 +69,14 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
     store = new_store()
-    events = np.empty((EVENTS_OF_ONE, EVENTS))
+    events = np.empty((EVENTS_OF_ONE + 4 * breaks.size, EVENTS))
     count = lay_out(store, path, breaks, cells, rho, loose)
-    time, carry = 0.0, 0.0
+    time, carry, carry_w = 0.0, 0.0, 0.0
+    inertia = store[place_of(0) + ENDS] ** 2 + rho
     start = w
     # told by a value: a constant would have the march compiled once more
     record = times.size < 0
-    same = store[place_of(0) + ENDS] ** 2 + rho == transmission_at(path, breaks[-1])[0] ** 2 + rho
+    same = inertia == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
         status, out, length, exponent, source, _side, _r, count, _u = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, record, events
@@ -86,6 +88,11 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
         if mu[0] == 0.0 and same:
             # every engagement adds the same energy: no sum, no rounding that adds up
             out = start + (k + 1) * (source / rho + 2.0 * dwell / rho)
+        elif same and abs(exponent) < 0.1:
+            # little is lost: what changes is added, its rounding errors carried along
+            change = np.expm1(-exponent) * w + source / inertia + 2.0 * dwell / rho - carry_w
+            out = w + change
+            carry_w = (out - w) - change
         length += free
         # Kahan's sum: the rounding errors of a million engagements must not add up
         step = length - carry
@@ -220,7 +227,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
     """
     for i in range(FIGURES):
         out[i] = np.nan
-    if mu[0] == 0.0:
+    if mu[0] == 0.0 and load == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     count = lay_out(store, path, breaks, cells, rho, loose)
@@ -238,6 +245,9 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
                 out[i] = np.nan
             out[0], out[1] = exit_w, k
             return status
+        if mu[0] == 0.0:
+            # every engagement adds the same energy: the load stops the motion, or nothing does
+            return NO_TERMINAL if source + 2.0 * dwell > 0.0 else STALL
         if dwell > 0.0:
             if rising < 0.0:
                 events[used, 0], events[used, 2], events[used, 3] = MINIMUM, length, exit_w

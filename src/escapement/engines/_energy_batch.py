@@ -14,7 +14,7 @@ _PAINLEVE, _OK = 3, 0
 @jit(allocates=True)
 def solve_scenes(cells, path, breaks, dwell, rho, mu, load, w, rtol, table, status):
     """Fill table[i] and status[i] for every scene i; natural units."""
-    store, events, seen = workspace()
+    store, events, seen = workspace(breaks)
     for i in range(rho.size):
         loss = losses(path, mu[i])
         if beyond_painleve(path, rho[i], loss[1], breaks[0], breaks[-1]):

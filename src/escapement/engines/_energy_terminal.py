@@ -32,7 +32,7 @@ def terminal(
     start = (initial_speed * clock) ** 2
     out = np.empty(FIGURES)
     scene = escapement.scene
-    code = figures(cells_of(scene), *scene, start, rtol, *workspace(), out)
+    code = figures(cells_of(scene), *scene, start, rtol, *workspace(scene[1]), out)
     status = Status(code)
     if status is Status.STALL:
         message = stall_message(out[0], int(out[1]))

@@ -93,7 +93,7 @@ def march(
     loose, strict : tail allowed in a panel for whole-panel integrals, and for
         values inside it.
     record : whether extrema are wanted; reversals always are.
-    events : array (k, 4) to be filled; a full array drops the rest.
+    events : array (k, 4) to be filled; too short a one ends the march.
 
     Returns
     -------
@@ -225,6 +225,8 @@ def march(
                 time += whole(s, F)
             exponent += s[to + RIGHT + 2]
             source = s[to + RIGHT] * source + s[to + RIGHT + 1]
+        if used >= events.shape[0]:
+            return GAVE_UP, s[at + LEFT], time, exponent, source, side, rising, count, used
         energy, w = e_right, w_right
         panel = int(s[chained + NEXT])
         noted = False

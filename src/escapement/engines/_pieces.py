@@ -63,7 +63,7 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     """
     loose, strict = tolerances(rtol)
     store = new_store()
-    events = np.empty((_MOST, EVENTS))
+    events = np.empty((_MOST + 4 * breaks.size, EVENTS))
     count = lay_out(store, path, breaks, cells, rho, loose)
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
     filled = 0
@@ -161,7 +161,11 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
         w = next_w
         left = right
         if w == 0.0:
-            break  # a stop
+            # a stop, and nothing moves later
+            for j in range(times.size):
+                if times[j] >= now:
+                    theta[j], squares[j] = left, 0.0
+            break
         if waiting > 0:
             waiting -= 1
             right = ends[waiting]
