@@ -303,6 +303,19 @@ def test_reproduce_meyer(command, tmp_path):
     assert len(table) == 50
 
 
+def test_reproduce_all_is_each_source_in_a_folder_of_its_own(command, tmp_path):
+    code, out, _ = command("reproduce", "all", "-o", "all", "--json")
+    record = json.loads(out)
+    assert code == 0
+    assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
+    assert len(record["meyer"]["rows"]) == 49
+    assert {path.name for path in (tmp_path / "all").iterdir()} == set(record)
+    assert (
+        json.loads((tmp_path / "all/filemon/filemon_table_1.json").read_text())
+        == (record["filemon"])
+    )
+
+
 def test_reproduce_meyer_prints_rows_reasons_and_counts(command):
     code, out, err = command("reproduce", "meyer")
     lines = out.splitlines()

@@ -127,8 +127,10 @@ def _settings(
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
         raise _validate.fail("initial_speed", most, initial_speed, remedy)
     settings: dict[str, Any] = {"initial_speed": speed, "rtol": tolerance}
-    given = {"atol": atol, "method": method, "max_step": max_step}
     if engine != "ivp":
+        if atol is None and method is None and max_step is None:
+            return settings
+        given = {"atol": atol, "method": method, "max_step": max_step}
         for name, value in given.items():
             if value is not None:
                 raise _validate.fail(

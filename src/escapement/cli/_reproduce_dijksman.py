@@ -13,7 +13,7 @@ from escapement.published.filemon_equations import EquationErratum
 _NAME = "dijksman_figures"
 
 
-def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
+def reproduce(folder: Path | None, as_json: bool, units: str) -> dict[str, Any]:
     """Recompute the captions; print them, and write them with figures to `folder`.
 
     Every printed proportion is a pure number or an angle, whatever the units.
@@ -34,19 +34,18 @@ def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
         _files.write_text(folder / f"{_NAME}.csv", _as_csv(cells))
         _draw(folder)
         _output.note(f"table and figures in {folder}")
-    if as_json:
-        _output.print_json(record)
-        return
-    _print_figures(record["rows"], cells)
-    _print_errata(cells)
-    _print_equations(slips)
-    print(
-        "\nAcceleration with which a gear-driven wheel starts, over that of the ordinary wheel of "
-        "as many\nstations, least and greatest over the design charts:"
-    )
-    for name, (least, greatest) in record["start_ratios"].items():
-        text = f"{_output.words(name).removeprefix('per ')}s of the same time"
-        print(f"  {text:<27}{least:.3f} to {greatest:.3f}")
+    if not as_json:
+        _print_figures(record["rows"], cells)
+        _print_errata(cells)
+        _print_equations(slips)
+        print(
+            "\nAcceleration with which a gear-driven wheel starts, over that of the ordinary wheel "
+            "of as many\nstations, least and greatest over the design charts:"
+        )
+        for name, (least, greatest) in record["start_ratios"].items():
+            text = f"{_output.words(name).removeprefix('per ')}s of the same time"
+            print(f"  {text:<27}{least:.3f} to {greatest:.3f}")
+    return record
 
 
 def _print_figures(rows: list[dict[str, Any]], cells: list[Proportion]) -> None:

@@ -12,7 +12,7 @@ from escapement.published.filemon_equations import EquationErratum, equations
 _NAME = "filemon_table_1"
 
 
-def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
+def reproduce(folder: Path | None, as_json: bool, units: str) -> dict[str, Any]:
     """Recompute all 48 cells; print them, and write them with figures to `folder`.
 
     Everything in Table I is a pure number or an angle, whatever the units.
@@ -30,16 +30,15 @@ def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
         _files.write_text(folder / f"{_NAME}.csv", _as_csv(cells))
         _draw(folder)
         _output.note(f"table and figures in {folder}")
-    if as_json:
-        _output.print_json(record)
-        return
-    _print_cells(cells)
-    _print_errata(cells)
-    _print_equations(slips)
-    print(
-        "\nMean torque (10) against quadrature, n = 3 to 100: greatest relative difference "
-        f"{record['mean_torque_error']:.1e}"
-    )
+    if not as_json:
+        _print_cells(cells)
+        _print_errata(cells)
+        _print_equations(slips)
+        print(
+            "\nMean torque (10) against quadrature, n = 3 to 100: greatest relative difference "
+            f"{record['mean_torque_error']:.1e}"
+        )
+    return record
 
 
 def _print_cells(cells: list[Cell]) -> None:

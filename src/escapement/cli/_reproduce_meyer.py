@@ -22,7 +22,7 @@ _FIGURES = {"velocity_max": "max", "velocity_min": "min", "rise_time": "rise", "
 _NAME = "meyer_appendix_e"
 
 
-def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
+def reproduce(folder: Path | None, as_json: bool, units: str) -> dict[str, Any]:
     """Recompute all 49 rows; print them, and write them with figures to `folder`."""
     rows = appendix_e(units)
     counts = {name: agreement(rows, name)._asdict() for name in _COLUMNS if name != "printed"}
@@ -32,12 +32,11 @@ def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
         _files.write_text(folder / f"{_NAME}.csv", _as_csv(rows))
         _draw(folder, rows)
         _output.note(f"tables and figures in {folder}")
-    if as_json:
-        _output.print_json(record)
-        return
-    _print_rows(rows, units)
-    _print_reasons(rows)
-    _print_agreement(counts)
+    if not as_json:
+        _print_rows(rows, units)
+        _print_reasons(rows)
+        _print_agreement(counts)
+    return record
 
 
 def _print_rows(rows: list[dict[str, Any]], units: str) -> None:

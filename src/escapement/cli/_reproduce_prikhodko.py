@@ -11,7 +11,7 @@ from escapement.published import prikhodko
 _NAME = "prikhodko"
 
 
-def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
+def reproduce(folder: Path | None, as_json: bool, units: str) -> dict[str, Any]:
     """Recompute what can be; print it, and write it with figures to `folder`.
 
     Lengths are in millimetres as printed, whatever the units.
@@ -35,10 +35,9 @@ def reproduce(folder: Path | None, as_json: bool, units: str) -> None:
         _files.write_text(folder / f"{_NAME}.csv", _as_csv(rows))
         _draw(folder)
         _output.note(f"table and figures in {folder}")
-    if as_json:
-        _output.print_json(record)
-        return
-    _print(rows, record)
+    if not as_json:
+        _print(rows, record)
+    return record
 
 
 def _degrees(angle: float) -> float:

@@ -3,40 +3,61 @@
 import argparse
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-from escapement.cli import _arguments, _files
+from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, one_of
 
 SUMMARY = "A source's printed numbers beside computed ones, why they differ, and the figures."
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
-"""Each has a module `_reproduce_<source>` with `reproduce(folder, as_json, units)`."""
+"""Each has a module `_reproduce_<source>`, whose `reproduce(folder, as_json, units)` fills the
+folder, prints unless JSON is wanted, and returns its record."""
+ALL = "all"
 
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
         "source",
-        type=one_of("SOURCE", SOURCES),
+        type=one_of("SOURCE", (*SOURCES, ALL)),
         metavar="SOURCE",
         help="meyer: the 49 printed runs of Appendix E (1973); filemon: Table I (1960); "
         "dijksman: gear-driven wheels (1974); "
-        "prikhodko: the planetary drive with elliptical gears (2020)",
+        "prikhodko: the planetary drive with elliptical gears (2020); all: each after the other",
     )
     parser.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="DIR",
-        help="folder for tables (CSV, JSON) and figures; created, files in it replaced",
+        help="folder for tables (CSV, JSON) and figures, for all a folder of each source in it; "
+        "created, files in it replaced",
     )
     _arguments.add_common(parser)
 
 
 def execute(args: argparse.Namespace) -> int:
     """Recompute, print, and fill the folder."""
-    if args.output is not None:
-        _files.make_folder(args.output)
-    source = import_module(f"escapement.cli._reproduce_{args.source}")
-    source.reproduce(args.output, args.json, args.units)
+    if args.source != ALL:
+        record = _reproduce(args.source, args.output, args)
+    else:
+        record = {}
+        if args.output is not None:
+            _files.make_folder(args.output)
+        for number, source in enumerate(SOURCES):
+            if number and not args.json:
+                print("\n")
+            folder = None if args.output is None else args.output / source
+            record[source] = _reproduce(source, folder, args)
+    if args.json:
+        _output.print_json(record)
     return 0
+
+
+def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> dict[str, Any]:
+    if folder is not None:
+        _files.make_folder(folder)
+    module = import_module(f"escapement.cli._reproduce_{source}")
+    record: dict[str, Any] = module.reproduce(folder, args.json, args.units)
+    return record

@@ -61,6 +61,32 @@ def combine(m, s, at, to):
 
 
 @jit
+def tail_of(s, at):
+    """Size of the last two Legendre coefficients of N values."""
+    at &= PLACES
+    a = b = c = d = 0.0
+    for i in range(0, N, 2):
+        a += LAST[i] * s[at + i]
+        b += LAST_BUT_ONE[i] * s[at + i]
+        c += LAST[i + 1] * s[at + i + 1]
+        d += LAST_BUT_ONE[i + 1] * s[at + i + 1]
+    return abs(a + c) + abs(b + d)
+
+
+@jit
+def whole(s, at):
+    """Integral over [-1, 1] of N values."""
+    at &= PLACES
+    a = b = c = d = 0.0
+    for i in range(0, N, 4):
+        a += WEIGHTS[i] * s[at + i]
+        b += WEIGHTS[i + 1] * s[at + i + 1]
+        c += WEIGHTS[i + 2] * s[at + i + 2]
+        d += WEIGHTS[i + 3] * s[at + i + 3]
+    return (a + b) + (c + d)
+
+
+@jit
 def dot(s, at, to):
     """Sum of the products of two rows of N values."""
     at &= PLACES

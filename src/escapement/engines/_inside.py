@@ -9,15 +9,9 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import bend
 from escapement.engines._gauss import (
-    BARYCENTRIC,
-    CUMULATE,
-    FROM_LEFT,
     POINTS,
-    POWERS,
     N,
-    combine,
-    dot,
-    root_between,
+    tail_of,
 )
 from escapement.engines._panels import (
     ALPHA,
@@ -27,28 +21,21 @@ from escapement.engines._panels import (
     HALF,
     INVERSE,
     LEFT,
-    NOISE,
-    RIGHT,
     START,
     STEP,
-    WORK,
     A,
-    B,
     C,
     E,
     F,
     G,
     K,
-    Q,
     U,
     V,
     W,
     solution_of,
     survey,
-    tail_of,
-    whole,
 )
-from escapement.mechanisms._slotted import PLACES, transmission_at
+from escapement.mechanisms._slotted import PLACES
 
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
 FROM_REST = 0.5 * (1.0 + POINTS) ** 2 - 1.0
@@ -158,12 +145,13 @@ def dips(s):
     first, middle, last = s[C], s[C + N // 2], s[C + N - 1]
     if min(first, min(middle, last)) > 0.2 * max(first, max(middle, last)):
         return False
+    count = 0
     for i in range(1, N - 1):
-        c = s[C + i]
-        if c <= s[C + i - 1] and c < s[C + i + 1]:
-            drop = max(s[C + i - 1], s[C + i + 1]) - c
-            return c < 0.5 * drop
-    return False
+        before, c, after = s[C + i - 1], s[C + i], s[C + i + 1]
+        higher = before if before > after else after
+        # least here, and less than half of what it fell by
+        count += (c <= before) & (c < after) & (3.0 * c < higher)
+    return count > 0
 
 
 @jit
@@ -203,145 +191,3 @@ def find_extremum(s, at, side, w_left, w_right, last, mu, load):
         changes += 1
         place = last
     return changes, place
-
-
-@jit
-def weights_to(s, x):
-    """Weights V that interpolate at x, and Q that do so for what vanishes at -1."""
-    for i in range(N):
-        way = x - POINTS[i]
-        s[V + i] = BARYCENTRIC[i] / (way if way != 0.0 else 1e-17)
-    a = b = c = d = 0.0
-    for i in range(0, N, 4):
-        a += s[V + i]
-        b += s[V + i + 1]
-        c += s[V + i + 2]
-        d += s[V + i + 3]
-    scale = 1.0 / ((a + b) + (c + d))
-    for i in range(N):
-        weight = s[V + i] * scale
-        s[V + i] = weight
-        s[Q + i] = weight * FROM_LEFT[i] * (1.0 + x)
-
-
-@jit
-def locate(s, values, place, left, right, high):
-    """Where values at the points change sign between point `place` and the one before.
-
-    `left` is the value at -1, `right` that at x = `high`, which bounds the last point.
-
-    Returns
-    -------
-    x, slope : the place, and the derivative of the values there.
-    """
-    values &= PLACES
-    combine(POWERS, s, values, K)
-    low, value_low = -1.0, left
-    if place > 0:
-        low, value_low = POINTS[place - 1], s[values + place - 1]
-    value_high = right
-    if place < N and POINTS[place] < high:
-        high, value_high = POINTS[place], s[values + place]
-    # the chord, then the parabola through one more point
-    slope = (value_high - value_low) / (high - low)
-    x = low - value_low / slope
-    third = place + 1 if place < N // 2 else place - 2
-    third_x = POINTS[third]
-    bend_ = ((s[values + third] - value_low) / (third_x - low) - slope) / (third_x - high)
-    x -= bend_ * (x - low) * (x - high) / (slope + bend_ * (2.0 * x - low - high))
-    if not low < x < high:
-        x = 0.5 * (low + high)
-    x, slope = root_between(s, K, x, low, high, value_low < 0.0)
-    if place == 0:
-        # so near the left end that the way from there should be accurate, not x
-        for _ in range(2):
-            weights_to(s, x)
-            value = left
-            for i in range(N):
-                value += s[Q + i] * (s[values + i] - left)
-            x = max(-1.0, x - value / slope)
-    return x, slope
-
-
-@jit
-def state_inside(s, at, x, path, rho):
-    """State at x, and the weights to it in V and Q.
-
-    Returns
-    -------
-    angle, elapsed, w, g, u, dg
-        Elapsed is the time since the left end. g may be rougher than what the panel
-        was made for: it is evaluated, not interpolated.
-    """
-    weights_to(s, x)
-    combine(CUMULATE, s, F, K)
-    angle = s[at + LEFT] + s[at + HALF] * (1.0 + x)
-    g, u, dg = transmission_at(path, angle)
-    return angle, dot(s, Q, K), dot(s, V, E) / (rho + g * g), g, abs(u), dg
-
-
-@jit
-def extremum_at(s, at, side, x, slope, path, rho, mu, load):
-    """Angle, time since the left end and w of an extremum located at x."""
-    angle, elapsed, w, g, u, dg = state_inside(s, at, x, path, rho)
-    # a last step of Newton's with the evaluated transmission
-    way = (1.0 - (g + bend(side, mu) * u) * (dg * w + load)) / -slope
-    way = way if abs(way) < 1e-4 else 0.0
-    return angle + s[at + HALF] * way, elapsed + way * s[at + HALF] / np.sqrt(w), w
-
-
-@jit
-def reversal_at(s, at, side, x, slope, path, rho, load):
-    """Angle, time since the left end and w of a reversal located at x."""
-    angle, elapsed, w, g, _u, dg = state_inside(s, at, x, path, rho)
-    way = side * (rho * (dg * w + load) + g) / -slope
-    way = s[at + HALF] * (way if abs(way) < 1e-4 else 0.0)
-    # without a force the driver turns free
-    return angle + way, elapsed + way / np.sqrt(w), w + 2.0 * way / rho
-
-
-@jit
-def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
-    """Go on with the other side's solution from the reversal to the right end.
-
-    Both solutions are continued over the whole panel; the weights to the reversal
-    take of each the part that happens.
-
-    Returns
-    -------
-    good, e_right, length, exponent, source
-        good is False where the panel is too coarse for this.
-    """
-    at &= PLACES
-    one, two = solution_of(at, side) & PLACES, solution_of(at, -side) & PLACES
-    e = dot(s, V, E)
-    alpha, beta, b = dot(s, V, one + ALPHA), dot(s, V, one + BETA), dot(s, V, one + B)
-    alpha_other, beta_other = dot(s, V, two + ALPHA), dot(s, V, two + BETA)
-    b_other = dot(s, V, two + B)
-    fictive = (e - beta_other) / alpha_other
-    bad = 0
-    apart = s[at + HALF] > MERGED
-    lost = bend(-side, mu)
-    for i in range(N):
-        w = (s[two + ALPHA + i] * fictive + s[two + BETA + i]) * s[at + INVERSE + i]
-        slowness = s[at + STEP + i] / np.sqrt(w)
-        s[WORK + i] = s[F + i] - slowness
-        s[F + i] = slowness
-        moment = s[at + DG + i] * w + load
-        bad += not w > 0.0
-        bad += apart and i >= reversal and side * (rho * moment + s[at + G + i]) > 0.0
-        slower = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * moment <= 0.0
-        bad += record and i >= reversal and slower
-    # the time of the other side, and what the part before the reversal differs by
-    combine(CUMULATE, s, WORK, K)
-    length = whole(s, F) + dot(s, Q, K)
-    e_right = s[two + RIGHT] * fictive + s[two + RIGHT + 1]
-    w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
-    bad += not w_right > 0.0
-    bad += apart and side * contact_at_end(s, at, 1, w_right, rho, load) > 0.0
-    bad += record and rate_at_end(s, at, 1, -side, w_right, mu, load) <= 0.0
-    good = bad == 0 and not rough(s, max(strict, s[two + NOISE]))
-    source = (alpha * source + beta - beta_other) / alpha_other
-    source = s[two + RIGHT] * source + s[two + RIGHT + 1]
-    exponent = b - b_other + s[two + RIGHT + 2]
-    return good, e_right, length, exponent, source

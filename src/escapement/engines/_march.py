@@ -9,24 +9,21 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import side_at
-from escapement.engines._gauss import N
+from escapement.engines._gauss import N, whole
 from escapement.engines._inside import (
     MERGED,
     braking,
     clearly_against,
     contact_at_end,
     dips,
-    extremum_at,
     find_extremum,
     first_against,
-    locate,
     rate_at_end,
-    reversal_at,
     rough,
     run_over,
     start_slowly,
-    turn,
 )
+from escapement.engines._locate import extremum_at, locate, reversal_at, turn
 from escapement.engines._panels import (
     ENDS,
     HALF,
@@ -46,10 +43,9 @@ from escapement.engines._panels import (
     halve,
     place_of,
     solution_of,
-    solve_side,
     tail_of_inverse,
-    whole,
 )
+from escapement.engines._solve import solve_side
 
 OK, STALL, GAVE_UP = 0, 2, 4
 SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one of a start
@@ -119,7 +115,10 @@ def march(
             solve_side(s, at, side, rho, mu, load)
         if w == 0.0 or energy <= SLOW * s[to + RIGHT + 1]:
             slope = braking(s, at, side, w, rho, mu, load)
-            if slope > 0.0:
+            if slope > 0.0 and tail_of_inverse(s, at) > strict:
+                # over the square root of the angle it would be rougher still
+                s[to + TAIL] = 1.0
+            elif slope > 0.0:
                 start_slowly(s, at, path, rho, w / (2.0 * slope * s[at + HALF]))
                 at, to = START, solution_of(START, side)
                 s[to + TAIL] = tail_of_inverse(s, at)

@@ -1,14 +1,5 @@
 """Panels: an engagement cut into pieces on which the energy equation is solved.
 
-Twice the kinetic energy, E = (rho + g^2) w, obeys on a panel with side s
-
-    E' = A - B E,   c = p - g,   J = rho + g^2 + g c,
-    A = 2 (1 - g load) - 2 c (rho load + g)/J,   B = 2 c rho g'/(J (rho + g^2)),
-
-so E = alpha E_left + beta with alpha = exp(-int B), beta = alpha int A/alpha:
-two quadratures, whatever the energy at the left end. B vanishes without a loss,
-so nothing is lost by cancellation in the frictionless limit.
-
 Values live at 16 Gauss points. Integrals over a whole panel converge twice as
 fast as interpolation inside it; a panel records the size of its last Legendre
 coefficients and is halved when what is asked of it needs better.
@@ -21,9 +12,8 @@ as the sums they are made for.
 import numpy as np
 
 from escapement._jit import jit
-from escapement.dynamics import bend
 from escapement.engines._cells import AT_ENDS, AT_G, CELLS
-from escapement.engines._gauss import CUMULATE, LAST, LAST_BUT_ONE, POINTS, WEIGHTS, N, combine
+from escapement.engines._gauss import POINTS, N, tail_of
 from escapement.mechanisms._slotted import PLACES, transmission_at, transmission_on
 
 # scratch: interpolation weights in the making; w, time by x, contact, acceleration and
@@ -113,103 +103,6 @@ def _complete(s, at, rho):
         s[at + STEP + i] = half
     s[at + FORWARD + TAIL] = UNBUILT
     s[at + BACKWARD + TAIL] = UNBUILT
-
-
-@jit
-def tail_of(s, at):
-    """Size of the last two Legendre coefficients of N values."""
-    at &= PLACES
-    a = b = c = d = 0.0
-    for i in range(0, N, 2):
-        a += LAST[i] * s[at + i]
-        b += LAST_BUT_ONE[i] * s[at + i]
-        c += LAST[i + 1] * s[at + i + 1]
-        d += LAST_BUT_ONE[i + 1] * s[at + i + 1]
-    return abs(a + c) + abs(b + d)
-
-
-@jit
-def whole(s, at):
-    """Integral over [-1, 1] of N values."""
-    at &= PLACES
-    a = b = c = d = 0.0
-    for i in range(0, N, 4):
-        a += WEIGHTS[i] * s[at + i]
-        b += WEIGHTS[i + 1] * s[at + i + 1]
-        c += WEIGHTS[i + 2] * s[at + i + 2]
-        d += WEIGHTS[i + 3] * s[at + i + 3]
-    return (a + b) + (c + d)
-
-
-@jit
-def _falling(b):
-    """exp(-b) for |b| <= 0.7, by its series: vector code, two terms at a time."""
-    x = -b
-    y = x * x
-    z = y * y
-    c0 = 1.0 + x + (1.0 / 2.0 + x * (1.0 / 6.0)) * y
-    c1 = 1.0 / 24.0 + x * (1.0 / 120.0) + (1.0 / 720.0 + x * (1.0 / 5040.0)) * y
-    c2 = 1.0 / 40320.0 + x * (1.0 / 362880.0)
-    c2 += (1.0 / 3628800.0 + x * (1.0 / 39916800.0)) * y
-    c3 = 1.0 / 479001600.0 + x * (1.0 / 6227020800.0)
-    c3 += (1.0 / 87178291200.0 + x * (1.0 / 1307674368000.0)) * y
-    return c0 + (c1 + (c2 + c3 * z) * z) * z
-
-
-@jit
-def _decay(s):
-    """alpha = exp(-b) at the points, in the scratch."""
-    large = 0
-    for i in range(N):
-        large += abs(s[SOLVED + B + i]) > 0.7
-    if large > 0:
-        for i in range(N):
-            s[SOLVED + ALPHA + i] = np.exp(-s[SOLVED + B + i])
-        return
-    for i in range(N):
-        s[SOLVED + ALPHA + i] = _falling(s[SOLVED + B + i])
-
-
-@jit
-def solve_side(s, at, side, rho, mu, load):
-    """Solve the energy equation on a panel for one side of the slot."""
-    at &= PLACES
-    lost = bend(side, mu)
-    for k in range(N):
-        g = s[at + G + k]
-        inverse = s[at + INVERSE + k]
-        c = lost * s[at + U + k]
-        share = 1.0 / (1.0 + g * c * inverse)  # (rho + g^2) / J
-        twice = 2.0 * s[at + STEP + k]
-        s[DECAY + k] = twice * c * rho * s[at + DG + k] * share * inverse * inverse
-        s[GAIN + k] = twice * ((1.0 - g * load) - c * (rho * load + g) * share * inverse)
-        s[SOLVED + BETA + k] = share
-    # J is a difference near the Painleve limit: finer panels cannot help below this
-    noise = 1e-15 * (1.0 + whole(s, SOLVED + BETA))
-    total = whole(s, DECAY)
-    combine(CUMULATE, s, DECAY, SOLVED + B)
-    _decay(s)
-    for i in range(N):
-        s[GAIN + i] /= s[SOLVED + ALPHA + i]
-    source = whole(s, GAIN)
-    combine(CUMULATE, s, GAIN, SOLVED + BETA)
-    for i in range(N):
-        s[SOLVED + BETA + i] *= s[SOLVED + ALPHA + i]
-    largest = max(abs(s[SOLVED + BETA + N - 1]), abs(s[SOLVED + BETA + N // 2]))
-    alpha = _falling(total) if abs(total) <= 0.7 else np.exp(-total)
-    tail = tail_of(s, SOLVED + ALPHA) / max(1.0, alpha)
-    tail = max(tail, tail_of(s, SOLVED + BETA) / max(largest, 1e-300))
-    tail = max(tail, tail_of_inverse(s, at))
-    noise *= max(1.0, abs(total))
-    if tail < noise:
-        tail = 0.0
-    if not tail < 1.0 or abs(total) > 20.0:
-        tail = 1.0
-    to = solution_of(at, side) & PLACES
-    for i in range(3 * N):
-        s[to + i] = s[SOLVED + i]
-    s[to + RIGHT], s[to + RIGHT + 1], s[to + RIGHT + 2] = alpha, alpha * source, total
-    s[to + TAIL], s[to + NOISE] = tail, noise
 
 
 @jit

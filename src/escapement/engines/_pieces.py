@@ -9,8 +9,9 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import bend
 from escapement.engines._cycle import tolerances
-from escapement.engines._gauss import CUMULATE, POINTS, WEIGHTS, N, combine, dot
-from escapement.engines._inside import rough, run_over, weights_to
+from escapement.engines._gauss import CUMULATE, POINTS, WEIGHTS, N, combine, dot, whole
+from escapement.engines._inside import rough, run_over
+from escapement.engines._locate import weights_to
 from escapement.engines._march import EVENTS, march
 from escapement.engines._panels import (
     DG,
@@ -30,10 +31,9 @@ from escapement.engines._panels import (
     new_store,
     place_of,
     solution_of,
-    solve_side,
     survey,
-    whole,
 )
+from escapement.engines._solve import solve_side
 from escapement.mechanisms._slotted import transmission_at
 
 EVENT_COLUMNS = 5  # engagement, kind, angle, time from the start, w

@@ -98,6 +98,7 @@ class SampledTrajectory:
 
         end = self.start[piece + 1] if piece + 1 < self.start.size else self.t[-1]
         first, last = np.searchsorted(self.t, [self.start[piece], end])
+        first = min(int(first), self.t.size - 1)  # a piece of no length ends the motion
         inside = slice(first, last + 1)
         turned = self.engagement[piece] * self.escapement.mechanism.cell_angle
         nodes, theta, speed = self.t[inside], self.theta[inside] - turned, self.theta_dot[inside]
