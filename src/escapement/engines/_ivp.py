@@ -30,6 +30,7 @@ from escapement.status import MESSAGES, Status
 _TIGHTER = 0.02  # local tolerance over the one asked for: errors add up over a run
 _FLOOR = 2.3e-14  # solve_ivp clips a smaller rtol with a warning
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
+_TOGETHER = 1e-12  # radians between two reversals that undo each other
 _CEILING = 1e-9  # with longer steps a solver leaps over the narrow peak of 1/J near the limit
 
 
@@ -110,8 +111,16 @@ class _Run:
             if self.speed <= 0.0 and starting_rate(self.scene, self.theta, sign) <= 0.0:
                 self._stand(sign)
             elif self._piece(sign, end, slow):
-                self.reversals.append((self.engagement, self.x, self.theta, self.speed))
+                self._turn()
                 sign = -sign
+
+    def _turn(self) -> None:
+        """Note a reversal; there and back within rounding is none."""
+        last = self.reversals[-1] if self.reversals else None
+        if last and last[0] == self.engagement and self.theta - last[2] <= _TOGETHER:
+            self.reversals.pop()
+        else:
+            self.reversals.append((self.engagement, self.x, self.theta, self.speed))
 
     def _stand(self, sign: float) -> None:
         """At rest, and the drive does not carry the load."""

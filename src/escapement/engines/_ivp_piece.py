@@ -69,6 +69,14 @@ def starting_rate(scene: Scene, theta: float, sign: float) -> float:
     return acceleration(g, u, dg, 0.0, sign, scene.rho, scene.mu, scene.load)
 
 
+def _stops_soon(scene: Scene, start: tuple[float, float, float], end: float) -> bool:
+    """Whether the driver, braked as at the start, would stop in the first part of a piece."""
+    theta, speed, sign = start
+    g, u, dg = transmission_at(scene.path, theta)
+    rate = acceleration(g, u, dg, speed**2, sign, scene.rho, scene.mu, scene.load)
+    return bool(-rate * 0.2 * (end - theta) > speed**2)
+
+
 def solve_piece(
     scene: Scene,
     start: tuple[float, float, float],
@@ -98,6 +106,8 @@ def solve_piece(
     theta, speed, sign = start
     end, anchor = goal
     unit = max(speed, np.sqrt(2.0 * np.pi / (scene.rho + 1.0)))
+    if speed > 0.0 and _stops_soon(scene, start, end):
+        unit = speed
     middle = 0.5 * (theta + end)
     piece = _Piece(scene, options, sign, end - anchor, anchor, middle, unit)
     y = [theta - anchor, speed / unit, 0.0]
@@ -108,10 +118,13 @@ def solve_piece(
     join = float(solved.t[max(int(np.searchsorted(solved.t, last)) - 1, 0)])
     if join < last:
         step = min(last - join, options.max_step * unit)
-        dense = Landed(dense, join, piece.solve((join, last), dense(join), first_step=step).sol)
+        landing = piece.solve((join, last), dense(join), first_step=step).sol
         if ended == "arrived":
-            y = dense(last)
+            y = landing(last)
             last += float((piece.way - y[0]) / y[1])
+            # once more: behind its end an interpolant is no good, least of all a short one
+            landing = piece.solve((join, last), dense(join), first_step=min(step, last - join)).sol
+        dense = Landed(dense, join, landing)
     kept = grid <= last
     extrema = crossings(lambda x: piece.rate(x, dense(x)), grid[kept], rates[kept])
     return Solution(

@@ -88,8 +88,8 @@ def locate(s, values, place, left, right, high):
     x = low - value_low / slope
     third = place + 1 if place < N // 2 else place - 2
     third_x = POINTS[third]
-    bend_ = ((s[values + third] - value_low) / (third_x - low) - slope) / (third_x - high)
-    x -= bend_ * (x - low) * (x - high) / (slope + bend_ * (2.0 * x - low - high))
+    curve = ((s[values + third] - value_low) / (third_x - low) - slope) / (third_x - high)
+    x -= curve * (x - low) * (x - high) / (slope + curve * (2.0 * x - low - high))
     if not low < x < high:
         x = 0.5 * (low + high)
     x, slope = root_between(s, K, x, low, high, value_low < 0.0)
