@@ -106,10 +106,10 @@ def solve_piece(
     theta, speed, sign = start
     end, anchor = goal
     unit = max(speed, np.sqrt(2.0 * np.pi / (scene.rho + 1.0)))
-    if speed > 0.0 and _stops_soon(scene, start, end):
-        unit = speed
+    # of a driver that is about to stop even the last of its speed counts
+    share = speed / unit if speed > 0.0 and _stops_soon(scene, start, end) else 1.0
     middle = 0.5 * (theta + end)
-    piece = _Piece(scene, options, sign, end - anchor, anchor, middle, unit)
+    piece = _Piece(scene, options, sign, end - anchor, anchor, middle, unit, share)
     y = [theta - anchor, speed / unit, 0.0]
     solved = piece.solve((0.0, horizon * unit), y, events=piece.events())
     grid, rates, forces = piece.looks(solved)
@@ -119,9 +119,10 @@ def solve_piece(
     if join < last:
         step = min(last - join, options.max_step * unit)
         landing = piece.solve((join, last), dense(join), first_step=step).sol
-        if ended == "arrived":
+        if ended in ("arrived", "stopped"):
             y = landing(last)
-            last += float((piece.way - y[0]) / y[1])
+            short = (piece.way - y[0]) / y[1] if ended == "arrived" else -y[1] / piece.rate(last, y)
+            last += float(short)
             # once more: behind its end an interpolant is no good, least of all a short one
             landing = piece.solve((join, last), dense(join), first_step=min(step, last - join)).sol
         dense = Landed(dense, join, landing)
@@ -149,6 +150,7 @@ class _Piece:
     anchor: float
     middle: float
     unit: float
+    share: float
 
     @property
     def numbers(self) -> tuple[Any, ...]:
@@ -200,7 +202,7 @@ class _Piece:
                 dense_output=True,
                 args=self.numbers,
                 rtol=options.rtol,
-                atol=_absolute(self.scene, options, self.unit, self.middle),
+                atol=_absolute(self.scene, options, self.unit, self.middle, self.share),
                 method=options.method,
                 max_step=options.max_step * self.unit,
                 **more,
@@ -253,18 +255,19 @@ def _too_many_steps(method: str) -> str:
 
 
 def _absolute(
-    scene: Scene, options: Options, unit: float, middle: float
+    scene: Scene, options: Options, unit: float, middle: float, share: float
 ) -> tuple[float, float, float]:
     """Absolute tolerances of the scaled state.
 
     The terminal cycle is where loss and work agree, so the loss is wanted to its own
-    digits, however small it is; `middle` is an angle at which to see how small.
+    digits, however small it is; `middle` is an angle at which to see how small. `share`
+    is how much of the unit of speed there is.
     """
     if options.atol is None:
         g, u, dg = transmission_at(scene.path, middle)
         moment = (scene.rho * abs(dg) + abs(g) / unit**2) / (scene.rho + g * g)
         small = 1e-2 * options.rtol
-        scales = (small, small, small * scene.mu[0] * abs(u) * moment)
+        scales = (small, small * share, small * scene.mu[0] * abs(u) * moment)
     else:
         angle, speed, loss = options.atol
         scales = (angle, speed / unit, loss / unit**2)
