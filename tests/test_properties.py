@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 import escapement as esc
@@ -191,6 +191,9 @@ def test_a_looser_tolerance_stays_within_itself(drive, speed, rtol):
 
 @very_few
 @given(drives(most_slots=12, rho=(-1.5, 1.5)), speeds)
+@example(
+    esc.Escapement(esc.Geneva(5, 1), esc.Inertia(1.0, 1.0), 1.0), 10.0
+)  # least at the very end
 def test_both_engines_agree(drive, speed):
     fast, judge = (
         esc.simulate(drive, 2, initial_speed=speed, engine=e, rtol=1e-10) for e in ("energy", "ivp")

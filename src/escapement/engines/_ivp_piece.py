@@ -126,8 +126,10 @@ def solve_piece(
             # once more: behind its end an interpolant is no good, least of all a short one
             landing = piece.solve((join, last), dense(join), first_step=min(step, last - join)).sol
         dense = Landed(dense, join, landing)
-    kept = grid <= last
-    extrema = crossings(lambda x: piece.rate(x, dense(x)), grid[kept], rates[kept])
+    kept = grid < last
+    at_last = piece.rate(last, dense(last))
+    times, rates = np.append(grid[kept], last), np.append(rates[kept], at_last)
+    extrema = crossings(lambda x: piece.rate(x, dense(x)), times, rates)
     return Solution(
         dense,
         anchor,
@@ -135,7 +137,7 @@ def solve_piece(
         last / unit,
         ended,
         [x / unit for x in extrema],
-        (float(rates[0]), piece.rate(last, dense(last))),
+        (float(rates[0]), at_last),
     )
 
 
