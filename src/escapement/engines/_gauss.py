@@ -17,8 +17,6 @@ LEGENDRE = np.polynomial.legendre.legvander(POINTS, N).T.copy()
 _ORDERS = np.arange(N)
 TRANSFORM = ((2 * _ORDERS + 1) / 2.0)[:, None] * LEGENDRE[:N] * WEIGHTS
 """Values at the points to Legendre coefficients (rows)."""
-SPREAD = TRANSFORM.T.copy()
-"""What each value adds to all Legendre coefficients: row by point, for wide vectors."""
 LAST, LAST_BUT_ONE = TRANSFORM[N - 1].copy(), TRANSFORM[N - 2].copy()
 POWERS = (
     np.array([np.resize(np.append(leg2poly(row), np.zeros(N)), N) for row in np.eye(N)]).T
@@ -26,6 +24,7 @@ POWERS = (
 ).T.copy()
 """What each value adds to the coefficients of a power series; good enough for a root."""
 BARYCENTRIC = np.sqrt((1.0 - POINTS**2) * WEIGHTS) * (-1.0) ** _ORDERS
+"""Weights of the barycentric formula at the points."""
 FROM_LEFT = 1.0 / (1.0 + POINTS)
 
 

@@ -16,9 +16,10 @@ from escapement.engines._cells import AT_ENDS, AT_G, CELLS
 from escapement.engines._gauss import POINTS, N, tail_of
 from escapement.mechanisms._slotted import PLACES, transmission_at, transmission_on
 
-# scratch: interpolation weights in the making; w, time by x, contact, acceleration and
-# energy at the points; Legendre coefficients; weights that interpolate, and that integrate,
-# to x; a panel's two sources and its solution while it is being solved
+# scratch: what two sides of a reversal differ by; w, time by x, contact, acceleration and
+# energy at the points; a power series, or times since the left end; weights that interpolate
+# to x, and that do so for what vanishes at the left end; a panel's two sources and its
+# solution while it is being solved
 WORK = 0
 W, F, C, A, E, K, V, Q = (2 * N + N * i for i in range(8))
 DECAY, GAIN, SOLVED = 10 * N, 11 * N, 12 * N
