@@ -15,8 +15,8 @@ from escapement.mechanisms._slotted import transmission_at, transmission_on
 from escapement.model import FloatArray
 
 CELLS = 64
-AT_G, AT_ENDS = 0, 3 * N
-_COLUMNS = 3 * N + 6
+AT_G, AT_ENDS = np.int64(0), np.int64(3 * N)
+_COLUMNS = AT_ENDS + 6
 
 
 @jit(allocates=True)
@@ -30,7 +30,9 @@ def tabulate_cells(path, breaks):
     """
     table = np.empty((breaks.size - 1, CELLS, _COLUMNS))
     edges = np.empty((CELLS, 2))
-    line = np.empty(_COLUMNS)
+    line = np.empty(_COLUMNS + N)
+    for i in range(N):
+        line[_COLUMNS + i] = POINTS[i]
     for interval in range(breaks.size - 1):
         edges[1, 0], edges[1, 1] = breaks[interval], breaks[interval + 1]
         for cell in range(1, CELLS):
@@ -40,13 +42,14 @@ def tabulate_cells(path, breaks):
                 edges[2 * cell, 0], edges[2 * cell, 1] = left, left + half
                 edges[2 * cell + 1, 0], edges[2 * cell + 1, 1] = left + half, right
             middle = 0.5 * (right + left)
-            transmission_on(path, middle, half, POINTS, 0, line, AT_G)
+            transmission_on(path, middle, half, line, _COLUMNS, AT_G)
             for end in range(2):
                 g, u, dg = transmission_at(path, edges[cell, end])
                 line[AT_ENDS + 3 * end] = g
                 line[AT_ENDS + 3 * end + 1] = abs(u)
                 line[AT_ENDS + 3 * end + 2] = dg
-            table[interval, cell] = line
+            for i in range(_COLUMNS):
+                table[interval, cell, i] = line[i]
     return table
 
 

@@ -38,8 +38,6 @@ from escapement.engines._panels import (
 from escapement.mechanisms._slotted import PLACES
 
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
-FROM_REST = 0.5 * (1.0 + POINTS) ** 2 - 1.0
-"""Points of a panel that are Gauss points of the square root of the way."""
 
 
 @jit
@@ -73,17 +71,12 @@ def start_slowly(s, at, path, rho, way):
     `way` is how far before the left end that lies, in lengths of the panel.
     """
     left, half = s[at + LEFT], s[at + HALF]
-    if way == 0.0:
-        survey(s, START, path, rho, left, left + 2.0 * half, FROM_REST, 0)
-        for i in range(N):
-            s[START + STEP + i] = half * (1.0 + POINTS[i])
-        return
     first, last = np.sqrt(way), np.sqrt(1.0 + way)
     for i in range(N):
         y = 0.5 * ((last + first) + (last - first) * POINTS[i])
         s[K + i] = 2.0 * (y * y - way) - 1.0
         s[V + i] = 2.0 * half * (last - first) * y
-    survey(s, START, path, rho, left, left + 2.0 * half, s, K)
+    survey(s, START, path, rho, left, left + 2.0 * half)
     for i in range(N):
         s[START + STEP + i] = s[V + i]
 

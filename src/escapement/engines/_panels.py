@@ -20,18 +20,18 @@ from escapement.mechanisms._slotted import PLACES, transmission_at, transmission
 # energy at the points; a power series, or times since the left end; weights that interpolate
 # to x, and that do so for what vanishes at the left end; a panel's two sources and its
 # solution while it is being solved
-WORK = 0
-W, F, C, A, E, K, V, Q = (2 * N + N * i for i in range(8))
-DECAY, GAIN, SOLVED = 10 * N, 11 * N, 12 * N
-START = 16 * N  # the panel a motion starts in, over the square root of the angle
+WORK = np.int64(0)  # int64 as any place: for a plain constant numba compiles its users anew
+W, F, C, A, E, K, V, Q = (WORK + 2 * N + N * i for i in range(8))
+DECAY, GAIN, SOLVED = (WORK + N * i for i in (10, 11, 12))
+START = WORK + 16 * N  # the panel a motion starts in, over the square root of the angle
 PANELS = START
 
 # geometry of a panel. NEXT: panel to its right, or -1. KINK: whether its left end is a
 # break of the mechanism. INTERVAL, CELL: where the mechanism's cells have it. STEP: driver
 # angle by x at the points, ENDS: g, |u|, g' at the left end, then at the right end
 LEFT, HALF, NEXT, KINK, INTERVAL, CELL = range(6)
-G, U, DG, INVERSE, STEP = (8 + N * i for i in range(5))
-ENDS = 8 + 5 * N
+G, U, DG, INVERSE, STEP = (WORK + 8 + N * i for i in range(5))
+ENDS = WORK + 8 + 5 * N
 # its solution for either side: alpha, beta, b = int B at the points, then the three at the
 # right end, the size of the last coefficients (UNBUILT: not solved) and the rounding in them
 FORWARD, BACKWARD = 8 * (ENDS // 8 + 1), 8 * (ENDS // 8 + 1) + 56
@@ -62,14 +62,21 @@ def solution_of(at, side):
 
 
 @jit
-def survey(s, at, path, rho, left, right, points, first):
-    """Fill a panel's geometry at middle + half * points[first:first + 16]."""
+def at_gauss_points(s):
+    """Have `survey` fill an ordinary panel."""
+    for i in range(N):
+        s[K + i] = POINTS[i]
+
+
+@jit
+def survey(s, at, path, rho, left, right):
+    """Fill a panel's geometry at the points that the scratch holds in K, from -1 to 1."""
     at &= PLACES
     half = 0.5 * (right - left)
     s[at + LEFT] = left
     s[at + HALF] = half
     middle = 0.5 * (right + left)
-    transmission_on(path, middle, half, points, first, s, at + G)
+    transmission_on(path, middle, half, s, K, at + G)
     g, u, dg = transmission_at(path, left)
     s[at + ENDS], s[at + ENDS + 1], s[at + ENDS + 2] = g, abs(u), dg
     g, u, dg = transmission_at(path, right)
@@ -82,7 +89,8 @@ def recall(s, at, path, cells, rho, left, right):
     """Fill a panel's geometry from the mechanism's cells where they have it."""
     at &= PLACES
     if s[at + CELL] >= CELLS:
-        survey(s, at, path, rho, left, right, POINTS, 0)
+        at_gauss_points(s)
+        survey(s, at, path, rho, left, right)
         return
     cell = int(s[at + CELL]) & PLACES
     interval = int(s[at + INTERVAL]) & PLACES
@@ -149,10 +157,11 @@ def lay_out(s, path, breaks, cells, rho, loose):
         s[at + INTERVAL], s[at + CELL] = k, 1.0
         recall(s, at, path, cells, rho, breaks[k], breaks[k + 1])
     count = intervals
-    panel = 0
-    while panel >= 0:
+    following = 0.0
+    while following >= 0.0:
+        panel = int(following)
         at = place_of(panel)
         while tail_of_inverse(s, at) > COARSE * loose and count < MAX_PANELS // 8:
             count = halve(s, panel, path, cells, rho, count)
-        panel = int(s[at + NEXT])
+        following = s[at + NEXT]
     return count

@@ -9,7 +9,7 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import bend
 from escapement.engines._cycle import tolerances
-from escapement.engines._gauss import CUMULATE, POINTS, WEIGHTS, N, combine, dot, whole
+from escapement.engines._gauss import CUMULATE, WEIGHTS, N, combine, dot, whole
 from escapement.engines._inside import rough, run_over
 from escapement.engines._locate import weights_to
 from escapement.engines._march import EVENTS, march
@@ -27,6 +27,7 @@ from escapement.engines._panels import (
     U,
     V,
     W,
+    at_gauss_points,
     lay_out,
     new_store,
     place_of,
@@ -49,6 +50,14 @@ def _put(table, filled, engagement, kind, angle, time, w):
     table[filled, 3] = time
     table[filled, 4] = w
     return filled + 1
+
+
+@jit
+def _copy(table, to, filled):
+    # not by slices, whose error messages take a tenth of all compilation
+    for i in range(filled):
+        for j in range(EVENT_COLUMNS):
+            to[i, j] = table[i, j]
 
 
 @jit(allocates=True)
@@ -76,7 +85,7 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         )  # fmt: skip
         if filled + used + 2 > table.shape[0]:
             larger = np.empty((2 * table.shape[0] + used, EVENT_COLUMNS))
-            larger[:filled] = table[:filled]
+            _copy(table, larger, filled)
             table = larger
         flips = 0
         for i in range(used):
@@ -84,8 +93,8 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         first = side if flips % 2 == 0 else -side
         filled = _put(table, filled, k, -1.0, first, starts[k], squares[k])
         for i in range(used):
-            kind, angle, time, w = events[i]
-            filled = _put(table, filled, k, kind, angle, starts[k] + time, w)
+            time = starts[k] + events[i, 2]
+            filled = _put(table, filled, k, events[i, 0], events[i, 1], time, events[i, 3])
         if status != 0:
             break
         if dwell > 0.0:
@@ -93,7 +102,9 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
                 filled = _put(table, filled, k, 1.0, breaks[-1], starts[k] + length, out)
             filled = _put(table, filled, k, 4.0, breaks[-1], starts[k] + length, out)
             rising = 1.0
-    return table[:filled].copy()
+    found = np.empty((filled, EVENT_COLUMNS))
+    _copy(table, found, filled)
+    return found
 
 
 @jit(allocates=True)
@@ -120,10 +131,11 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
     right = end
     loss = 0.0
     now = 0.0
-    theta[:] = left
-    squares[:] = w
+    for j in range(times.size):
+        theta[j], squares[j] = left, w
     while left < end:
-        survey(s, at, path, rho, left, right, POINTS, 0)
+        at_gauss_points(s)
+        survey(s, at, path, rho, left, right)
         solve_side(s, at, side, rho, mu, load)
         half = 0.5 * (right - left)
         energy = w * (rho + s[at + ENDS] ** 2)

@@ -50,25 +50,25 @@ def transmission_at(path, theta):
 
 
 @jit
-def transmission_on(path, middle, half, points, first, out, to):
-    """Transmission at middle + half * points[first:first + 16], a small way apart.
+def transmission_on(path, middle, half, s, points, to):
+    """Transmission at 16 driver angles middle + half * s[points + i], a small way apart.
 
     The sine and cosine of the steps come from their power series, accurate to
     rounding for half angles of up to 0.75; those of the sums from the addition
-    theorem. 16 values each of g, |u| and g' are written to `out` from `to` on
+    theorem. 16 values each of g, |u| and g' are written to s[to], s[to + 16] and s[to + 32] on
     (places rather than slices: making a slice takes as long as four points).
     """
     to &= PLACES
-    first &= PLACES
+    points &= PLACES
     step = path[0] * half
     if is_table(path) or abs(step) > 0.75:
         for i in range(BLOCK):
-            g, u, dg = transmission_at(path, middle + half * points[first + i])
-            out[to + i], out[to + BLOCK + i], out[to + 2 * BLOCK + i] = g, abs(u), dg
+            g, u, dg = transmission_at(path, middle + half * s[points + i])
+            s[to + i], s[to + BLOCK + i], s[to + 2 * BLOCK + i] = g, abs(u), dg
         return
     sine_m, cosine_m = np.sin(path[0] * middle), np.cos(path[0] * middle)
     for i in range(BLOCK):
-        d = step * points[first + i]
+        d = step * s[points + i]
         z = d * d
         odd = 1.0 - z / 210.0 * (1.0 - z / 272.0 * (1.0 - z / 342.0))
         odd = 1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0 * odd))
@@ -82,9 +82,9 @@ def transmission_on(path, middle, half, points, first, out, to):
         inverse = 1.0 / (path[1] + path[2] * square)
         ratio = (path[3] + path[4] * square) * inverse
         slide = path[5] * sine * cosine * inverse
-        out[to + i] = ratio
-        out[to + BLOCK + i] = abs(slide)
-        out[to + 2 * BLOCK + i] = slide * (path[6] - 2.0 * ratio)
+        s[to + i] = ratio
+        s[to + BLOCK + i] = abs(slide)
+        s[to + 2 * BLOCK + i] = slide * (path[6] - 2.0 * ratio)
 
 
 @jit
