@@ -59,6 +59,13 @@ class Mechanism(Protocol):
         """Follower angle [rad], zero at dead centre."""
 
 
+def dwell_angle(mechanism: Mechanism) -> float:
+    """Driver angle of a cell in which the follower is locked [rad]."""
+    dwell = mechanism.cell_angle - (mechanism.breaks[-1] - mechanism.breaks[0])
+    # one rounding error is none
+    return float(dwell) if dwell > 1e-12 else 0.0
+
+
 @dataclass(frozen=True)
 class Inertia:
     """Moments of inertia about the two axes.
@@ -177,14 +184,10 @@ class Escapement:
     @cached_property
     def scene(self) -> Scene:
         """The escapement as kernels see it: a tuple of flat numbers."""
-        breaks = np.array(self.mechanism.breaks)
-        dwell = self.mechanism.cell_angle - (breaks[-1] - breaks[0])
-        # a dwell of one rounding error is none
-        dwell = float(dwell) if dwell > 1e-12 else 0.0
         return (
             self.mechanism.path,
-            breaks,
-            dwell,
+            np.array(self.mechanism.breaks),
+            dwell_angle(self.mechanism),
             self.inertia_ratio,
             self.loss,
             self.load_ratio,

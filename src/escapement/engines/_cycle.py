@@ -71,8 +71,26 @@ def _closer(w, out, exponent, source, rho, ends, reversed_):
 
 
 @jit
-def _terminal(store, count, cells, path, breaks, dwell, rho, mu, load, w, rtol, events, out):
+def _beyond(w, better, before, better_before):
+    """Fixed point from two steps of Newton's, whose errors go like the squares of what they had.
+
+    The better of the two where they are too close for that.
+    """
+    was, now = before - better, w - better
+    gained = was * was - now * now
+    if now * now > 0.25 * was * was or abs(better_before - better) > abs(was):
+        return better
+    return better - (better_before - better) * now * now / gained
+
+
+@jit
+def _terminal(
+    store, count, cells, path, breaks, dwell, rho, mu, load, w, before, better_before, rtol,
+    events, out,
+):  # fmt: skip
     """Terminal cycle by Newton's method from w; fills out, events hold its extrema.
+
+    `better_before` is what a step from `before` gave; equal ones count for nothing.
 
     Returns
     -------
@@ -82,7 +100,7 @@ def _terminal(store, count, cells, path, breaks, dwell, rho, mu, load, w, rtol, 
     ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     last_good = w
     plain = 0
-    near = w < 0.0  # no: by a value, see `handoffs`
+    near = better_before != before  # by a value, see `handoffs`
     for k in range(MAX_ENGAGEMENTS):
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, near, events
@@ -106,6 +124,10 @@ def _terminal(store, count, cells, path, breaks, dwell, rho, mu, load, w, rtol, 
             better = last_good
             near = False
             plain = max(plain - 1, 0)
+        elif sound and better_before != before:
+            before, w, better_before = w, _beyond(w, better, before, better_before), better
+            continue
+        before, better_before = w, better
         w = better
     else:
         return NOT_CONVERGED, count
@@ -120,20 +142,23 @@ def _terminal(store, count, cells, path, breaks, dwell, rho, mu, load, w, rtol, 
 
 
 @jit
-def _judge(kind, time, w, leading, out):
+def _judge(kind, time, w, leading, calm, out):
     """Let one extremum of the transient decide on rise and settling time.
 
     Only the greatest and the least speed of an engagement tend to the terminal
-    ones, so only they can unsettle a motion.
+    ones, so only they can unsettle a motion. Returns how many in a row did not.
     """
     error = abs(np.sqrt(w) / (out[V_MAX] if kind == MAXIMUM else out[V_MIN]) - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
         out[RISE] = time
-    if leading:
-        if error > SETTLING_BAND:
-            out[SETTLING] = np.nan
-        elif np.isnan(out[SETTLING]):
-            out[SETTLING] = time
+    if not leading:
+        return calm
+    if error > SETTLING_BAND:
+        out[SETTLING] = np.nan
+        return 0
+    if np.isnan(out[SETTLING]):
+        out[SETTLING] = time
+    return calm + 1
 
 
 @jit
@@ -166,7 +191,8 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
     ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     time, rising = 0.0, 0.0
     filled = 0
-    found = False
+    found, calm = False, 0
+    before, better_before = w, w
     record = out.size > 0  # a value: see `handoffs`
     for k in range(MAX_ENGAGEMENTS):
         status, exit_w, length, exponent, source, _s, rising, count, used = march(
@@ -191,7 +217,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
                 continue
             leading = _leads(events, used, i)
             if found:
-                _judge(kind, time + events[i, 2], events[i, 3], leading, out)
+                calm = _judge(kind, time + events[i, 2], events[i, 3], leading, calm, out)
             else:
                 seen[filled, 0], seen[filled, 1] = kind, time + events[i, 2]
                 seen[filled, 2], seen[filled, 3] = events[i, 3], leading
@@ -201,24 +227,28 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
         if not found:
             turning = turned(events, used)
             better, _shrink, sound = _closer(w, exit_w, exponent, source, rho, ends, turning)
-            settled = sound and abs(better - following) <= 0.1 * SETTLING_BAND * following
+            # speeds within the band; every later engagement lies between this and the last
+            settled = sound and abs(better - w) <= 4.0 * SETTLING_BAND * better
             if settled or k == PATIENCE or filled + events.shape[0] > seen.shape[0]:
                 start = better if better > 0.0 else following
+                if sound and better_before != before:
+                    start = _beyond(w, better, before, better_before)
                 status, count = _terminal(
-                    store, count, cells, path, breaks, dwell, rho, mu, load, start, rtol,
-                    events, out,
+                    store, count, cells, path, breaks, dwell, rho, mu, load, start, w, better,
+                    rtol, events, out,
                 )  # fmt: skip
                 if status != OK:
                     return status
                 found = True
                 for i in range(filled):
-                    _judge(seen[i, 0], seen[i, 1], seen[i, 2], seen[i, 3] > 0.0, out)
+                    calm = _judge(seen[i, 0], seen[i, 1], seen[i, 2], seen[i, 3] > 0.0, calm, out)
                 # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) engagements
                 if out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                     return OK
+            before, better_before = w, better
         w = following
-        near = found and abs(w / out[W_HANDOFF] - 1.0) <= 0.1 * SETTLING_BAND
-        if near and not np.isnan(out[SETTLING]):
+        # motions do not cross: once both its extrema are within the band, so are all to come
+        if found and calm >= 2:
             return OK
     if found:
         # beyond the limit a time is not given

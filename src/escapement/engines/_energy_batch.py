@@ -6,7 +6,7 @@ from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, losses
 from escapement.engines._cells import cells_of
 from escapement.engines._cycle import FIGURES, figures, workspace
-from escapement.model import FloatArray, Mechanism
+from escapement.model import FloatArray, Mechanism, dwell_angle
 
 _PAINLEVE, _OK = 3, 0
 
@@ -60,10 +60,6 @@ def solve(
     table = np.empty((rho.size, FIGURES))
     status = np.empty(rho.size, dtype=np.uint8)
     breaks = np.array(mechanism.breaks)
-    dwell = mechanism.cell_angle - (breaks[-1] - breaks[0])
-    dwell = dwell if dwell > 1e-12 else 0.0
-    path = mechanism.path
-    solve_scenes(
-        cells_of((path, breaks)), path, breaks, dwell, rho, mu, load, w, rtol, table, status
-    )
+    fixed = mechanism.path, breaks, dwell_angle(mechanism)
+    solve_scenes(cells_of(fixed), *fixed, rho, mu, load, w, rtol, table, status)
     return table, status

@@ -23,7 +23,7 @@ from escapement.engines._ivp_piece import (
 )
 from escapement.engines._ivp_solution import Free, Solution
 from escapement.mechanisms._slotted import transmission_at
-from escapement.model import Escapement, FloatArray, Mechanism
+from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
 
@@ -98,9 +98,8 @@ class _Run:
         for start, end in pairwise(breaks):
             slow = start if abs(_ratio(path, start)) < abs(_ratio(path, end)) else end
             self._engage(end, slow)
-        end = breaks[0] + mechanism.cell_angle
-        if not self.over and end > breaks[-1] + 1e-12:  # a dwell of one rounding error is none
-            self._dwell(end)
+        if not self.over and dwell_angle(mechanism) > 0.0:
+            self._dwell(breaks[0] + mechanism.cell_angle)
         return not self.over
 
     def _engage(self, end: float, slow: float) -> None:

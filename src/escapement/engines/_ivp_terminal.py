@@ -17,7 +17,7 @@ from scipy.optimize import toms748
 from escapement.engines import _ivp
 from escapement.mechanisms._slotted import transmission_at
 from escapement.metrics import Figures, read_cycle, read_transient
-from escapement.model import Escapement
+from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
 
@@ -114,8 +114,7 @@ def _gain(motion: Motion, w: float) -> float:
     work = escapement.torque * (exit_ - entry) - escapement.load_torque * (turned[1] - turned[0])
     work -= motion.trajectory.friction_loss.sum()
     engaged = (2.0 * work + follower * (at_entry - at_exit) * w) / (driver + follower * at_exit)
-    dwell = mechanism.cell_angle - (exit_ - entry)
-    return float(engaged + 2.0 * dwell * escapement.torque / driver)
+    return float(engaged + 2.0 * dwell_angle(mechanism) * escapement.torque / driver)
 
 
 def _rise(engage: Any, low: float, gain: float) -> tuple[float, float] | Motion:

@@ -178,41 +178,40 @@ def march(
             if s[other + TAIL] == UNBUILT:
                 solve_side(s, at, -side, rho, mu, load)
             split = s[other + TAIL] > strict
+        before = used
+        length, shrunk, turned_source = 0.0, 0.0, 0.0
+        if not split and (reversal >= 0 or extremum >= 0):
+            high, a_right, x, slope = 1.0, 1.0, 1.0, 0.0
+            if reversal >= 0:
+                c_left = side * contact_at_end(s, at, 0, w, rho, load)
+                x, slope = locate(s, C, reversal, c_left, c_right, 1.0)
+                high = x
+            if extremum >= 0:
+                a_left = rate_at_end(s, at, 0, side, w, mu, load)
+                if reversal < 0:
+                    a_right = rate_at_end(s, at, 1, side, w_right, mu, load)
+                top, bent = locate(s, A, extremum, a_left, a_right, high)
+                angle, elapsed, w_top = extremum_at(s, at, side, top, bent, path, rho, mu, load)
+                kind = MAXIMUM if rising > 0.0 else MINIMUM
+                used = _note(events, used, kind, angle, time + elapsed, w_top)
+            if reversal >= 0:
+                angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, rho, load)
+                used = _note(events, used, REVERSAL, angle, time + elapsed, w_turn)
+                good, e_right, length, shrunk, turned_source = turn(
+                    s, at, side, reversal, rho, mu, load, strict, record, source
+                )
+                split = not good
         if split:
+            used = before
             if count >= MAX_PANELS or s[at + HALF] < SMALLEST:
                 return GAVE_UP, s[at + LEFT], time, exponent, source, side, rising, count, used
             count = halve(s, panel, path, cells, rho, count)
             continue
-        before = used
-        high, a_right, x, slope = 1.0, 1.0, 1.0, 0.0
         if reversal >= 0:
-            c_left = side * contact_at_end(s, at, 0, w, rho, load)
-            x, slope = locate(s, C, reversal, c_left, c_right, 1.0)
-            high = x
-        if extremum >= 0:
-            a_left = rate_at_end(s, at, 0, side, w, mu, load)
-            if reversal < 0:
-                a_right = rate_at_end(s, at, 1, side, w_right, mu, load)
-            top, bent = locate(s, A, extremum, a_left, a_right, high)
-            angle, elapsed, w_top = extremum_at(s, at, side, top, bent, path, rho, mu, load)
-            kind = MAXIMUM if rising > 0.0 else MINIMUM
-            used = _note(events, used, kind, angle, time + elapsed, w_top)
-        if reversal >= 0:
-            angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, rho, load)
-            used = _note(events, used, REVERSAL, angle, time + elapsed, w_turn)
-            good, e_right, length, shrunk, source_ = turn(
-                s, at, side, reversal, rho, mu, load, strict, record, source
-            )
-            if not good:
-                used = before
-                if count >= MAX_PANELS or s[at + HALF] < SMALLEST:
-                    return GAVE_UP, s[at + LEFT], time, exponent, source, side, rising, count, used
-                count = halve(s, panel, path, cells, rho, count)
-                continue
             w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
             time += length
             exponent += shrunk
-            source = source_
+            source = turned_source
             side = -side
             rising = 1.0
         else:

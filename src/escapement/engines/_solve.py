@@ -37,32 +37,36 @@ from escapement.mechanisms._slotted import PLACES
 
 
 @jit
-def _falling(b):
-    """exp(-b) for |b| <= 0.7, by its series: vector code, two terms at a time."""
-    x = -b
-    y = x * x
+def _exponentials(b):
+    """exp(-b) and exp(b) for |b| <= 0.7, by their series: vector code."""
+    y = b * b
     z = y * y
-    c0 = 1.0 + x + (1.0 / 2.0 + x * (1.0 / 6.0)) * y
-    c1 = 1.0 / 24.0 + x * (1.0 / 120.0) + (1.0 / 720.0 + x * (1.0 / 5040.0)) * y
-    c2 = 1.0 / 40320.0 + x * (1.0 / 362880.0)
-    c2 += (1.0 / 3628800.0 + x * (1.0 / 39916800.0)) * y
-    c3 = 1.0 / 479001600.0 + x * (1.0 / 6227020800.0)
-    c3 += (1.0 / 87178291200.0 + x * (1.0 / 1307674368000.0)) * y
-    return c0 + (c1 + (c2 + c3 * z) * z) * z
+    even = 1.0 + y * (1.0 / 2.0) + (1.0 / 24.0 + y * (1.0 / 720.0)) * z
+    last = 1.0 / 40320.0 + y * (1.0 / 3628800.0)
+    last += (1.0 / 479001600.0 + y * (1.0 / 87178291200.0)) * z
+    even += last * (z * z)
+    odd = 1.0 + y * (1.0 / 6.0) + (1.0 / 120.0 + y * (1.0 / 5040.0)) * z
+    last = 1.0 / 362880.0 + y * (1.0 / 39916800.0)
+    last += (1.0 / 6227020800.0 + y * (1.0 / 1307674368000.0)) * z
+    odd = (odd + last * (z * z)) * b
+    return even - odd, even + odd
 
 
 @jit
 def _decay(s):
-    """alpha = exp(-b) at the points, in the scratch."""
+    """alpha = exp(-b) at the points and, in the gain, what is gained over alpha."""
     large = 0
     for i in range(N):
         large += abs(s[SOLVED + B + i]) > 0.7
     if large > 0:
         for i in range(N):
             s[SOLVED + ALPHA + i] = np.exp(-s[SOLVED + B + i])
+            s[GAIN + i] /= s[SOLVED + ALPHA + i]
         return
     for i in range(N):
-        s[SOLVED + ALPHA + i] = _falling(s[SOLVED + B + i])
+        falling, growing = _exponentials(s[SOLVED + B + i])
+        s[SOLVED + ALPHA + i] = falling
+        s[GAIN + i] *= growing
 
 
 @jit
@@ -84,14 +88,12 @@ def solve_side(s, at, side, rho, mu, load):
     total = whole(s, DECAY)
     combine(CUMULATE, s, DECAY, SOLVED + B)
     _decay(s)
-    for i in range(N):
-        s[GAIN + i] /= s[SOLVED + ALPHA + i]
     source = whole(s, GAIN)
     combine(CUMULATE, s, GAIN, SOLVED + BETA)
     for i in range(N):
         s[SOLVED + BETA + i] *= s[SOLVED + ALPHA + i]
     largest = max(abs(s[SOLVED + BETA + N - 1]), abs(s[SOLVED + BETA + N // 2]))
-    alpha = _falling(total) if abs(total) <= 0.7 else np.exp(-total)
+    alpha = _exponentials(total)[0] if abs(total) <= 0.7 else np.exp(-total)
     tail = tail_of(s, SOLVED + ALPHA) / max(1.0, alpha)
     tail = max(tail, tail_of(s, SOLVED + BETA) / max(largest, 1e-300))
     tail = max(tail, tail_of_inverse(s, at))
