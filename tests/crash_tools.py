@@ -12,6 +12,7 @@ from unittest import mock
 
 import numpy as np
 
+from escapement import _whole_file
 from escapement.errors import CannotCreate, EscapementError
 from escapement.store import (
     RESULTS,
@@ -19,7 +20,6 @@ from escapement.store import (
     StudyWriter,
     _journal,
     _lock,
-    _target,
     blocks_of,
     encode_block,
     partial_path,
@@ -191,7 +191,7 @@ def faults(failing=None, code=None):
             fstat=plan.wrap(os.fstat),
         ),
         mock.patch.object(_journal, "open", faulty_open, create=True),
-        mock.patch.object(_target, "open", faulty_open, create=True),
+        mock.patch.object(_whole_file, "open", faulty_open, create=True),
         mock.patch.object(_lock.fcntl, "flock", plan.wrap(_lock.fcntl.flock)),
     ):
         yield plan

@@ -16,7 +16,7 @@ from escapement.plots import filemon as figures
 from escapement.plots import filemon_reversals as reversal_figures
 from escapement.plots import plot_drive_torque
 from escapement.plots.nomograms import SHEETS, plot_nomogram
-from escapement.published._filemon_reasons import digits
+from escapement.published._digits import digits
 from escapement.published.filemon import (
     COLUMNS,
     as_rows,
@@ -312,7 +312,7 @@ def test_reproduce_fills_a_folder(command, tmp_path, monkeypatch):
     monkeypatch.setattr(Figure, "savefig", lambda *args, **kw: whole(*args, **(kw | coarse)))
     code, _, err = command("reproduce", "filemon", "-o", "out")
     assert code == 0
-    assert "table and figures in out" in err
+    assert "tables and figures in out" in err
     names = {path.name for path in (tmp_path / "out").iterdir()}
     sheets = {f"filemon_figure_{name}.pdf" for name in SHEETS}
     plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}

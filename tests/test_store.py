@@ -14,6 +14,8 @@ import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from escapement import _whole_file
+from escapement._whole_file import check_target
 from escapement.errors import CannotCreate, InputFileError, MissingInput, StorageError
 from escapement.status import Status
 from escapement.store import (
@@ -23,9 +25,7 @@ from escapement.store import (
     StudyWriter,
     _image,
     _journal,
-    _target,
     blocks_of,
-    check_target,
     encode_block,
     partial_path,
     read_study,
@@ -274,7 +274,7 @@ def test_a_file_that_cannot_be_opened(tmp_path, monkeypatch, code, error):
     def refuse(*_, **__):
         raise OSError(code, os.strerror(code))
 
-    monkeypatch.setattr(_target, "open", refuse, raising=False)
+    monkeypatch.setattr(_whole_file, "open", refuse, raising=False)
     with pytest.raises(error, match=os.strerror(code)):
         write_study(study(), tmp_path / "a.h5")
 
@@ -358,7 +358,7 @@ class FailingFile:
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
     """Message of the storage error, None where nothing failed."""
 
-    class Failing(_target.PendingFile):
+    class Failing(_whole_file.PendingFile):
         def __init__(self, *arguments):
             super().__init__(*arguments)
             self.handle = FailingFile(self.handle, failing_call, code)

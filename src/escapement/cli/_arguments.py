@@ -6,9 +6,11 @@ wrote; the conversion to SI follows.
 
 import argparse
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from escapement import _validate
+from escapement._pictures import FORMATS
 from escapement.cli._kinds import read_mechanism
 from escapement.cli._parser import Parser, UsageError, number, one_of, option
 from escapement.units import SYSTEMS, factor
@@ -95,6 +97,20 @@ def quantity_keywords(name: str, *, note: str = "") -> dict[str, Any]:
         "metavar": _METAVARS[quantity.unit],
         "help": quantity.text + _SHOWN.get(quantity.unit, "") + note,
     }
+
+
+def add_output(group: argparse._ActionsContainer, file: str, text: str) -> None:
+    """Add a file to write, never over another unless it may: `_files.check_wanted` looks."""
+    group.add_argument("-o", "--output", type=Path, metavar=file, help=text)
+    group.add_argument("--force", action="store_true", help=f"replace {file} where it exists")
+
+
+def add_plot(group: argparse._ActionsContainer, text: str) -> None:
+    """Add a figure to draw; `_files.check_wanted` looks at its place."""
+    names = f"{', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
+    group.add_argument(
+        "--plot", type=Path, metavar="FILE", help=f"{text}; {names}, replaced where it exists"
+    )
 
 
 def add_common(

@@ -4,6 +4,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from escapement.cli._arguments import quantity_keywords, si
+from escapement.cli._cell import cell
 from escapement.cli._kinds import require
 
 if TYPE_CHECKING:
@@ -37,16 +38,13 @@ def describe(mechanism: "EllipticalPlanetary") -> dict[str, Any]:
 
     from escapement.mechanisms.elliptical_teeth import fewest_teeth
 
-    interval = round(math.degrees(mechanism.cell_angle), 12)
-    step = round(math.degrees(mechanism.follower_step), 12)
+    turned = cell(mechanism)
     rests = [(deg, mechanism.dwell_within(math.radians(deg))) for deg in TOLERANCES]
     return {
         "stations": mechanism.stations,
-        "motion_ratio": mechanism.motion_ratio,
-        "cell_angle_deg": interval,
-        "follower_step_deg": step,
-        "stop_interval_deg": interval,
-        "output_per_stop_deg": -step,
+        **turned,
+        "stop_interval_deg": turned["cell_angle_deg"],
+        "output_per_stop_deg": -turned["follower_step_deg"],
         "eccentricity": mechanism.eccentricity,
         "transmission_max": mechanism.ratio_max,
         "acceleration_function_max": mechanism.acceleration_max[0],

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from escapement import _validate
 from escapement._curves import CURVES
 from escapement.cli._arguments import optional_si, quantity_keywords
+from escapement.cli._cell import degrees, wheel
 from escapement.cli._kinds import require
 from escapement.cli._parser import checked, one_of, whole
 
@@ -89,22 +90,11 @@ def _with_solution(mechanism: "GearDriven", place: int) -> "GearDriven":
 
 
 def _geometry(mechanism: "GearDriven") -> dict[str, Any]:
-    import math
-
-    # twelve decimals: sixty degrees should read as sixty
-    cell = round(math.degrees(mechanism.cell_angle), 12)
     return {
         "stations": mechanism.stations,
-        "motion_ratio": mechanism.motion_ratio,
-        "cell_angle_deg": cell,
-        "follower_step_deg": round(math.degrees(mechanism.follower_step), 12),
-        "slots": mechanism.slots,
-        "pins": mechanism.pins,
-        "continuous": mechanism.continuous,
-        "dwell_deg": cell * (1.0 - mechanism.motion_ratio),
-        "transmission_max": float(mechanism.transmission(0.0).g),
+        **wheel(mechanism),
         "gear_ratio": float(mechanism.gear_ratio),
-        "alpha_deg": round(math.degrees(mechanism.alpha), 12),
+        "alpha_deg": degrees(mechanism.alpha),
         "carrier_over_fixed": mechanism.carrier_over_fixed,
         "arm_over_fixed": mechanism.arm_over_fixed,
         "entry_radius_over_fixed": mechanism.entry_radius_over_fixed,

@@ -4,6 +4,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from escapement.cli._arguments import optional_si, quantity_keywords
+from escapement.cli._cell import wheel
 from escapement.cli._parser import whole
 
 if TYPE_CHECKING:
@@ -48,20 +49,9 @@ def read(args: argparse.Namespace) -> "Geneva":
 
 def describe(mechanism: "Geneva") -> dict[str, Any]:
     """Geometry of a Geneva wheel, by JSON key."""
-    import math
-
-    # twelve decimals: sixty degrees should read as sixty
-    cell = round(math.degrees(mechanism.cell_angle), 12)
     record = {
         "stations": mechanism.slots,
-        "motion_ratio": mechanism.motion_ratio,
-        "cell_angle_deg": cell,
-        "follower_step_deg": round(math.degrees(mechanism.follower_step), 12),
-        "slots": mechanism.slots,
-        "pins": mechanism.pins,
-        "continuous": mechanism.continuous,
-        "dwell_deg": cell * (1.0 - mechanism.motion_ratio),
-        "transmission_max": float(mechanism.transmission(0.0).g),
+        **wheel(mechanism),
         "centre_distance_over_crank_radius": mechanism.centre_distance,
     }
     if mechanism.crank_radius is not None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
+from escapement.cli._cell import cell
 from escapement.cli._kinds import require
 from escapement.cli._parser import number
 
@@ -63,9 +64,7 @@ def describe(mechanism: "Tabulated") -> dict[str, Any]:
     table, doubt = mechanism.transmission(theta), mechanism.deviation(theta)
     return {
         "rows": len(mechanism.theta),
-        "motion_ratio": mechanism.motion_ratio,
-        "cell_angle_deg": round(math.degrees(mechanism.cell_angle), 12),
-        "follower_step_deg": round(math.degrees(mechanism.follower_step), 12),
+        **cell(mechanism),
         "noise_deg": math.degrees(mechanism.noise),
         "transmission_max": float(table.g.max()),
         "transmission_min": float(table.g.min()),

@@ -1,5 +1,7 @@
 """What commands have in common on the way out: JSON, tables, units, notes."""
 
+import csv
+import io
 import json
 import math
 import sys
@@ -12,6 +14,13 @@ from escapement.units import factor
 def as_json(record: dict[str, Any]) -> str:
     """One object; what is not a finite number is null."""
     return json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
+
+
+def as_csv(rows: Iterable[Sequence[Any]]) -> str:
+    """A line a row; what does not exist is empty."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
 
 
 def print_json(record: dict[str, Any]) -> None:

@@ -1,51 +1,47 @@
 """Dijksman (1974): figures 6 to 9, errata, cognates, and the wheels that never rest."""
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
-from escapement.cli import _files, _output
+from escapement.cli import _output
+from escapement.cli._errata import as_table, print_equations, print_errata
+from escapement.cli._reproduction import Reproduction
 from escapement.published.dijksman import COLUMNS, Proportion, as_rows, proportions
 from escapement.published.dijksman_equations import equations, start_ratios
-from escapement.published.filemon_equations import EquationErratum
-
-_NAME = "dijksman_figures"
 
 
-def reproduce(folder: Path | None, as_json: bool, units: str) -> dict[str, Any]:
-    """Recompute the captions; print them, and write them with figures to `folder`.
-
-    Every printed proportion is a pure number or an angle, whatever the units.
-    """
+def reproduce(units: str) -> Reproduction:
+    """The captions recomputed: pure numbers and angles, whatever the units."""
     cells, slips = proportions(), equations()
+    ratios = {
+        "per_cycle": start_ratios(per_cycle=True),
+        "per_motion": start_ratios(per_cycle=False),
+    }
     record: dict[str, Any] = {
         "rows": as_rows(cells),
         "cells": len(cells),
         "agreeing": sum(cell.agrees for cell in cells),
         "equations": [vars(slip) for slip in slips],
-        "start_ratios": {
-            "per_cycle": list(start_ratios(per_cycle=True)),
-            "per_motion": list(start_ratios(per_cycle=False)),
-        },
+        "start_ratios": ratios,
     }
-    if folder is not None:
-        _files.write_text(folder / f"{_NAME}.json", _output.as_json(record))
-        _files.write_text(folder / f"{_NAME}.csv", _as_csv(cells))
-        _draw(folder)
-        _output.note(f"table and figures in {folder}")
-    if not as_json:
+
+    def show() -> None:
         _print_figures(record["rows"], cells)
-        _print_errata(cells)
-        _print_equations(slips)
+        print_errata(cells, "numbers", lambda it: f"figure {it.figure}, {COLUMNS[it.column]}")
+        print(
+            "\nSlips in equations and text, some perhaps the scan's, with the greatest error of "
+            "the\nprinted and of the corrected formula over the design charts:"
+        )
+        print_equations(slips)
         print(
             "\nAcceleration with which a gear-driven wheel starts, over that of the ordinary wheel "
             "of as many\nstations, least and greatest over the design charts:"
         )
-        for name, (least, greatest) in record["start_ratios"].items():
+        for name, (least, greatest) in ratios.items():
             text = f"{_output.words(name).removeprefix('per ')}s of the same time"
             print(f"  {text:<27}{least:.3f} to {greatest:.3f}")
-    return record
+
+    return Reproduction("dijksman_figures", record, as_table(cells, "figure"), show, _draw)
 
 
 def _print_figures(rows: list[dict[str, Any]], cells: list[Proportion]) -> None:
@@ -61,42 +57,6 @@ def _print_figures(rows: list[dict[str, Any]], cells: list[Proportion]) -> None:
         computed = [cell.right + (" " if cell.agrees else "*") for cell in own]
         lines.append([*[""] * 5, str(row["slots"]), "computed", *computed])
     _output.print_columns([names], lines)
-
-
-def _print_errata(cells: list[Proportion]) -> None:
-    wrong = [cell for cell in cells if not cell.agrees]
-    right = len(cells) - len(wrong)
-    print(f"\n{right} of {len(cells)} numbers are right to their last digit. Errata:")
-    for cell in wrong:
-        name = COLUMNS[cell.column]
-        print(f"  figure {cell.figure}, {name}: {cell.printed} must be {cell.right}")
-        print(f"      {cell.reason}")
-
-
-def _print_equations(slips: list[EquationErratum]) -> None:
-    print("\nSlips in equations and text, some perhaps the scan's, with the greatest error of the")
-    print("printed and of the corrected formula over the design charts:")
-    for slip in slips:
-        print(f"  {slip.place}: {slip.printed}")
-        error = ""
-        if slip.printed_error is not None and slip.right_error is not None:
-            error = f"  [{slip.printed_error:.2g}; corrected {slip.right_error:.0e}]"
-        print(f"      must be {slip.right}{error}")
-
-
-def _as_csv(cells: list[Proportion]) -> str:
-    """A line a number."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["figure", "column", "printed", "right", "computed", "agrees", "reason"])
-    for cell in cells:
-        writer.writerow(
-            [
-                cell.figure, cell.column, cell.printed, cell.right, repr(cell.value),
-                "yes" if cell.agrees else "no", cell.reason,
-            ]
-        )  # fmt: skip
-    return text.getvalue()
 
 
 def _draw(folder: Path) -> None:

@@ -1,14 +1,14 @@
 """Appendix E of Meyer (1973): table, reasons and figures."""
 
-import csv
-import io
 import re
 from collections.abc import Iterable
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from escapement.cli import _files, _output
+from escapement.cli._reproduction import Reproduction
 from escapement.published.meyer import INERTIAS, agreement, appendix_e
 from escapement.units import INCH_POUND, unit_name
 
@@ -19,24 +19,22 @@ _COLUMNS = {
     "true": "true mechanism",
 }
 _FIGURES = {"velocity_max": "max", "velocity_min": "min", "rise_time": "rise", "period": "period"}
-_NAME = "meyer_appendix_e"
 
 
-def reproduce(folder: Path | None, as_json: bool, units: str) -> dict[str, Any]:
-    """Recompute all 49 rows; print them, and write them with figures to `folder`."""
+def reproduce(units: str) -> Reproduction:
+    """All 49 rows recomputed."""
     rows = appendix_e(units)
     counts = {name: agreement(rows, name)._asdict() for name in _COLUMNS if name != "printed"}
-    record = {"rows": rows, "agreement": counts}
-    if folder is not None:
-        _files.write_text(folder / f"{_NAME}.json", _output.as_json(record))
-        _files.write_text(folder / f"{_NAME}.csv", _as_csv(rows))
-        _draw(folder, rows)
-        _output.note(f"tables and figures in {folder}")
-    if not as_json:
+
+    def show() -> None:
         _print_rows(rows, units)
         _print_reasons(rows)
         _print_agreement(counts)
-    return record
+
+    record = {"rows": rows, "agreement": counts}
+    return Reproduction(
+        "meyer_appendix_e", record, _as_table(rows), show, partial(_draw, rows=rows)
+    )
 
 
 def _print_rows(rows: list[dict[str, Any]], units: str) -> None:
@@ -101,17 +99,21 @@ def _print_agreement(counts: dict[str, dict[str, Any]]) -> None:
     _output.print_columns([header, below], rows)
 
 
-def _as_csv(rows: list[dict[str, Any]]) -> str:
-    """A line a row; what does not exist is empty."""
-    text = io.StringIO()
+def _as_table(rows: list[dict[str, Any]]) -> list[list[Any]]:
+    """A header, then a line a row."""
     plain = [name for name in rows[0] if name not in (*_COLUMNS, "reasons")]
     header = [*plain, *(f"{c}_{f}" for c in _COLUMNS for f in _FIGURES), "reasons"]
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    for row in rows:
-        figures = [row[column][figure] for column in _COLUMNS for figure in _FIGURES]
-        writer.writerow([*(row[name] for name in plain), *figures, "; ".join(row["reasons"])])
-    return text.getvalue()
+    return [
+        header,
+        *(
+            [
+                *(row[name] for name in plain),
+                *(row[column][figure] for column in _COLUMNS for figure in _FIGURES),
+                "; ".join(row["reasons"]),
+            ]
+            for row in rows
+        ),
+    ]
 
 
 def _draw(folder: Path, rows: list[dict[str, Any]]) -> None:

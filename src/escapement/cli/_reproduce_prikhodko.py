@@ -1,54 +1,33 @@
 """The drive, table 1 and the statistics of Prikhodko (2020), printed against computed."""
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
 from escapement.cli import _files, _output
+from escapement.cli._cell import degrees
+from escapement.cli._reproduction import Reproduction
 from escapement.published import prikhodko
 
 _NAME = "prikhodko"
 
 
-def reproduce(folder: Path | None, as_json: bool, units: str) -> dict[str, Any]:
-    """Recompute what can be; print it, and write it with figures to `folder`.
-
-    Lengths are in millimetres as printed, whatever the units.
-    """
+def reproduce(units: str) -> Reproduction:
+    """What can be recomputed; lengths in millimetres as printed, whatever the units."""
     rows = prikhodko.table()
     mechanism = prikhodko.drive()
     judged = [row for row in rows if row.right is not None]
     record: dict[str, Any] = {
-        "rows": [_as_object(row) for row in rows],
+        "rows": [vars(row) | {"agrees": row.agrees} for row in rows],
         "judged": len(judged),
         "agreeing": sum(row.agrees for row in judged),
         "errata": [vars(slip) for slip in prikhodko.ERRATA],
-        "stop_interval_deg": _degrees(mechanism.cell_angle),
-        "output_per_stop_deg": -_degrees(mechanism.follower_step),
+        "stop_interval_deg": degrees(mechanism.cell_angle),
+        "output_per_stop_deg": -degrees(mechanism.follower_step),
         "transmission_max": mechanism.ratio_max,
         "position_function_error": prikhodko.position_function_error(),
         "pitch_curve_slip": prikhodko.pitch_curve_slip(),
     }
-    if folder is not None:
-        _files.write_text(folder / f"{_NAME}.json", _output.as_json(record))
-        _files.write_text(folder / f"{_NAME}.csv", _as_csv(rows))
-        _draw(folder)
-        _output.note(f"table and figures in {folder}")
-    if not as_json:
-        _print(rows, record)
-    return record
-
-
-def _degrees(angle: float) -> float:
-    import math
-
-    # twelve decimals: 202.5 degrees should read as that
-    return round(math.degrees(angle), 12)
-
-
-def _as_object(row: prikhodko.PrintedValue) -> dict[str, Any]:
-    return vars(row) | {"agrees": row.agrees}
+    return Reproduction(_NAME, record, _as_table(rows), lambda: _print(rows, record), _draw)
 
 
 def _print(rows: list[prikhodko.PrintedValue], record: dict[str, Any]) -> None:
@@ -83,18 +62,15 @@ def _print(rows: list[prikhodko.PrintedValue], record: dict[str, Any]) -> None:
     print(f"Slip of the pitch curves: {record['pitch_curve_slip']:.1e} centre distances")
 
 
-def _as_csv(rows: list[prikhodko.PrintedValue]) -> str:
-    """A line a number."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["quantity", "place", "unit", "printed", "right", "computed", "reason"])
+def _as_table(rows: list[prikhodko.PrintedValue]) -> list[list[Any]]:
+    """A header, then a line a number."""
+    table: list[list[Any]] = [
+        ["quantity", "place", "unit", "printed", "right", "computed", "reason"]
+    ]
     for row in rows:
-        known = row.right is not None
-        computed = repr(row.value) if known else ""
-        writer.writerow(
-            [row.name, row.place, row.unit, row.printed, row.right or "", computed, row.reason]
-        )
-    return text.getvalue()
+        computed = "" if row.right is None else repr(row.value)
+        table.append([row.name, row.place, row.unit, row.printed, row.right, computed, row.reason])
+    return table
 
 
 def _draw(folder: Path) -> None:

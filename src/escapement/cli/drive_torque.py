@@ -1,7 +1,6 @@
 """`escapement drive-torque`: torque and pin reversals at constant driver speed."""
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
@@ -37,19 +36,13 @@ def configure(parser: Parser) -> None:
     )
     _arguments.add_quantity(model, "friction", default=0.0, note=" (default: 0)")
     output = parser.add_argument_group("output")
-    output.add_argument(
-        "--plot",
-        type=Path,
-        metavar="FILE",
-        help="draw the torque; .png, .pdf or .svg, replaced where it exists",
-    )
+    _arguments.add_plot(output, "draw the torque")
     _arguments.add_common(parser)
 
 
 def execute(args: argparse.Namespace) -> int:
     """Print the figures; draw the torque where asked for."""
-    if args.plot is not None:
-        _files.check_picture(args.plot)
+    _files.check_wanted(args)
     from escapement.constant_speed import drive_torque
 
     result = drive_torque(

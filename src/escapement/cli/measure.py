@@ -48,16 +48,8 @@ def configure(parser: Parser) -> None:
         zeros.add_argument(name, type=rule, metavar="DEG", help=text)
     _add_statistics(parser)
     output = parser.add_argument_group("output")
-    output.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.csv", help="write the error of every sample"
-    )
-    output.add_argument("--force", action="store_true", help="replace FILE.csv where it exists")
-    output.add_argument(
-        "--plot",
-        type=Path,
-        metavar="FILE",
-        help="draw errors, histogram and periodogram; .png, .pdf or .svg, replaced where it exists",
-    )
+    _arguments.add_output(output, "FILE.csv", "write the error of every sample")
+    _arguments.add_plot(output, "draw errors, histogram and periodogram")
     _arguments.add_common(parser)
 
 
@@ -93,7 +85,7 @@ def _add_statistics(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Print the statistics; write and draw what was asked for."""
-    _check_outputs(args)
+    _files.check_wanted(args, args.data)
     encoder, zeros = _read_encoder(args), _read_zeros(args)
     mechanism = _kinds.read_mechanism(args)
     from escapement.measurement import measure, read_readings
@@ -193,16 +185,6 @@ def _described(test: "NormalityTest") -> dict[str, Any]:
         "degrees_of_freedom": test.degrees_of_freedom or None,
         "p_value": float(test.p_value),
     }
-
-
-def _check_outputs(args: argparse.Namespace) -> None:
-    if args.output is not None:
-        _files.check_output(args.output, force=args.force, beside=args.data)
-    elif args.force:
-        raise UsageError("--force must come with --output FILE.csv, got none; leave it out")
-    if args.plot is not None:
-        for other in (args.data, args.output):
-            _files.check_picture(args.plot, beside=other)
 
 
 def _read_encoder(args: argparse.Namespace) -> "Encoder | None":

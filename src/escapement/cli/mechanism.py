@@ -1,7 +1,6 @@
 """`escapement mechanism`: geometry and transmission of a mechanism."""
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
@@ -22,12 +21,7 @@ def configure(parser: Parser) -> None:
     _arguments.add_quantity(inertia, "driver_inertia")
     _arguments.add_quantity(inertia, "follower_inertia")
     drawing = parser.add_argument_group("drawing")
-    drawing.add_argument(
-        "--plot",
-        type=Path,
-        metavar="FILE",
-        help="draw it to scale; .png, .pdf or .svg, replaced where it exists",
-    )
+    _arguments.add_plot(drawing, "draw it to scale")
     drawing.add_argument(
         "--angle",
         type=number("--angle", _validate.number, "give a driver angle in degrees"),
@@ -39,9 +33,8 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Print the geometry; draw it where asked for."""
-    if args.plot is not None:
-        _files.check_picture(args.plot)
-    elif args.angle is not None:
+    _files.check_wanted(args)
+    if args.angle is not None and args.plot is None:
         raise UsageError("--angle must come with --plot FILE, got none; it turns the drawing")
     mechanism = _kinds.read_mechanism(args)
     record = _report(mechanism, args)

@@ -33,7 +33,7 @@ def configure(parser: Parser) -> None:
 def execute(args: argparse.Namespace) -> int:
     """Draw the file."""
     path = args.file.with_suffix(".png") if args.output is None else args.output
-    _files.check_picture(path, beside=args.file)
+    _files.check_picture(path, args.file)
     from escapement import plots
     from escapement.store import read_study
     from escapement.store_motion import is_motion, read_motion

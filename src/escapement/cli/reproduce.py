@@ -5,14 +5,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from escapement._whole_file import write_whole
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, one_of
+from escapement.cli._reproduction import Reproduction
 
 SUMMARY = "A source's printed numbers beside computed ones, why they differ, and the figures."
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
-"""Each has a module `_reproduce_<source>`, whose `reproduce(folder, as_json, units)` fills the
-folder, prints unless JSON is wanted, and returns its record."""
+"""Each has a module `_reproduce_<source>`, whose `reproduce(units)` gives a `Reproduction`."""
 ALL = "all"
 
 
@@ -56,8 +57,17 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> dict[str, Any]:
+    """Recompute one source, write and print what is wanted; its record."""
     if folder is not None:
         _files.make_folder(folder)
     module = import_module(f"escapement.cli._reproduce_{source}")
-    record: dict[str, Any] = module.reproduce(folder, args.json, args.units)
-    return record
+    made: Reproduction = module.reproduce(args.units)
+    if folder is not None:
+        contents = {".json": _output.as_json(made.record), ".csv": _output.as_csv(made.table)}
+        for suffix, text in contents.items():
+            write_whole(folder / (made.name + suffix), [text.encode()], force=True)
+        made.draw(folder)
+        _output.note(f"tables and figures in {folder}")
+    if not args.json:
+        made.show()
+    return made.record

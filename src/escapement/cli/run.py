@@ -65,14 +65,8 @@ def configure(parser: Parser) -> None:
     _arguments.add_quantity(length, "duration", note=", instead of engagements")
     _add_solver(parser)
     output = parser.add_argument_group("output")
-    output.add_argument("-o", "--output", type=Path, metavar="FILE.h5", help="write the motion")
-    output.add_argument("--force", action="store_true", help="replace FILE.h5 where it exists")
-    output.add_argument(
-        "--plot",
-        type=Path,
-        metavar="FILE",
-        help="draw the velocities; .png, .pdf or .svg, replaced where it exists",
-    )
+    _arguments.add_output(output, "FILE.h5", "write the motion")
+    _arguments.add_plot(output, "draw the velocities")
     _arguments.add_common(parser)
 
 
@@ -101,7 +95,7 @@ def _add_solver(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Simulate, write what was asked for, print the figures."""
-    _check_outputs(args)
+    _files.check_wanted(args)
     escapement, settings = _read_case(args)
     from escapement.simulation import simulate, terminal
 
@@ -165,15 +159,6 @@ def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any
         "message": outcome.message,
         "engine": motion.engine,
     }
-
-
-def _check_outputs(args: argparse.Namespace) -> None:
-    if args.output is not None:
-        _files.check_output(args.output, force=args.force)
-    elif args.force:
-        raise UsageError("--force must come with --output FILE.h5, got none; leave it out")
-    if args.plot is not None:
-        _files.check_picture(args.plot, beside=args.output)
 
 
 def _write(motion: "Motion", args: argparse.Namespace) -> None:

@@ -60,7 +60,7 @@ def execute(args: argparse.Namespace) -> int:
             "already there; leave it out"
         )
     path = Path(f"{args.config.stem}.h5") if args.output is None else args.output
-    _files.check_output(path, force=args.force or args.resume, beside=args.config)
+    _files.check_output(path, args.config, force=args.force or args.resume)
     tally = _run(plan, path, args)
     cases = _tables.some_cases(plan, path, args.units)
     if args.json:

@@ -1,11 +1,13 @@
 """Readings and errors as CSV, in degrees; complete under their name or not there."""
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from escapement._whole_file import write_whole
 from escapement.measurement._csv import SYNTHETIC
 from escapement.measurement._position import blocks
 from escapement.measurement.readings import Readings
@@ -71,19 +73,8 @@ def _head(readings: Readings, note: str) -> str:
 def _write(
     path: str | PathLike[str], head: str, columns: dict[str, FloatArray], force: bool
 ) -> None:
-    from escapement.store._target import PendingFile, storage_error
-
-    pending = PendingFile(path, force=force)
-    try:
-        for text in (head + ",".join(columns) + "\n", *_rows(list(columns.values()))):
-            data = memoryview(text.encode())
-            while data:
-                data = data[pending.handle.write(data) :]
-        pending.place()
-    except OSError as error:
-        raise storage_error(path, error) from None
-    finally:
-        pending.discard()
+    text = chain([head + ",".join(columns) + "\n"], _rows(list(columns.values())))
+    write_whole(path, map(str.encode, text), force)
 
 
 def _rows(columns: Sequence[FloatArray]) -> Iterator[str]:

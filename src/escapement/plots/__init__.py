@@ -4,7 +4,8 @@ Functions named after one panel draw into the axes they are given, or into a new
 figure of their own; nothing is shown on a screen. `save` writes a figure.
 """
 
-from escapement.plots._style import new_axes, save
+from escapement.plots._save import save
+from escapement.plots._style import new_axes
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven

@@ -13,7 +13,8 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 
 from escapement.mechanisms import GearDriven
-from escapement.published._filemon_reasons import Digits, digits
+from escapement.published._digits import Digits, digits
+from escapement.published.errata import PrintedNumber, as_errata
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and what a table calls them; alpha in degrees."""
@@ -40,23 +41,10 @@ class PrintedFigure(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Proportion:
-    """One printed number beside the right one.
-
-    figure, column : where it stands.
-    printed, right : text with the same number of digits.
-    value : the right value; alpha in degrees.
-    agrees : whether the printed number is right to its last digit.
-    reason : else the rule that explains it; "" where it agrees.
-    """
+class Proportion(PrintedNumber):
+    """One number of the caption of `figure`."""
 
     figure: int
-    column: str
-    printed: str
-    right: str
-    value: float
-    agrees: bool
-    reason: str
 
 
 @cache
@@ -98,13 +86,7 @@ def as_rows(cells: Sequence[Proportion]) -> list[dict[str, Any]]:
                 "slots": mechanism.slots, "slots_printed": printed.slots,
                 "printed": {_key(cell): _number(cell) for cell in own},
                 "computed": {_key(cell): cell.value for cell in own},
-                "errata": [
-                    {
-                        "column": cell.column, "printed": cell.printed, "right": cell.right,
-                        "reason": cell.reason,
-                    }
-                    for cell in own if not cell.agrees
-                ],
+                "errata": as_errata(own),
             }
         )  # fmt: skip
     return rows
@@ -129,13 +111,13 @@ def _compare(figure: PrintedFigure, column: str) -> Proportion:
     value, text = right_values(mechanism)[column], getattr(figure, column)
     if text == "M0M":  # a length by its name
         agrees = math.isclose(value, mechanism.carrier_over_fixed, rel_tol=1e-14)
-        return Proportion(figure.figure, column, text, f"{value:g}", value, agrees, "")
+        return Proportion(column, text, f"{value:g}", value, agrees, "", figure.figure)
     printed = _digits(text)
     right = printed.like(value)
     agrees = right.value == printed.value
     reason = "" if agrees else _why(figure, column, printed)
     mark = "°" if text.endswith("°") else ""
-    return Proportion(figure.figure, column, text, right.text + mark, value, agrees, reason)
+    return Proportion(column, text, right.text + mark, value, agrees, reason, figure.figure)
 
 
 def _why(figure: PrintedFigure, column: str, printed: Digits) -> str:

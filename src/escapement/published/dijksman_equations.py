@@ -16,7 +16,7 @@ import numpy as np
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import FloatArray
-from escapement.published.filemon_equations import EquationErratum
+from escapement.published.errata import EquationErratum, Slip
 from escapement.synthesis import motion_peaks
 
 STATIONS = range(3, 25)
@@ -24,15 +24,6 @@ LOBES = tuple(Fraction(i, 2) for i in range(25))
 
 Deviation = Callable[["_Chart"], FloatArray]
 """What a formula leaves over for each mechanism: 0 where it is right."""
-
-
-@dataclass(frozen=True)
-class _Slip:
-    place: str
-    printed: str
-    right: str
-    as_printed: Deviation | None = None
-    as_corrected: Deviation | None = None
 
 
 @dataclass(frozen=True)
@@ -78,18 +69,9 @@ def chart_mechanisms() -> tuple[GearDriven, ...]:
 
 
 def equations() -> list[EquationErratum]:
-    """Every erratum of equations and text, the formulas tried out."""
+    """Every erratum of equations and text, the formulas tried out over the charts."""
     chart = _chart()
-    return [
-        EquationErratum(
-            slip.place,
-            slip.printed,
-            slip.right,
-            _greatest(slip.as_printed, chart),
-            _greatest(slip.as_corrected, chart),
-        )
-        for slip in _SLIPS
-    ]
+    return [slip.tried(lambda formula: float(np.abs(formula(chart)).max())) for slip in _SLIPS]
 
 
 def start_ratios(per_cycle: bool) -> tuple[float, float]:
@@ -111,10 +93,6 @@ def start_ratios(per_cycle: bool) -> tuple[float, float]:
     return min(ratios), max(ratios)
 
 
-def _greatest(formula: Deviation | None, chart: _Chart) -> float | None:
-    return None if formula is None else float(np.abs(formula(chart)).max())
-
-
 def _equation_10(brackets: bool) -> Deviation:
     def left_over(chart: _Chart) -> FloatArray:
         factor, x = 2.0 / chart.k - 1.0, math.pi * chart.k * chart.alpha / (2.0 * math.pi)
@@ -134,67 +112,67 @@ def _equation_14(signed: bool) -> Deviation:
 
 
 _SLIPS = (
-    _Slip(
+    Slip(
         "condition of existence",
         "alpha + gamma/2 <= pi/2",
         "(alpha + gamma)/2 <= pi/2, as his alpha <= pi - gamma says",
     ),
-    _Slip(
+    Slip(
         "(9)",
         "V0 = k alpha/(2 pi)",
         "V0 = |k| alpha/(2 pi): k is negative for epicycloids",
         lambda chart: chart.k * chart.alpha / (2.0 * math.pi) / chart.ratio - 1.0,
         lambda chart: np.abs(chart.k) * chart.alpha / (2.0 * math.pi) / chart.ratio - 1.0,
     ),
-    _Slip(
+    Slip(
         "(10)",
         "... - sin pi V0 (2/k - 1) + 2 pi/n = 0",
         "... - sin[pi V0 (2/k - 1) + 2 pi/n] = 0, V0 with the sign of k",
         _equation_10(brackets=False),
         _equation_10(brackets=True),
     ),
-    _Slip(
+    Slip(
         "(14), lower sign",
         "V0 > 0",
         "V0 < 0 for epicycloids, as (9) has it; with V0 > 0 it is no mechanism's equation",
         _equation_14(signed=False),
         _equation_14(signed=True),
     ),
-    _Slip(
+    Slip(
         "cognates",
         "k = R/R0, k' = R'/R0'",
         "k = R0/R, k' = R0'/R', and 1/k' = 1 - 1/k",
     ),
-    _Slip(
+    Slip(
         "cognates",
         "R'/MC = M0C/R = k/k'",
         "R'/MC = M0M/R = k/k'; M0M too in the relation before it",
         lambda chart: chart.entry * chart.k / (chart.k / chart.cognate_k) - 1.0,
         lambda chart: chart.carrier * chart.k / (chart.k / chart.cognate_k) - 1.0,
     ),
-    _Slip(
+    Slip(
         "before (16)",
         "at least n(m + 2) slots",
         "n/(m + 2) slots",
     ),
-    _Slip(
+    Slip(
         "after (16)",
         "g = n/gcd(n, 2m + 3), n/gcd(n, 3m + 4), ... for unused lobes",
         "only where no unused lobe passes over one of these slots: n = 4, m = 1 with one unused "
         "lobe needs all 4 slots, and then uses every lobe",
     ),
-    _Slip(
+    Slip(
         "figure 8",
         "slot gives instantaneous dwell",
         "the wheel turns uniformly, g = 1 - k/2 = -1: no dwell at all, and a singular position "
         "where the pin crosses the centre",
     ),
-    _Slip(
+    Slip(
         "introduction",
         "output angles of 360 and 180 degrees are a merit",
         "alpha <= pi - gamma leaves none for n = 1 and 2 either",
     ),
-    _Slip(
+    Slip(
         "introduction",
         "the jerk at start and end is a fault of ordinary wheels alone",
         "gear-driven wheels start with an acceleration at once as well, and with a greater one "

@@ -17,7 +17,9 @@ import numpy as np
 
 from escapement.constant_speed import geneva
 from escapement.mechanisms import Geneva
-from escapement.published._filemon_reasons import Digits, digits, why
+from escapement.published._digits import Digits, digits
+from escapement.published._filemon_reasons import why
+from escapement.published.errata import PrintedNumber, as_errata
 
 COLUMNS = {
     "ratio_max": "i_omega max",
@@ -44,24 +46,11 @@ class PrintedRow(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Cell:
-    """One printed cell beside the right value.
-
-    slots, column : where it stands.
-    printed, right : text with the same number of digits.
-    printed_value, value : numbers; beta_max in degrees.
-    agrees : whether the cell is right to its last digit.
-    reason : else the rule that explains it, in a sentence; "" where it agrees.
-    """
+class Cell(PrintedNumber):
+    """One cell of the row of `slots`; `printed_value` is its number."""
 
     slots: int
-    column: str
-    printed: str
-    right: str
     printed_value: float
-    value: float
-    agrees: bool
-    reason: str
 
 
 @cache
@@ -136,15 +125,9 @@ def as_rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
                 "slots": n,
                 "printed": {_key(cell): cell.printed_value for cell in row},
                 "computed": {_key(cell): cell.value for cell in row},
-                "errata": [
-                    {
-                        "column": cell.column, "printed": cell.printed, "right": cell.right,
-                        "reason": cell.reason,
-                    }
-                    for cell in row if not cell.agrees
-                ],
+                "errata": as_errata(row),
             }
-        )  # fmt: skip
+        )
     return rows
 
 
@@ -159,8 +142,15 @@ def _cell(row: PrintedRow, column: str) -> Cell:
     agrees = right.value == printed.value
     reason = "" if agrees else why(printed, right, value, _relatives(row, column))
     return Cell(
-        row.slots, column, printed.text, right.text, printed.value, value, agrees, reason
-    )  # fmt: skip
+        column=column,
+        printed=printed.text,
+        right=right.text,
+        value=value,
+        agrees=agrees,
+        reason=reason,
+        slots=row.slots,
+        printed_value=printed.value,
+    )
 
 
 def _relatives(row: PrintedRow, column: str) -> dict[str, Any]:

@@ -7,6 +7,7 @@ slots, so that a correction proves itself. Some slips may be those of the scan.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from escapement.constant_speed import geneva, reversal_study
 from escapement.constant_speed._kernels import derivatives_at
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
+from escapement.published.errata import EquationErratum, Slip
 
 Formula = Callable[[FloatArray, FloatArray], Any]
 """From c and beta, arrays of one shape, to the values of an equation."""
@@ -24,31 +26,21 @@ _SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # of bet
 
 
 @dataclass(frozen=True)
-class EquationErratum:
-    """One slip of the paper.
+class _Slip(Slip):
+    """A slip, with what its formulas should give.
 
-    place : where it stands.
-    printed, right : what it says and what it must say.
-    printed_error, right_error : greatest relative deviation of either from the
-        pin's path, over 3 to 10 slots; None where it is a matter of words.
+    truth : from the pin's path.
+    angles : attribute of the grid, where the formulas are tried.
     """
 
-    place: str
-    printed: str
-    right: str
-    printed_error: float | None
-    right_error: float | None
-
-
-@dataclass(frozen=True)
-class _Slip:
-    place: str
-    printed: str
-    right: str
-    as_printed: Formula | None = None
-    as_corrected: Formula | None = None
     truth: "Callable[[_Grid], FloatArray] | None" = None
-    angles: str = "places"  # attribute of the grid: where the formula is tried
+    angles: str = "places"
+
+    def error(self, formula: Formula, grid: "_Grid") -> float:
+        """Greatest relative deviation of a formula over the grid."""
+        assert self.truth is not None
+        found = formula(grid.c, getattr(grid, self.angles))
+        return float(np.abs(found / self.truth(grid) - 1.0).max())
 
 
 class _Grid:
@@ -69,25 +61,9 @@ class _Grid:
 
 
 def equations() -> list[EquationErratum]:
-    """Every erratum of the equations, each tried out."""
+    """Every erratum of the equations, each tried out: relative errors for 3 to 10 slots."""
     grid = _Grid()
-    return [
-        EquationErratum(
-            slip.place,
-            slip.printed,
-            slip.right,
-            _error(slip, slip.as_printed, grid),
-            _error(slip, slip.as_corrected, grid),
-        )
-        for slip in _SLIPS
-    ]
-
-
-def _error(slip: _Slip, formula: Formula | None, grid: _Grid) -> float | None:
-    if formula is None or slip.truth is None:
-        return None
-    found = formula(grid.c, getattr(grid, slip.angles))
-    return float(np.abs(found / slip.truth(grid) - 1.0).max())
+    return [slip.tried(partial(slip.error, grid=grid)) for slip in _SLIPS]
 
 
 def _length(c: FloatArray, b: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ import numpy as np
 
 from escapement.measurement import sturges
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.published._filemon_reasons import digits
+from escapement.published._digits import digits
 
 if TYPE_CHECKING:
     from escapement.measurement import Measurement

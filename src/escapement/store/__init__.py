@@ -4,7 +4,6 @@ from escapement.store._block import Block, blocks_of, encode_block
 from escapement.store._chunks import Tiling
 from escapement.store._reader import read_configuration, read_sample_case, read_study
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Result, Study, count_failed
-from escapement.store._target import check_target
 from escapement.store._writer import StudyWriter, partial_path, write_study
 
 __all__ = [
@@ -16,7 +15,6 @@ __all__ = [
     "StudyWriter",
     "Tiling",
     "blocks_of",
-    "check_target",
     "count_failed",
     "encode_block",
     "partial_path",

@@ -13,12 +13,12 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from escapement._steady_file import SteadyFile
+from escapement._whole_file import PendingFile
 from escapement.status import Status
 from escapement.store._block import Block, blocks_of
 from escapement.store._chunks import CELLS, Tiling
-from escapement.store._steady_file import SteadyFile
 from escapement.store._study import RESULTS, Study
-from escapement.store._target import PendingFile
 
 _FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
 

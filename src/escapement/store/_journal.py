@@ -23,12 +23,12 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from escapement._whole_file import sync_folder
 from escapement.errors import CannotCreate
 from escapement.store._block import Block
 from escapement.store._chunks import Tiling
 from escapement.store._lock import is_ending, try_lock
 from escapement.store._study import RESULTS
-from escapement.store._target import sync_folder
 
 SYNC_EVERY = 1.0
 """Seconds of finished work that a crash of the machine may cost; of the process, none."""

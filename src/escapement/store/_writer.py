@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
+from escapement._whole_file import check_target, creation_error, storage_error
 from escapement.errors import CannotCreate, EscapementError, StorageError
 from escapement.store._assembly import Assembly
 from escapement.store._block import Block, blocks_of, encode_block
@@ -14,7 +14,6 @@ from escapement.store._identity import check_same, journal_head
 from escapement.store._journal import Journal
 from escapement.store._reader import failed_cases
 from escapement.store._study import Study
-from escapement.store._target import check_target, creation_error, storage_error
 
 
 def partial_path(path: str | PathLike[str]) -> Path:
@@ -102,12 +101,7 @@ class StudyWriter:
         except OSError as error:
             raise self._kept(error) from None
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
         try:
             if kind is None:
                 if not self._done:

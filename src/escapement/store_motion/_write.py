@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from escapement import __version__
+from escapement._steady_file import SteadyFile
+from escapement._whole_file import PendingFile, storage_error
 from escapement.configuration import plan_from
 from escapement.errors import EscapementError
 from escapement.model import FloatArray
 from escapement.motion import Motion
-from escapement.store._steady_file import SteadyFile
-from escapement.store._target import PendingFile, storage_error
 from escapement.store_motion._layout import CONTENT, SAMPLES, SCHEMA_VERSION, Column, event_groups
 from escapement.units import factor, unit_name
 

@@ -4,6 +4,7 @@ import errno
 import os
 import stat
 import uuid
+from collections.abc import Iterable
 from contextlib import suppress
 from os import PathLike
 from pathlib import Path
@@ -40,7 +41,7 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
             ) from None
         return target
     except (OSError, ValueError) as error:
-        raise _cannot_create(path, error) from None
+        raise cannot_create(path, error) from None
     if stat.S_ISDIR(kind):
         raise CannotCreate(f"output {path} must be a file, got a directory; name a file in it")
     if not stat.S_ISREG(kind):
@@ -107,6 +108,36 @@ class PendingFile:
             self._temporary.unlink()
 
 
+def write_whole(path: str | PathLike[str], parts: Iterable[bytes], force: bool = False) -> None:
+    """Write a file of these parts, one after the other.
+
+    Parameters
+    ----------
+    path, force :
+        As for `check_target`.
+    parts : iterable of bytes
+        Its content; an error that they raise leaves nothing behind.
+
+    Raises
+    ------
+    CannotCreate, StorageError
+        As `PendingFile`.
+    """
+    pending = PendingFile(path, force)
+    try:
+        for part in parts:
+            view = memoryview(part)
+            while view:
+                view = view[pending.handle.write(view) :]
+        pending.place()
+    except OSError as error:
+        if isinstance(error, EscapementError):
+            raise
+        raise storage_error(path, error) from None
+    finally:
+        pending.discard()
+
+
 def storage_error(path: str | PathLike[str], error: BaseException) -> StorageError:
     """The error for a write to `path` that failed half-way."""
     reason = getattr(error, "strerror", None) or error
@@ -115,7 +146,8 @@ def storage_error(path: str | PathLike[str], error: BaseException) -> StorageErr
     )
 
 
-def _cannot_create(path: str | PathLike[str], error: Exception) -> CannotCreate:
+def cannot_create(path: str | PathLike[str], error: Exception) -> CannotCreate:
+    """The error for an output that may not be begun where it was asked for."""
     reason = getattr(error, "strerror", None) or error
     return CannotCreate(f"output {path} cannot be created: {reason}; choose another folder or name")
 
@@ -124,7 +156,7 @@ def creation_error(path: str | PathLike[str], error: OSError) -> EscapementError
     """The error for an output that could not be begun."""
     if error.errno in _DEVICE_ERRORS:
         return storage_error(path, error)
-    return _cannot_create(path, error)
+    return cannot_create(path, error)
 
 
 def sync_folder(folder: Path) -> None:
