@@ -88,108 +88,88 @@ def _angle(label: str, value: Any) -> float:
     return _validate.positive(label, value, "give an angle in rad")
 
 
+def _number(key: str, long_name: str, remedy: str, **rule: Any) -> dict[str, Parameter]:
+    """A parameter whose fixed value stands in [mechanism], by its name."""
+    rule.setdefault("quantity", "ratio")
+    return {key: Parameter(long_name, remedy=remedy, key=key, section="mechanism", **rule)}
+
+
 KINDS = {
     "geneva": Kind(
         factory="escapement.mechanisms.geneva:Geneva",
-        parameters={
-            "slots": Parameter(
-                "slots of the follower",
-                "ratio",
-                "a Geneva wheel needs 3 slots or more",
-                key="slots",
-                section="mechanism",
-                minimum=3,
-                whole=True,
-                required=True,
-            ),
-            "pins": Parameter(
-                "pins of the driver",
-                "ratio",
-                "give the number of crank pins",
-                key="pins",
-                section="mechanism",
-                minimum=1,
-                whole=True,
-            ),
-        },
+        parameters=_number(
+            "slots",
+            "slots of the follower",
+            "a Geneva wheel needs 3 slots or more",
+            minimum=3,
+            whole=True,
+            required=True,
+        )
+        | _number(
+            "pins", "pins of the driver", "give the number of crank pins", minimum=1, whole=True
+        ),
         options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
     ),
     "gear-driven": Kind(
         factory="escapement.mechanisms.gear_driven:GearDriven",
-        parameters={
-            "stations": Parameter(
-                "stations of the follower",
-                "ratio",
-                "the wheel needs 3 stations or more",
-                key="stations",
-                section="mechanism",
-                minimum=3,
-                whole=True,
-                required=True,
-            ),
-            "lobes": Parameter(
-                "unreal lobes between two lobes of the pin's path",
-                "ratio",
-                "give a whole number or a fraction such as '1/2'",
-                key="lobes",
-                section="mechanism",
-                fraction=True,
-                required=True,
-            ),
-            "pins": Parameter(
-                "pins on the planet",
-                "ratio",
-                "give the number of pins",
-                key="pins",
-                section="mechanism",
-                minimum=1,
-                whole=True,
-                default=1,
-            ),
-            "unused_lobes": Parameter(
-                "lobes without a slot between two that have one",
-                "ratio",
-                "give 0 to use every lobe",
-                key="unused_lobes",
-                section="mechanism",
-                whole=True,
-                default=0,
-            ),
-            "solution": Parameter(
-                "place of the mechanism in order of alpha",
-                "ratio",
-                "they count from 1",
-                key="solution",
-                section="mechanism",
-                minimum=1,
-                whole=True,
-                default=1,
-            ),
-        },
+        parameters=_number(
+            "stations",
+            "stations of the follower",
+            "the wheel needs 3 stations or more",
+            minimum=3,
+            whole=True,
+            required=True,
+        )
+        | _number(
+            "lobes",
+            "unreal lobes between two lobes of the pin's path",
+            "give a whole number or a fraction such as '1/2'",
+            fraction=True,
+            required=True,
+        )
+        | _number(
+            "pins",
+            "pins on the planet",
+            "give the number of pins",
+            minimum=1,
+            whole=True,
+            default=1,
+        )
+        | _number(
+            "unused_lobes",
+            "lobes without a slot between two that have one",
+            "give 0 to use every lobe",
+            whole=True,
+            default=0,
+        )
+        | _number(
+            "solution",
+            "place of the mechanism in order of alpha",
+            "they count from 1",
+            minimum=1,
+            whole=True,
+            default=1,
+        ),
         options={"curve": Option(_curve, required=True), "fixed_radius": Option(_length, "length")},
     ),
     "elliptical-planetary": Kind(
         factory="escapement.mechanisms.elliptical_planetary:EllipticalPlanetary",
-        parameters={
-            "sun_radius": Parameter(
-                "pitch radius of the fixed sun gear",
-                "length",
-                "give the radius R1",
-                key="sun_radius",
-                section="mechanism",
-                exclusive=True,
-                required=True,
-            ),
-            "planet_radius": Parameter(
-                "pitch radius of the spur planet",
-                "length",
-                "give the radius R2, less than the sun's",
-                key="planet_radius",
-                section="mechanism",
-                exclusive=True,
-                required=True,
-            ),
-        },
+        parameters=_number(
+            "sun_radius",
+            "pitch radius of the fixed sun gear",
+            "give the radius R1",
+            quantity="length",
+            exclusive=True,
+            required=True,
+        )
+        | _number(
+            "planet_radius",
+            "pitch radius of the spur planet",
+            "give the radius R2, less than the sun's",
+            quantity="length",
+            exclusive=True,
+            required=True,
+        ),
         meshed=True,
     ),
     "tabulated": Kind(

@@ -32,11 +32,9 @@ class Case:
     def __post_init__(self) -> None:
         values = {
             "mechanism": checked(self.mechanism),
-            "speed": _validate.positive("speed", self.speed, "give the driver speed in rad/s"),
+            "speed": checked_speed(self.speed),
             "load_torque": checked_load(self.load_torque),
-            "follower_inertia": _validate.positive(
-                "follower_inertia", self.follower_inertia, "give the moment of inertia in kg m^2"
-            ),
+            "follower_inertia": checked_inertia(self.follower_inertia),
             "efficiency": _efficiency(self.efficiency),
             "friction": _validate.non_negative(
                 "friction", self.friction, "give a coefficient of friction, 0 for none"
@@ -58,6 +56,16 @@ class Case:
     def inertial(self) -> float:
         """Inertia torque at unit follower acceleration function, I_f omega^2 [N m]."""
         return self.follower_inertia * self.speed * self.speed
+
+
+def checked_speed(value: float) -> float:
+    """A driver speed that keeps its rule, or the error."""
+    return _validate.positive("speed", value, "give the driver speed in rad/s")
+
+
+def checked_inertia(value: float) -> float:
+    """A follower inertia that keeps its rule, or the error."""
+    return _validate.positive("follower_inertia", value, "give the moment of inertia in kg m^2")
 
 
 def checked_load(value: Load) -> Load:

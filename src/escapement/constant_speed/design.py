@@ -8,6 +8,7 @@ import math
 
 from escapement import _validate
 from escapement.constant_speed import geneva
+from escapement.constant_speed._case import checked_inertia, checked_speed
 from escapement.constant_speed.extrema import transmission_extrema
 from escapement.errors import InvalidValue
 from escapement.model import Mechanism
@@ -27,10 +28,7 @@ def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: f
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    load = _validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
-    inertia = _validate.positive(
-        "follower_inertia", follower_inertia, "give the moment of inertia in kg m^2"
-    )
+    load, inertia = _constant(load_torque), checked_inertia(follower_inertia)
     return math.sqrt(_limit(mechanism) * load / inertia)
 
 
@@ -46,8 +44,7 @@ def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: f
     load_torque : float
         Constant torque opposing the follower [N m], >= 0.
     """
-    omega = _validate.positive("speed", speed, "give the driver speed in rad/s")
-    load = _validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
+    omega, load = checked_speed(speed), _constant(load_torque)
     return _limit(mechanism) * load / omega / omega
 
 
@@ -65,10 +62,7 @@ def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: floa
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    omega = _validate.positive("speed", speed, "give the driver speed in rad/s")
-    inertia = _validate.positive(
-        "follower_inertia", follower_inertia, "give the moment of inertia in kg m^2"
-    )
+    omega, inertia = checked_speed(speed), checked_inertia(follower_inertia)
     return inertia * omega * omega / _limit(mechanism)
 
 
@@ -105,6 +99,10 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
         middle = (jammed + enough) // 2
         jammed, enough = (jammed, middle) if free(middle) else (middle, enough)
     return enough
+
+
+def _constant(load_torque: float) -> float:
+    return _validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
 
 
 def _limit(mechanism: Mechanism) -> float:
