@@ -11,7 +11,7 @@ import escapement as esc
 from escapement.cli import main
 from escapement.cli._output import plain
 from escapement.cli._tables import spread
-from escapement.simulation import DEFAULT_RTOL, ENGINES, METHODS
+from escapement.solver import DEFAULT_RTOL, ENGINES, METHODS
 from escapement.store import read_study
 from escapement.store_motion import read_motion
 from escapement.units import INCH_POUND

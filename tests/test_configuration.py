@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from escapement import simulation
-from escapement.configuration import _solver, load_plan, parse_plan, plan_from
+from escapement.configuration import load_plan, parse_plan, plan_from
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
+from escapement.solver import DEFAULT_ENGINE
 from escapement.units import INCH, INCH_POUND
 
 GOOD = {
@@ -44,7 +44,7 @@ def test_units_order_and_defaults():
     assert plan.shape == (4, 1)
     assert plan.axes["torque"] == pytest.approx([0.08, 0.10, 0.12, 0.14], rel=1e-15)
     assert (plan.unit("torque"), plan.unit("friction")) == ("in lbf", "1")
-    assert plan.solver.given == {"engine": _solver.DEFAULT_ENGINE, "rtol": 1e-8}
+    assert plan.solver.given == {"engine": DEFAULT_ENGINE, "rtol": 1e-8}
     case = plan.escapement(3)
     assert case.torque == 0.14 * INCH_POUND
     assert case.inertia == Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
@@ -104,12 +104,6 @@ def test_a_mechanism_of_the_users_own_is_kept_as_it_is():
     assert "Mine" in json.dumps(plan.configuration)
     with pytest.raises(InvalidValue, match="unknown key 'slots'"):
         plan_from(escapement, {"slots": [3]})
-
-
-def test_settings_agree_with_the_engines():
-    assert _solver.ENGINES == simulation.ENGINES
-    assert _solver.METHODS == simulation.METHODS
-    assert _solver.DEFAULT_ENGINE == simulation.DEFAULT_ENGINE
 
 
 @pytest.mark.parametrize("path", sorted(RUNS.glob("*.toml")), ids=lambda path: path.stem)

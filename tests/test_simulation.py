@@ -10,7 +10,7 @@ import pytest
 import escapement as esc
 from escapement.dynamics import critical_friction
 from escapement.motion import Motion
-from escapement.simulation import METHODS
+from escapement.solver import METHODS
 from escapement.status import Status
 
 BOTH = ("energy", "ivp")

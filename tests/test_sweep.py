@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 
-from escapement import simulation
+from escapement import simulation, solver
 from escapement.configuration import parse_plan, plan_from
 from escapement.errors import CannotCreate, InvalidValue, StorageError
 from escapement.mechanisms import Geneva
@@ -49,7 +49,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(simulation, "terminal", fake)
 
 
-@pytest.mark.parametrize("engine", simulation.ENGINES)
+@pytest.mark.parametrize("engine", solver.ENGINES)
 def test_a_case_is_what_terminal_says(engine):
     grid = sweep(TIMER, engine=engine, torque=[TIMER.torque, 4 * TIMER.torque], friction=[0.35])
     alone = simulation.terminal(TIMER, engine=engine)
@@ -59,7 +59,7 @@ def test_a_case_is_what_terminal_says(engine):
     ratio = grid.results["velocity_max"][1, 0] / grid.results["velocity_max"][0, 0]
     assert ratio == pytest.approx(2.0, rel=1e-8)
     assert grid.attributes["engine"] == engine
-    assert grid.attributes["rtol"] == simulation.DEFAULT_RTOL[engine]
+    assert grid.attributes["rtol"] == solver.DEFAULT_RTOL[engine]
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """The two functions a user calls: a motion, and the terminal cycle's figures."""
 
-import math
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -12,15 +11,13 @@ from escapement.errors import InvalidValue
 from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.motion import Motion
+from escapement.solver import DEFAULT_ENGINE, Solver
 from escapement.status import MESSAGES, Status
 
-ENGINES = ("energy", "ivp")
-METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
-DEFAULT_ENGINE = "energy"
-DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10}
 DEFAULT_ENGAGEMENTS = 20
 LONGEST = {"energy": 10_000_000, "ivp": 10_000}
 """Engagements of one motion: what fits into a gigabyte, in seconds or a minute."""
+_USUAL = Solver()
 FASTEST = 1e100  # initial speed in units of sqrt(torque / I_f): its square stays a double
 
 
@@ -69,7 +66,8 @@ def simulate(
     InvalidValue
         When an argument breaks its rule.
     """
-    settings = _settings(escapement, engine, rtol, atol, method, max_step, initial_speed)
+    solver = _solver(engine, rtol, atol, method, max_step)
+    settings = _settings(escapement, solver, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
             "engagements and duration must not both be given, got "
@@ -95,55 +93,35 @@ def simulate(
     return run(escapement, engagements=engagements, duration=duration, **settings)
 
 
-def rtol_of(solver: Any) -> float:
-    """Relative error a study's solver settings ask for."""
-    return DEFAULT_RTOL[solver.engine] if solver.rtol is None else solver.rtol
-
-
 @cache
 def _engine(name: str) -> Any:
     """An engine's module, loaded when first asked for."""
     return import_module(f"escapement.engines._{name}")
 
 
-def _settings(
-    escapement: Escapement,
+def _solver(
     engine: str,
     rtol: float | None,
     atol: float | None,
     method: str | None,
     max_step: float | None,
-    initial_speed: float,
-) -> dict[str, Any]:
+) -> Solver:
+    """The settings, checked; the usual ones once and for all."""
+    if engine is DEFAULT_ENGINE and rtol is atol is method is max_step is None:
+        return _USUAL
+    return Solver(engine, rtol, atol, method, max_step)
+
+
+def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> dict[str, Any]:
+    """What both functions of an engine take beside the escapement."""
     if not isinstance(escapement, Escapement):
         raise _validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    _validate.choice("engine", engine, ENGINES)
-    tolerance = _validate.number("rtol", DEFAULT_RTOL[engine] if rtol is None else rtol)
-    if not 1e-13 <= tolerance < 1.0:
-        raise _validate.fail("rtol", "at least 1e-13 and below 1", rtol, "1e-10 is a good choice")
     remedy = "give the driver speed at pin entry in rad/s"
     speed = _validate.non_negative("initial_speed", initial_speed, remedy)
     if speed * escapement.time_unit > FASTEST:
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
         raise _validate.fail("initial_speed", most, initial_speed, remedy)
-    settings: dict[str, Any] = {"initial_speed": speed, "rtol": tolerance}
-    if engine != "ivp":
-        if atol is None and method is None and max_step is None:
-            return settings
-        given = {"atol": atol, "method": method, "max_step": max_step}
-        for name, value in given.items():
-            if value is not None:
-                raise _validate.fail(
-                    name, "left out with engine 'energy'", value, "or choose engine 'ivp'"
-                )
-        return settings
-    if atol is not None:
-        atol = _validate.non_negative("atol", atol, "leave it out for a fitting one")
-    step = math.inf
-    if max_step is not None:
-        step = _validate.positive("max_step", max_step, "give the longest step in s")
-    method = "DOP853" if method is None else _validate.choice("method", method, METHODS)
-    return settings | {"atol": atol, "method": method, "max_step": step}
+    return solver.arguments | {"initial_speed": speed}
 
 
 def terminal(
@@ -172,7 +150,8 @@ def terminal(
         With `status` NO_TERMINAL without friction, STALL when the drive cannot
         carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
     """
-    settings = _settings(escapement, engine, rtol, atol, method, max_step, initial_speed)
+    solver = _solver(engine, rtol, atol, method, max_step)
+    settings = _settings(escapement, solver, initial_speed)
     mechanism = escapement.mechanism
     base = Figures(critical_friction=critical_friction(mechanism, escapement.inertia))
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)

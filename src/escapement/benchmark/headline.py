@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from escapement.benchmark.contestants import ENERGY
 from escapement.benchmark.work_precision import Point, time_at
-from escapement.simulation import DEFAULT_RTOL
+from escapement.solver import DEFAULT_RTOL
 
 ERROR = 1e-10
 """Error at which contestants are compared [-]."""

@@ -10,7 +10,8 @@ import numpy as np
 
 from escapement.benchmark.problems import Problem
 from escapement.benchmark.timing import shortest, timed, wall
-from escapement.simulation import ENGINES, simulate
+from escapement.simulation import simulate
+from escapement.solver import ENGINES
 from escapement.sweeping import sweep
 
 

@@ -4,6 +4,6 @@ from escapement.configuration._file import load_plan
 from escapement.configuration._from_escapement import plan_from
 from escapement.configuration._parse import parse_plan
 from escapement.configuration._plan import StudyPlan
-from escapement.configuration._solver import Solver
+from escapement.solver import Solver
 
 __all__ = ["Solver", "StudyPlan", "load_plan", "parse_plan", "plan_from"]

@@ -10,9 +10,9 @@ from escapement.configuration._kinds import KINDS, Kind, Option
 from escapement.configuration._parameters import Parameter
 from escapement.configuration._parse import parse_plan
 from escapement.configuration._plan import StudyPlan
-from escapement.configuration._solver import DEFAULT_ENGINE
 from escapement.errors import InvalidValue
 from escapement.model import Escapement, Mechanism
+from escapement.solver import DEFAULT_ENGINE
 
 
 def plan_from(

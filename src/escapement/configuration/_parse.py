@@ -11,9 +11,9 @@ from escapement.configuration._kinds import KINDS, Kind, other_keys
 from escapement.configuration._parameters import Parameter
 from escapement.configuration._plan import StudyPlan
 from escapement.configuration._sample import Sample, parse_sample
-from escapement.configuration._solver import Solver, parse_solver
 from escapement.errors import InvalidValue
 from escapement.model import Mechanism
+from escapement.solver import Solver
 
 MOST_CASES = 10**12
 DEFAULT_KIND = "geneva"
@@ -70,7 +70,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         fixed={name: value for name, value in values.items() if name not in replaced},
         axes=axes,
         forms=forms,
-        solver=parse_solver(table(configuration, "solver")),
+        solver=_solver(table(configuration, "solver")),
         sample=sample,
         own_mechanism=mechanism,
     )
@@ -157,6 +157,11 @@ def _values(
             f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
         )
     return fixed
+
+
+def _solver(settings: Mapping[str, Any]) -> Solver:
+    check_keys(settings, tuple(field.name for field in fields(Solver)), "in [solver]")
+    return Solver(**settings)
 
 
 def _title(title: Any) -> str:

@@ -14,8 +14,8 @@ from escapement import units
 from escapement.configuration._kinds import Kind
 from escapement.configuration._parameters import Parameter
 from escapement.configuration._sample import CASE, Sample
-from escapement.configuration._solver import Solver
 from escapement.model import Escapement, Inertia, Mechanism
+from escapement.solver import Solver
 
 
 @dataclass(frozen=True, eq=False)

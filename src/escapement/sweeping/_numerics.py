@@ -5,7 +5,8 @@ from functools import cache
 from pathlib import Path
 
 _SOURCES = (
-    *("units.py", "model.py", "dynamics.py", "metrics.py", "simulation.py", "status.py"),
+    *("units.py", "model.py", "dynamics.py", "metrics.py", "motion.py", "trajectory.py"),
+    *("simulation.py", "solver.py", "status.py"),
     *("mechanisms/*.py", "engines/*.py", "configuration/*.py"),
     *("sweeping/_evaluate.py", "sweeping/_scenes.py"),
 )

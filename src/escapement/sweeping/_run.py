@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import __version__, _validate, simulation
+from escapement import __version__, _validate
 from escapement.configuration import StudyPlan, plan_from
 from escapement.model import Escapement
 from escapement.progress import Progress
+from escapement.solver import DEFAULT_ENGINE
 from escapement.store import (
     RESULTS,
     SCHEMA_VERSION,
@@ -46,7 +47,7 @@ def sweep(
     escapement: Escapement,
     *,
     sample: Mapping[str, Any] | None = None,
-    engine: str = simulation.DEFAULT_ENGINE,
+    engine: str = DEFAULT_ENGINE,
     rtol: float | None = None,
     initial_speed: ArrayLike = 0.0,
     path: str | PathLike[str] | None = None,
@@ -227,7 +228,6 @@ def frame_of(plan: StudyPlan) -> Study:
     varied = (*plan.dimensions, *sampled)
     units = {name: plan.unit(name) for name in varied}
     names = {name: plan.long_name(name) for name in varied}
-    rtol = plan.solver.rtol
     return Study(
         axes=plan.dimensions,
         sampled=sampled,
@@ -240,7 +240,7 @@ def frame_of(plan: StudyPlan) -> Study:
             "schema_version": SCHEMA_VERSION,
             "package_version": __version__,
             "engine": plan.solver.engine,
-            "rtol": simulation.DEFAULT_RTOL[plan.solver.engine] if rtol is None else rtol,
+            "rtol": plan.solver.tolerance,
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
         },
     )

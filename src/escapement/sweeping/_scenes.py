@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import simulation
 from escapement.configuration import StudyPlan
 from escapement.errors import InvalidValue
 from escapement.model import MOST_UNEQUAL, FloatArray, ratio_in_range
@@ -50,7 +49,6 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
         sound = ratio_in_range(scene[0]) & (scene[2] < MOST_UNEQUAL)
     figures = np.full((6, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
-    rtol = simulation.rtol_of(plan.solver)
     for rows in _by_mechanism(plan, columns, cases.size):
         try:
             mechanism = plan.mechanism(int(cases[rows[0]]))
@@ -59,7 +57,9 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
         rows = rows[sound[rows]]
         if rows.size == 0:
             continue
-        figures[:, rows], status[rows] = _solve_distinct(mechanism, scene[:, rows], rtol)
+        figures[:, rows], status[rows] = _solve_distinct(
+            mechanism, scene[:, rows], plan.solver.tolerance
+        )
     return figures, status
 
 

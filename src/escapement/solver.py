@@ -1,0 +1,91 @@
+"""Settings of an engine, checked without loading one."""
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from escapement import _validate
+
+ENGINES = ("energy", "ivp")
+DEFAULT_ENGINE = "energy"
+DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10}
+METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Which engine, and how accurately; None leaves a choice to the engine.
+
+    Parameters
+    ----------
+    engine : str
+        "energy" (fast) or "ivp" (the reference).
+    rtol : float, optional
+        Relative error asked for, in [1e-13, 1).
+    atol, method, max_step : optional
+        For "ivp" only, as in SciPy's solve_ivp: absolute tolerance [rad, rad/s, J],
+        method and longest step [s].
+
+    Raises
+    ------
+    InvalidValue
+        When a setting breaks its rule.
+    """
+
+    engine: str = DEFAULT_ENGINE
+    rtol: float | None = None
+    atol: float | None = None
+    method: str | None = None
+    max_step: float | None = None
+
+    def __post_init__(self) -> None:
+        _validate.choice("engine", self.engine, ENGINES)
+        if self.rtol is not None:
+            object.__setattr__(self, "rtol", _tolerance(self.rtol))
+        if self.atol is None and self.method is None and self.max_step is None:
+            return  # as nearly always: this is part of every simulation's time
+        for name, check in _OF_IVP.items():
+            value = getattr(self, name)
+            if value is not None:
+                if self.engine != "ivp":
+                    raise _validate.fail(
+                        name, f"left out with engine {self.engine!r}", value, "only 'ivp' has it"
+                    )
+                object.__setattr__(self, name, check(value))
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The settings that are not left to the engine."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+    @property
+    def tolerance(self) -> float:
+        """Relative error asked for, the engine's own where none is given [-]."""
+        return DEFAULT_RTOL[self.engine] if self.rtol is None else self.rtol
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What an engine's functions take, with nothing left open."""
+        if self.engine != "ivp":
+            return {"rtol": self.tolerance}
+        return {
+            "rtol": self.tolerance,
+            "atol": self.atol,
+            "method": self.method or METHODS[0],
+            "max_step": math.inf if self.max_step is None else self.max_step,
+        }
+
+
+def _tolerance(value: Any) -> float:
+    remedy = "1e-10 is a good choice"
+    tolerance = _validate.number("rtol", value, remedy)
+    if not 1e-13 <= tolerance < 1.0:
+        raise _validate.fail("rtol", "at least 1e-13 and below 1", value, remedy)
+    return tolerance
+
+
+_OF_IVP = {
+    "atol": lambda value: _validate.non_negative("atol", value, "leave it out for a fitting one"),
+    "method": lambda value: _validate.choice("method", value, METHODS),
+    "max_step": lambda value: _validate.positive("max_step", value, "give the longest step in s"),
+}
