@@ -18,8 +18,8 @@ from escapement.store import (
     RESULTS,
     Study,
     StudyWriter,
-    _journal,
     _lock,
+    _owned_file,
     blocks_of,
     encode_block,
     partial_path,
@@ -190,7 +190,7 @@ def faults(failing=None, code=None):
             open=plan.wrap(os.open),
             fstat=plan.wrap(os.fstat),
         ),
-        mock.patch.object(_journal, "open", faulty_open, create=True),
+        mock.patch.object(_owned_file, "open", faulty_open, create=True),
         mock.patch.object(_whole_file, "open", faulty_open, create=True),
         mock.patch.object(_lock.fcntl, "flock", plan.wrap(_lock.fcntl.flock)),
     ):

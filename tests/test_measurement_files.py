@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import escapement as esc
 from escapement import measurement
 from escapement.errors import CannotCreate, InputFileError, InvalidValue, MissingInput
-from escapement.measurement import _csv
+from escapement.measurement import _lines
 
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
 ANGLES = np.linspace(0.0, 900.0, 61)
@@ -70,7 +70,7 @@ GOOD = {
 def test_what_is_understood(file, monkeypatch, content, block):
     if "\r" in content and "\n" not in content and block == 64:
         pytest.skip("one block is one line")
-    monkeypatch.setattr(_csv, "_BLOCK_BYTES", block)
+    monkeypatch.setattr(_lines, "_BLOCK_BYTES", block)
     check(esc.read_readings(file(content)))
 
 
@@ -156,7 +156,7 @@ BAD = {
 @pytest.mark.parametrize("block", [64, 1 << 22])
 @pytest.mark.parametrize(("content", "said"), [(c, s) for c, *s in BAD.values()], ids=BAD)
 def test_what_is_not_understood(file, monkeypatch, content, said, block):
-    monkeypatch.setattr(_csv, "_BLOCK_BYTES", block)
+    monkeypatch.setattr(_lines, "_BLOCK_BYTES", block)
     if block == 64 and "..." in said:
         pytest.skip("one block is shorter")
     with pytest.raises(InputFileError) as caught:
@@ -203,7 +203,7 @@ def test_whatever_happens_to_a_file_it_is_read_or_refused_in_one_line(file, cuts
 
 
 def test_a_file_without_line_ends(file, monkeypatch):
-    monkeypatch.setattr(_csv, "_BLOCK_BYTES", 1000)
+    monkeypatch.setattr(_lines, "_BLOCK_BYTES", 1000)
     with pytest.raises(InputFileError, match="line 1 must be a row of angles"):
         esc.read_readings(file("input,output," + "1," * 5000))
 

@@ -19,7 +19,7 @@ from escapement.errors import CannotCreate
 from escapement.mechanisms import Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
-from escapement.store import SCHEMA_VERSION, _journal, _lock, partial_path, read_study
+from escapement.store import SCHEMA_VERSION, _lock, _owned_file, partial_path, read_study
 from escapement.sweeping import _run, sweep, write_plan
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -297,8 +297,8 @@ def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatc
     """As one does whose disk is busy: its lock goes later than its name."""
     path = tmp_path / "a.h5"
     code = HOLDER.format(folder=str(Path(__file__).parent), path=str(path))
-    monkeypatch.setattr(_journal, "_PATIENCE", 0.0)
-    monkeypatch.setattr(_journal, "_LONG_PATIENCE", 0.2)
+    monkeypatch.setattr(_owned_file, "_PATIENCE", 0.0)
+    monkeypatch.setattr(_owned_file, "_LONG_PATIENCE", 0.2)
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
         child = int(process.stdout.readline())
         try:
@@ -306,7 +306,7 @@ def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatc
             process.wait()
             with pytest.raises(CannotCreate, match=f"process {process.pid} on .* is writing it"):
                 tools.write(path, tools.small_study(), resume=True)
-            monkeypatch.setattr(_journal, "_LONG_PATIENCE", 60.0)
+            monkeypatch.setattr(_owned_file, "_LONG_PATIENCE", 60.0)
             threading.Timer(0.3, os.kill, (child, signal.SIGKILL)).start()
             assert tools.missing(path) == list(range(1, 10))
         finally:
@@ -325,7 +325,7 @@ def test_who_is_ending():
 
 def test_a_lock_without_a_name_is_waited_for(tmp_path, monkeypatch):
     """Its owner was killed before it could say who it is, or is about to."""
-    monkeypatch.setattr(_journal, "_PATIENCE", 0.0)
+    monkeypatch.setattr(_owned_file, "_PATIENCE", 0.0)
     partial = partial_path(tmp_path / "a.h5")
     with open(partial, "wb") as nameless:
         assert _lock.try_lock(nameless.fileno())

@@ -9,7 +9,6 @@ stored before it is asked for.
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,31 +19,20 @@ from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import radius
 from escapement.model import Escapement, FloatArray
 from escapement.status import Status
+from escapement.trajectory import Events, Extrema, Nothing, Trajectory
+
+__all__ = [
+    "Events",
+    "Extrema",
+    "Ledger",
+    "Motion",
+    "State",
+    "Trajectory",
+    "no_motion",
+    "stall_message",
+]
 
 _SAMPLES = 100  # per engagement on the default grid: smooth to the eye at full page width
-
-
-@dataclass(frozen=True)
-class Events:
-    """Instants of one kind: arrays of one length.
-
-    engagement : index of the engagement, from 0.
-    time : [s].
-    theta : cumulative driver angle from the first dead centre [rad].
-    theta_dot : driver speed [rad/s].
-    """
-
-    engagement: np.ndarray
-    time: FloatArray
-    theta: FloatArray
-    theta_dot: FloatArray
-
-
-@dataclass(frozen=True)
-class Extrema(Events):
-    """Extrema of the driver speed; `maximum` tells the two kinds apart."""
-
-    maximum: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -80,51 +68,6 @@ class Ledger:
     load: float
     friction: float
     residual: float
-
-
-class Trajectory(Protocol):
-    """What an engine hands over: pieces, and the state within a piece."""
-
-    @property
-    def start(self) -> FloatArray:
-        """Start time of each piece [s]."""
-
-    @property
-    def engagement(self) -> np.ndarray:
-        """Engagement of each piece."""
-
-    @property
-    def sign(self) -> FloatArray:
-        """+1 or -1: side of the slot that carries the force; 0: follower locked."""
-
-    @property
-    def friction_loss(self) -> FloatArray:
-        """Work lost in friction over each piece [J]."""
-
-    @property
-    def reversals(self) -> Events:
-        """Every pin reversal."""
-
-    @property
-    def extrema(self) -> Extrema:
-        """Every extremum of the driver speed, corners at handoffs included."""
-
-    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
-
-
-class Nothing:
-    """Trajectory of a scene that has no motion."""
-
-    _none = np.empty(0)
-    start = sign = friction_loss = _none
-    engagement = _none.astype(int)
-    reversals = Events(engagement, _none, _none, _none)
-    extrema = Extrema(engagement, _none, _none, _none, maximum=_none.astype(bool))
-
-    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Never asked for: there is no piece."""
-        raise IndexError(piece)
 
 
 def stall_message(angle: float, engagement: int) -> str:

@@ -1,22 +1,20 @@
 """Reading angles from a CSV file: block by block, every fault with its line."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
 from escapement.measurement._columns import Layout, find_layout
+from escapement.measurement._lines import Block, Source, blocks
 from escapement.measurement.readings import Readings
 from escapement.model import FloatArray
 
 SYNTHETIC = "# synthetic"
 """How a comment begins that tells computed readings from measured ones."""
 _NO_UNIT = "angles without a unit are taken for degrees"
-_BLOCK_BYTES = 1 << 22
 _NOTHING = {"", "nan", "na", "n/a", "null", "none"}
 
 
@@ -60,8 +58,8 @@ def read_readings(
     file = Path(path)
     try:
         with open(file, "rb") as stream:
-            table = _Table(_Source(file), input, output, angle_unit)
-            for block in _blocks(table.source, stream):
+            table = _Table(Source(file), input, output, angle_unit)
+            for block in blocks(table.source, stream):
                 table.take(block)
     except (FileNotFoundError, NotADirectoryError):
         raise MissingInput(f"measurement {file} does not exist; check its name") from None
@@ -75,65 +73,11 @@ def read_readings(
     return table.readings()
 
 
-class _Source(NamedTuple):
-    """The file, for messages."""
-
-    path: Path
-
-    def fault(self, line: int, rule: str, got: str, remedy: str) -> InputFileError:
-        """The error for a line; a long one is cut."""
-        shown = got if len(got) <= 60 else got[:57] + "..."
-        return InputFileError(f"{self.path}, line {line} must {rule}, got {shown!r}; {remedy}")
-
-
-class _Block(NamedTuple):
-    """Whole lines, and the number of the first."""
-
-    first: int
-    lines: list[str]
-
-
-def _blocks(source: _Source, stream: BinaryIO) -> Iterator[_Block]:
-    """A file as blocks of whole lines."""
-    line, rest = 1, b""
-    while True:
-        new = stream.read(_BLOCK_BYTES)
-        whole, end, rest = (rest + new).rpartition(b"\n") if new else (rest, b"", b"")
-        if line == 1:
-            whole = whole.removeprefix(b"\xef\xbb\xbf")
-        if whole or end:
-            lines = _text(source, line, whole)
-            yield _Block(line, lines)
-            line += len(lines)
-        if not new:
-            return
-        if len(rest) > _BLOCK_BYTES:
-            remedy = "separate the samples by line ends"
-            raise source.fault(line, "be a row of angles", f"{len(rest)} bytes and more", remedy)
-
-
-def _text(source: _Source, first: int, data: bytes) -> list[str]:
-    """Lines of text, whatever their ends; the first that is none is named."""
-    remedy = "save it as CSV in UTF-8"
-    data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    try:
-        text = data.decode("utf-8")
-        fault = text.find("\0")
-        place = len(text[:fault].encode()) if fault >= 0 else -1
-    except UnicodeDecodeError as error:
-        place = error.start
-    if place >= 0:
-        line = data.count(b"\n", 0, place)
-        shown = data.split(b"\n")[line][:20].decode("ascii", "backslashreplace")
-        raise source.fault(first + line, "be text in UTF-8", shown, remedy)
-    return text.split("\n")
-
-
 @dataclass
 class _Table:
     """Columns as they grow, block after block."""
 
-    source: _Source
+    source: Source
     input: str | None
     output: str | None
     angle_unit: str | None
@@ -142,7 +86,7 @@ class _Table:
     columns: list[FloatArray] = field(default_factory=list)
     lines: list[np.ndarray] = field(default_factory=list)
 
-    def take(self, block: _Block) -> None:
+    def take(self, block: Block) -> None:
         """Add the samples of a block, the fast way where it is a plain table."""
         if self.layout is None:
             block = self._after_header(block)
@@ -177,7 +121,7 @@ class _Table:
         except InvalidValue as error:
             raise InputFileError(f"{path}: {error}") from None
 
-    def _after_header(self, block: _Block) -> _Block:
+    def _after_header(self, block: Block) -> Block:
         """What follows the header, or the first row where there is none."""
         for i, text in enumerate(block.lines):
             if self._skipped(text):
@@ -191,15 +135,15 @@ class _Table:
                 raise InvalidValue(f"{self.source.path}: {error}") from None
             self.layout = found
             start = i + 1 if found.header else i
-            return _Block(block.first + start, block.lines[start:])
-        return _Block(block.first + len(block.lines), [])
+            return Block(block.first + start, block.lines[start:])
+        return Block(block.first + len(block.lines), [])
 
     def _skipped(self, text: str) -> bool:
         if text.startswith(SYNTHETIC):
             self.synthetic = True
         return not text.strip() or text.startswith("#")
 
-    def _slowly(self, layout: Layout, block: _Block) -> None:
+    def _slowly(self, layout: Layout, block: Block) -> None:
         rows, lines = [], []
         for line, text in enumerate(block.lines, block.first):
             if self._skipped(text):

@@ -1,6 +1,5 @@
 """A mechanism known by its position function alone: designed elsewhere, or measured."""
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import _validate
-from escapement.errors import InputFileError, InvalidValue, MissingInput
+from escapement.errors import InvalidValue
+from escapement.mechanisms._angle_table import read_angles
 from escapement.mechanisms._periodic_spline import (
     DEGREE,
     PeriodicSpline,
@@ -129,7 +129,7 @@ class Tabulated:
         MissingInput, InputFileError
             When the file is not there, or is no such table.
         """
-        return cls(*np.radians(_read(path)), **options)
+        return cls(*np.radians(read_angles(path)), **options)
 
     @property
     def sense(self) -> float:
@@ -259,33 +259,3 @@ def _column(name: str, values: Any) -> FloatArray:
         bad = float(column[~np.isfinite(column)][0])
         raise _validate.fail(name, "finite throughout", bad, "leave out the row")
     return column
-
-
-def _read(path: str | PathLike[str]) -> FloatArray:
-    """Two columns of numbers; shape (2, rows)."""
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as stream:
-            lines = [(k, row) for k, row in enumerate(csv.reader(stream), 1) if row]
-    except FileNotFoundError:
-        raise MissingInput(f"table {path} must exist, and does not; check the path") from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputFileError(
-            f"table {path} must be a text file, and cannot be read: {error}; write it as CSV"
-        ) from None
-    rows = [(k, row) for k, row in lines if not row[0].lstrip().startswith("#")]
-    if rows and not _numbers(rows[0][1]):
-        rows = rows[1:]
-    for k, row in rows:
-        if not _numbers(row):
-            raise InputFileError(
-                f"table {path} must have two numbers in each line, got {','.join(row)[:40]!r} in "
-                f"line {k}; give driver and follower angle in degrees"
-            )
-    return np.array([[float(cell) for cell in row[:2]] for _, row in rows]).reshape(-1, 2).T
-
-
-def _numbers(row: Sequence[str]) -> bool:
-    try:
-        return len(row) == 2 and all(math.isfinite(float(cell)) for cell in row)
-    except ValueError:
-        return False

@@ -3,14 +3,12 @@
 Layout: a line that says who is writing, a head that says which study this is, then one
 record for each block in the order of their completion. A record carries a checksum over
 itself and the study it belongs to, so that a torn, damaged or foreign one is never
-taken for good and costs only itself. The file is its own lock.
+taken for good and costs only itself.
 """
 
 import errno
 import json
 import os
-import re
-import socket
 import struct
 import threading
 import time
@@ -19,25 +17,20 @@ from collections.abc import Mapping
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
 from escapement._whole_file import sync_folder
-from escapement.errors import CannotCreate
 from escapement.store._block import Block
 from escapement.store._chunks import Tiling
-from escapement.store._lock import is_ending, try_lock
+from escapement.store._owned_file import OWNER, SIGNATURE, is_named, open_owned, owner_line
 from escapement.store._study import RESULTS
 
 SYNC_EVERY = 1.0
 """Seconds of finished work that a crash of the machine may cost; of the process, none."""
 
 _RECENT = 16  # blocks that are kept in memory for the file to come: 10 MB
-_PATIENCE = 0.5  # s for which a lock may be held by someone who is about to let go
-_LONG_PATIENCE = 20.0  # s for a killed process: as long as a disk may take
-_SIGNATURE = b"escapement partial results, "
-_OWNER = 128
 _MARK = b"\x89ESCblk\n"
 _HEAD_MARK = b"\x89EShead\n"
 _HEAD = struct.Struct("<8sII")
@@ -66,10 +59,10 @@ class Journal:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._access = threading.Lock()  # one place in the file, two threads
-        self._file = _open_locked(path)
+        self._file = open_owned(path)
         try:
             self._size = os.fstat(self._file.fileno()).st_size
-            self.ours = self._size == 0 or self._read(0, len(_SIGNATURE)) == _SIGNATURE
+            self.ours = self._size == 0 or self._read(0, len(SIGNATURE)) == SIGNATURE
             self.head, self._first = self._read_head()
         except BaseException:
             self._file.close()
@@ -82,15 +75,15 @@ class Journal:
     def sign(self) -> None:
         """Say who is writing it, for whoever comes second."""
         if self.ours:
-            self._write(0, _owner())
+            self._write(0, owner_line())
 
     def start(self, head: Mapping[str, Any], cut: Tiling) -> None:
         """Begin anew, whatever was there."""
         text = json.dumps(head, allow_nan=False).encode()
         self._file.truncate(0)
         self._size = 0
-        self._write(0, _owner() + _HEAD.pack(_HEAD_MARK, len(text), zlib.crc32(text)) + text)
-        self._prepare(head, cut, _OWNER + _HEAD.size + len(text))
+        self._write(0, owner_line() + _HEAD.pack(_HEAD_MARK, len(text), zlib.crc32(text)) + text)
+        self._prepare(head, cut, OWNER + _HEAD.size + len(text))
         self.sync()
         sync_folder(self.path.parent)
 
@@ -138,7 +131,7 @@ class Journal:
         """Make what was appended outlast the machine; notice a vanished folder."""
         os.fsync(self._file.fileno())
         self._leave_memory()
-        if not _same_file(self._file.fileno(), self.path):
+        if not is_named(self._file.fileno(), self.path):
             raise FileNotFoundError(
                 errno.ENOENT, "the partial results were removed", str(self.path)
             )
@@ -216,15 +209,15 @@ class Journal:
 
     def _read_head(self) -> tuple[dict[str, Any] | None, int]:
         """The head, and where records begin; they are searched for where it is damaged."""
-        lead = self._read(_OWNER, _HEAD.size)
+        lead = self._read(OWNER, _HEAD.size)
         if len(lead) == _HEAD.size:
             mark, size, check = _HEAD.unpack(lead)
-            start = _OWNER + _HEAD.size
+            start = OWNER + _HEAD.size
             if mark == _HEAD_MARK and size <= self._size - start:
                 text = self._read(start, size)
                 if zlib.crc32(text) == check:
                     return json.loads(text), start + size
-        return None, min(_OWNER, self._size)
+        return None, min(OWNER, self._size)
 
     def _block_at(self, position: int) -> Block | None:
         """The block whose record starts here, None where there is no whole one."""
@@ -281,49 +274,3 @@ class Journal:
 
 def _record_size(block: Block) -> int:
     return _RECORD.size + sum(len(chunk) for chunk in block.chunks)
-
-
-def _owner() -> bytes:
-    """First line of the file: who is writing it."""
-    line = _SIGNATURE + f"process {os.getpid()} on {socket.gethostname()}".encode()
-    return line[: _OWNER - 1].ljust(_OWNER - 1) + b"\n"
-
-
-def _open_locked(path: Path) -> BinaryIO:
-    """The file under `path`, for this process alone."""
-    begin = time.monotonic()
-    while True:
-        file = open(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b", buffering=0)  # noqa: SIM115
-        try:
-            if not try_lock(file.fileno()):
-                _wait_for(file, path, time.monotonic() - begin)
-            elif _same_file(file.fileno(), path):
-                return file  # else its last owner has just finished and removed it
-        except BaseException:
-            file.close()
-            raise
-        file.close()
-
-
-def _wait_for(file: BinaryIO, path: Path, waited: float) -> None:
-    """Wait a little for the owner of the lock; raises CannotCreate where that is no use."""
-    line = file.read(_OWNER)
-    owner = re.match(_SIGNATURE + rb"(process (\d+) on (.*?)) *\n", line)
-    here = owner is not None and owner[3].decode(errors="replace") == socket.gethostname()
-    # who has not even said its name was killed before it could
-    ending = not line or (owner is not None and here and is_ending(int(owner[2])))
-    if waited > (_LONG_PATIENCE if ending else _PATIENCE):
-        name = "another process" if owner is None else owner[1].decode(errors="replace")
-        raise CannotCreate(
-            f"output {path.with_suffix('')} must not be in use, and {name} is writing it; "
-            "wait, or name another output"
-        )
-    time.sleep(0.05)
-
-
-def _same_file(descriptor: int, path: Path) -> bool:
-    """Whether `path` still names the open file."""
-    try:
-        return os.path.samestat(os.fstat(descriptor), path.stat())
-    except FileNotFoundError:
-        return False

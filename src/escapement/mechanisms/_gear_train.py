@@ -1,0 +1,189 @@
+"""Which gears, pins and slots a gear-driven Geneva wheel has, and the path of its pin."""
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import _validate
+from escapement._curves import COGNATES, CURVES
+from escapement.errors import InvalidValue
+from escapement.mechanisms.gear_equation import arm_length, gear_ratio, lobe_ratios
+from escapement.model import FloatArray
+
+
+class Arms(NamedTuple):
+    """Pin path C = first exp(i rate_1 theta) + second exp(i rate_2 theta).
+
+    The first vector is the carrier (rate 1), the second the planet's arm; both in
+    fixed-gear radii, with the sign they have at dead centre.
+    """
+
+    first: float
+    rate_1: float
+    second: float
+    rate_2: float
+
+
+@dataclass(frozen=True)
+class GearTrain:
+    """A gear-driven wheel but for its motion; fields and errors as `GearDriven`."""
+
+    stations: int
+    lobes: Any
+    curve: str = CURVES[0]
+    pins: int = 1
+    unused_lobes: int = 0
+    solution: int = 1
+    fixed_radius: float | None = None
+
+    def __post_init__(self) -> None:
+        checked: dict[str, Any] = {
+            "stations": _validate.integer(
+                "stations", self.stations, 3, "the wheel needs 3 stations or more"
+            ),
+            "lobes": _validate.rational(
+                "lobes", self.lobes, "give a whole number or a fraction such as 1/2"
+            ),
+            "curve": _validate.choice("curve", self.curve, CURVES),
+            "pins": _validate.integer("pins", self.pins, 1, "give the number of pins"),
+            "unused_lobes": _validate.integer(
+                "unused_lobes", self.unused_lobes, 0, "give 0 to use every lobe"
+            ),
+            "solution": _validate.integer("solution", self.solution, 1, "they count from 1"),
+        }
+        if self.fixed_radius is not None:
+            checked["fixed_radius"] = _validate.positive(
+                "fixed_radius", self.fixed_radius, "give the radius of the fixed gear in m"
+            )
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        self._choose()
+        self._check_pins()
+
+    def _choose(self) -> None:
+        found = lobe_ratios(self.stations, self.lobes, self.curve)
+        if not found:
+            raise InvalidValue(
+                f"no mechanism corresponds to stations {self.stations}, lobes {self.lobes} and "
+                f"curve {self.curve!r}: equation (8) has no root with alpha <= pi - gamma and "
+                "V0 <= 1; choose another number of lobes"
+            )
+        if self.solution > len(found):
+            raise _validate.fail(
+                "solution", f"at most {len(found)} here", self.solution, "leave it out"
+            )
+
+    def _check_pins(self) -> None:
+        most = math.floor(1.0 / self.lobe_ratio * (1.0 + 1e-12))
+        if self.pins > most:
+            rule = f"at most {most} for a ratio of times of {self.lobe_ratio:.6g} a pin"
+            raise _validate.fail("pins", rule, self.pins, "or two would be engaged at once")
+        if self.through_centre and self.unused_lobes:
+            rule = "0 for a path through the wheel's centre"
+            remedy = "the wheel turns uniformly and would start and stop with a jump"
+            raise _validate.fail("unused_lobes", rule, self.unused_lobes, remedy)
+        # in the locked wheel's frame an unused lobe sweeps the angle of one station
+        slots, station = self.slots, Fraction(1, self.stations)
+        for lobe in range(1, self.unused_lobes + 1):
+            last = self._slot_turn(lobe)
+            if math.floor(last * slots) >= math.ceil((last - station) * slots):
+                raise InvalidValue(
+                    "unused_lobes must leave the pin without a slot until it is wanted, got "
+                    f"{self.unused_lobes}: of the {slots} slots it then needs, one stands where "
+                    f"lobe {lobe} passes; choose another number"
+                )
+
+    def _slot_turn(self, lobes: int) -> Fraction:
+        """Turns of the wheel's frame from one slot to where a pin enters this many lobes later."""
+        return (lobes * (self.lobes + 1) + self.pins) / Fraction(self.pins * self.stations)
+
+    @property
+    def gear_ratio(self) -> Fraction:
+        """k = R0/R, fixed gear over planet, negative on the outside (12a-d) [-]."""
+        return gear_ratio(self.stations, self.lobes, self.curve)
+
+    @cached_property
+    def lobe_ratio(self) -> float:
+        """Ratio of times V0 with one pin and every lobe used (9) [-]."""
+        return lobe_ratios(self.stations, self.lobes, self.curve)[self.solution - 1]
+
+    @property
+    def alpha(self) -> float:
+        """Driver angle over which one pin moves the wheel (8) [rad]."""
+        return 2.0 * math.pi * self.lobe_ratio / abs(float(self.gear_ratio))
+
+    @property
+    def through_centre(self) -> bool:
+        """Whether the pin passes through the wheel's centre: V0 = 1, wheel in uniform motion."""
+        return self.lobe_ratio == 1.0
+
+    @cached_property
+    def arms(self) -> Arms:
+        """The two vectors of the pin's path, in radii of the fixed gear."""
+        source = self if self.curve in CURVES[:2] else self.cognate
+        k, gamma = float(source.gear_ratio), 2.0 * math.pi / self.stations
+        carrier, arm = 1.0 - 1.0 / k, arm_length(k, source.alpha, gamma)
+        if self.through_centre:
+            arm = carrier
+        if source is self:
+            return Arms(carrier, 1.0, arm, 1.0 - k)
+        # the cognate's carrier is the other vector; its fixed gear has the radius k MC
+        other = float(self.gear_ratio)
+        return Arms(1.0 / k, 1.0, carrier / (k * arm), 1.0 - other)
+
+    @property
+    def carrier_over_fixed(self) -> float:
+        """Length of the carrier, |R0 - R|/R0 [-]."""
+        return abs(self.arms.first)
+
+    @property
+    def arm_over_fixed(self) -> float:
+        """Distance of the pins from the planet's axis, |MC|/R0 [-]."""
+        return abs(self.arms.second)
+
+    @property
+    def entry_radius_over_fixed(self) -> float:
+        """Distance M0C of a pin from the wheel's axis at entry, over R0 [-]."""
+        return 0.0 if self.through_centre else float(self.radius(self.alpha / 2.0))
+
+    @property
+    def closest_radius_over_fixed(self) -> float:
+        """Least distance of the whole pin path from the wheel's axis, over R0 [-]."""
+        return abs(abs(self.arms.first) - abs(self.arms.second))
+
+    @property
+    def reach_over_fixed(self) -> float:
+        """Radius of the circle that holds both gears and the pin path, over R0 [-]."""
+        planet = abs(1.0 / float(self.gear_ratio))
+        longest = self.carrier_over_fixed + max(self.arm_over_fixed, planet)
+        return max(1.0, longest)
+
+    @property
+    def slots(self) -> int:
+        """Slots g the wheel needs (16) [-]; unused lobes and more pins change it."""
+        return self._slot_turn(self.unused_lobes + 1).denominator
+
+    @property
+    def cognate(self) -> Self:
+        """The other mechanism with the same pin path; its carrier turns 1 - k times as far.
+
+        Without its size: its fixed gear is k MC as large as this one's R0.
+        """
+        return replace(self, curve=COGNATES[self.curve], fixed_radius=None)
+
+    def radius(self, theta: ArrayLike) -> FloatArray:
+        """Distance of the pin from the follower's axis, over R0 [-]."""
+        first, rate_1, second, rate_2 = self.arms
+        half = 0.5 * (rate_1 - rate_2) * np.asarray(theta, dtype=float)
+        # hypot of the sum along and across the bisector keeps accuracy near the centre
+        return np.hypot((first + second) * np.cos(half), (first - second) * np.sin(half))
+
+    @property
+    def crank_radius(self) -> float | None:
+        """Unit of `radius` [m], which contact forces need; None where it is unknown."""
+        return self.fixed_radius
