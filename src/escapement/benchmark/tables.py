@@ -38,14 +38,6 @@ def aligned(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def microseconds(seconds: float) -> str:
-    """A time as the tables show it, three figures."""
-    if math.isnan(seconds):
-        return "-"
-    value = seconds * 1e6
-    return f"{value:.3g}" if value < 1000 else f"{value:,.0f}".replace(",", " ")
-
-
 def _short(value: Any) -> Any:
     if isinstance(value, float):
         return "" if math.isnan(value) else f"{value:.6g}"

@@ -24,7 +24,6 @@ SLOTS = tuple(range(3, 11))
 """Numbers of slots of the families of curves."""
 ANGLE = label("driver angle β", "°")
 RATIO, RATE, LOAD_RATIO = r"$i_\omega$", r"$i_\varepsilon$", r"$F$"
-THIN = 0.9
 _POINTS = 500
 
 
