@@ -15,8 +15,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def check_wanted(args: argparse.Namespace, *inputs: Path) -> None:
+def check_wanted(args: argparse.Namespace, *inputs: Path, file: str = "FILE") -> None:
     """Look at the places that --output with --force, and --plot name, where they do.
+
+    Parameters
+    ----------
+    args : Namespace
+        With `_arguments.add_plot`, and `_arguments.add_output` or without it.
+    *inputs : Path
+        Files that no output may replace.
+    file : str
+        What the command's help calls its output.
 
     Raises
     ------
@@ -30,7 +39,7 @@ def check_wanted(args: argparse.Namespace, *inputs: Path) -> None:
         check_output(output, *inputs, force=args.force)
         inputs += (output,)
     elif getattr(args, "force", False):
-        raise UsageError("--force must come with --output FILE, got none; leave it out")
+        raise UsageError(f"--force must come with --output {file}, got none; leave it out")
     if plot is not None:
         check_picture(plot, *inputs)
 

@@ -95,7 +95,7 @@ def _add_solver(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Simulate, write what was asked for, print the figures."""
-    _files.check_wanted(args)
+    _files.check_wanted(args, file="FILE.h5")
     escapement, settings = _read_case(args)
     from escapement.simulation import simulate, terminal
 
