@@ -75,6 +75,13 @@ def integer(name: str, value: Any, minimum: int, remedy: str, maximum: int | Non
     return result
 
 
+def truth(name: str, value: Any, remedy: str = "give a truth value") -> bool:
+    """`value` as a bool, Python's or a single one of NumPy's; numbers are none."""
+    if isinstance(value, bool) or (hasattr(value, "dtype") and _is_plain(value, "b")):
+        return bool(value)
+    raise fail(name, "true or false", value, remedy)
+
+
 def rational(name: str, value: Any, remedy: str) -> Fraction:
     """`value` as a fraction of at least 0 with a denominator of at most 1000.
 

@@ -87,9 +87,7 @@ def _even_values(
     num = _validate.integer(f"{name}.num", form["num"], 1, "give the number of values")
     if num > MOST_VALUES:
         raise _too_long(name, num)
-    log = form.get("log", False)
-    if not isinstance(log, bool):
-        raise _validate.fail(f"{name}.log", "true or false", log, "leave it out for even steps")
+    log = _validate.truth(f"{name}.log", form.get("log", False), "leave it out for even steps")
     plain = {"start": start, "stop": stop, "num": num}
     if not log:
         return parameter.check_all(name, np.linspace(start, stop, num)), plain

@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from escapement import _validate, units
 from escapement._curves import CURVES
 from escapement.configuration._parameters import MODEL, Parameter
@@ -63,12 +61,6 @@ class Kind:
         return "friction" if self.meshed else "efficiency"
 
 
-def _truth(label: str, value: Any) -> bool:
-    if not isinstance(value, bool | np.bool_):
-        raise _validate.fail(label, "true or false", value, "give a truth value")
-    return bool(value)
-
-
 def _length(label: str, value: Any) -> float:
     return _validate.positive(label, value, "give a length")
 
@@ -108,7 +100,7 @@ KINDS = {
         | _number(
             "pins", "pins of the driver", "give the number of crank pins", minimum=1, whole=True
         ),
-        options={"internal": Option(_truth), "crank_radius": Option(_length, "length")},
+        options={"internal": Option(_validate.truth), "crank_radius": Option(_length, "length")},
     ),
     "gear-driven": Kind(
         factory="escapement.mechanisms.gear_driven:GearDriven",
@@ -178,7 +170,7 @@ KINDS = {
         options={
             "theta": Option(_angles, required=True),
             "phi": Option(_angles, required=True),
-            "measured": Option(_truth),
+            "measured": Option(_validate.truth),
             "cell_angle": Option(_angle),
             "follower_step": Option(_angle),
         },

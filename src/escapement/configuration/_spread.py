@@ -110,9 +110,7 @@ def _between(label: str, form: Mapping[str, Any], parameter: Parameter) -> Sprea
     low, high = (parameter.check(f"{label}.{key}", form[key]) for key in ("low", "high"))
     plain: dict[str, Any] = {"low": low, "high": high}
     _check_order(label, low, high)
-    log = form.get("log", False)
-    if not isinstance(log, bool):
-        raise _validate.fail(f"{label}.log", "true or false", log, "leave it out for even steps")
+    log = _validate.truth(f"{label}.log", form.get("log", False), "leave it out for even steps")
     if log:
         _validate.positive(f"{label}.low", low, "a logarithmic spread cannot reach 0")
         plain["log"] = True

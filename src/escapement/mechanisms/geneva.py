@@ -32,6 +32,11 @@ class Geneva:
         Distance of the pins from the driver's axis [m]; only contact forces
         need it.
 
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+
     Source: Meyer (1973), eqs. 1-1 to 1-8; Filemon (1960), eqs. 2 and 3.
     """
 
@@ -43,21 +48,20 @@ class Geneva:
     def __post_init__(self) -> None:
         remedy = "a Geneva wheel has from 3 slots to some dozens"
         n = _validate.integer("slots", self.slots, 3, remedy, maximum=_MOST_SLOTS)
-        if not isinstance(self.internal, bool | np.bool_):
-            raise _validate.fail("internal", "true or false", self.internal, "give a truth value")
-        most = 1 if self.internal else (2 * n) // (n - 2)
+        internal = _validate.truth("internal", self.internal)
+        most = 1 if internal else (2 * n) // (n - 2)
         if self.pins is None:
-            pins = most if not self.internal and (2 * n) % (n - 2) == 0 else 1
+            pins = most if not internal and (2 * n) % (n - 2) == 0 else 1
         else:
             pins = _validate.integer("pins", self.pins, 1, "give the number of crank pins")
         if pins > most:
-            kind = "an internal wheel" if self.internal else f"{n} slots"
+            kind = "an internal wheel" if internal else f"{n} slots"
             raise _validate.fail(
                 "pins", f"at most {most} for {kind}", pins, "fewer pins, or leave it out"
             )
         object.__setattr__(self, "slots", n)
         object.__setattr__(self, "pins", pins)
-        object.__setattr__(self, "internal", bool(self.internal))
+        object.__setattr__(self, "internal", internal)
         if self.crank_radius is not None:
             length = _validate.positive(
                 "crank_radius", self.crank_radius, "give the crank radius in m"

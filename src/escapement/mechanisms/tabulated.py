@@ -77,9 +77,8 @@ class Tabulated:
             raise _validate.fail(
                 "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
             )
-        if not isinstance(self.measured, bool | np.bool_):
-            raise _validate.fail("measured", "true or false", self.measured, "give a truth value")
-        if not self.measured and theta.size > MOST_EXACT + 1:
+        measured = _validate.truth("measured", self.measured)
+        if not measured and theta.size > MOST_EXACT + 1:
             raise _validate.fail(
                 "theta", f"at most {MOST_EXACT + 1} rows of an exact table", theta.size,
                 "leave rows out, or say that they are measured",
@@ -103,7 +102,7 @@ class Tabulated:
         checked: dict[str, Any] = {
             "theta": tuple(theta.tolist()),
             "phi": tuple(phi.tolist()),
-            "measured": bool(self.measured),
+            "measured": measured,
             "cell_angle": _validate.positive("cell_angle", cell, remedy),
             "follower_step": _validate.positive(
                 "follower_step", step, "the follower must have turned on from cell to cell"
