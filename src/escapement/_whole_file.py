@@ -3,7 +3,6 @@
 import errno
 import os
 import stat
-import uuid
 from collections.abc import Iterable
 from contextlib import suppress
 from os import PathLike
@@ -78,7 +77,7 @@ class PendingFile:
     ) -> None:
         self._named, self._force = path, force
         self._target = check_target(path, force)
-        new = self._target.parent / f".escapement-{uuid.uuid4().hex}.partial"
+        new = self._target.parent / f".escapement-{os.urandom(16).hex()}.partial"
         self._temporary, mode = (new, "x+b") if temporary is None else (temporary, "w+b")
         try:
             file = open(self._temporary, mode, buffering=0)  # noqa: SIM115

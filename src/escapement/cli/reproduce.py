@@ -3,12 +3,14 @@
 import argparse
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from escapement._whole_file import write_whole
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, one_of
-from escapement.cli._reproduction import Reproduction
+
+if TYPE_CHECKING:
+    from escapement.cli._reproduction import Reproduction
 
 SUMMARY = "A source's printed numbers beside computed ones, why they differ, and the figures."
 
