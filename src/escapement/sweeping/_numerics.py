@@ -12,15 +12,22 @@ _SOURCES = (
 )
 
 
+_ROOT = Path(__file__).parents[1]
+
+
+def sources() -> list[Path]:
+    """The files that results depend on, in order."""
+    return sorted(path for pattern in _SOURCES for path in _ROOT.glob(pattern))
+
+
 @cache
 def numerics() -> str:
-    """Digest of the sources that results depend on; equal digests, equal results.
+    """Digest of these sources; equal digests, equal results.
 
     A change of a mere comment changes it too: a study is rather begun anew than made
     of two kinds of numbers.
     """
-    root = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for path in sorted(path for pattern in _SOURCES for path in root.glob(pattern)):
-        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    for path in sources():
+        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:12]

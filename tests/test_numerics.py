@@ -1,0 +1,32 @@
+"""The digest by which a study knows whether results may be mixed covers all they come from."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import escapement
+from escapement.sweeping._numerics import numerics, sources
+
+PACKAGE = Path(escapement.__file__).parent
+DECIDE_NOTHING = {"__init__.py", "_curves.py", "_jit.py", "_validate.py", "errors.py"}
+"""Names, checks and compilation: results do not depend on them."""
+
+LOADED = """
+import sys
+from importlib import import_module
+import escapement.simulation
+for name in ("_energy", "_energy_batch", "_energy_terminal", "_ivp", "_ivp_terminal"):
+    import_module(f"escapement.engines.{name}")
+print(*(m.__file__ for n, m in sys.modules.items() if n.startswith("escapement")), sep="\\n")
+"""
+
+
+def test_every_module_an_answer_comes_from_is_in_the_digest():
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED], capture_output=True, text=True, check=True, env=os.environ
+    )
+    loaded = {Path(line) for line in done.stdout.split()}
+    assert {PACKAGE / "simulation.py", PACKAGE / "solver.py", PACKAGE / "motion.py"} <= loaded
+    assert loaded - {*sources()} <= {PACKAGE / name for name in DECIDE_NOTHING}
+    assert len(numerics()) == 12
