@@ -222,7 +222,7 @@ def studies():
         for value in ("x", 4, [1]):
             yield Bad(partial(study, **{section: value}), section, "a table", show(value))
     for key, value in (("engine", "eenrgy"), ("method", "RK45"), ("rtol", "small"), ("atol", 1.0)):
-        rule = "left out" if key in ("method", "atol") else "must be"
+        rule = "left out with engine 'energy'" if key in ("method", "atol") else "must be"
         yield Bad(partial(study, solver={key: value}), key, rule, show(value))
     for value in ("imperial", None, 3, ["SI"]):
         yield Bad(partial(study, units=value), "units", "one of SI, in-lbf-s", show(value))

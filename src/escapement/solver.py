@@ -48,9 +48,8 @@ class Solver:
             value = getattr(self, name)
             if value is not None:
                 if self.engine != "ivp":
-                    raise _validate.fail(
-                        name, f"left out with engine {self.engine!r}", value, "only 'ivp' has it"
-                    )
+                    rule = f"left out with engine {self.engine!r}"
+                    raise _validate.fail(name, rule, value, "or choose engine 'ivp'")
                 object.__setattr__(self, name, check(value))
 
     @property
