@@ -69,6 +69,13 @@ def contact_moment(g, u, dg, w, sign, rho, mu, load):
 
 
 @jit
+def free_turn(w, angle, rho):
+    """Squared speed after a dwell of the follower, and the time it takes."""
+    after = w + 2.0 * angle / rho
+    return after, 2.0 * angle / (np.sqrt(w) + np.sqrt(after)) if angle > 0.0 else 0.0
+
+
+@jit
 def side_at(g, dg, w, rho, load):
     """Side that carries the force where a piece begins: +1 or -1.
 

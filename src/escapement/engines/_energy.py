@@ -11,9 +11,8 @@ import numpy as np
 
 from escapement._validate import fail
 from escapement.engines._cells import cells_of
-from escapement.engines._cycle import PAINLEVE
 from escapement.engines._handoffs import handoffs
-from escapement.engines._march import BREAK, MAXIMUM, OK, REVERSAL, STALL
+from escapement.engines._march import BREAK, MAXIMUM, OK, PAINLEVE, REVERSAL, STALL
 from escapement.engines._pieces import events_of, states_in
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message

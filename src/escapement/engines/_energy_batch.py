@@ -5,10 +5,9 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, losses
 from escapement.engines._cells import cells_of
-from escapement.engines._cycle import FIGURES, figures, workspace
+from escapement.engines._figures import FIGURES, figures, workspace
+from escapement.engines._march import OK, PAINLEVE
 from escapement.model import FloatArray, Mechanism, dwell_angle
-
-_PAINLEVE, _OK = 3, 0
 
 
 @jit(allocates=True)
@@ -18,13 +17,13 @@ def solve_scenes(cells, path, breaks, dwell, rho, mu, load, w, rtol, table, stat
     for i in range(rho.size):
         loss = losses(path, mu[i])
         if beyond_painleve(path, rho[i], loss[1], breaks[0], breaks[-1]):
-            status[i] = _PAINLEVE
+            status[i] = PAINLEVE
         else:
             status[i] = figures(
                 cells, path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
                 store, events, seen, table[i],
             )  # fmt: skip
-        if status[i] != _OK:
+        if status[i] != OK:
             for k in range(FIGURES):
                 table[i, k] = np.nan
 
@@ -53,7 +52,7 @@ def solve(
     Returns
     -------
     table : ndarray, shape (n, 7)
-        Columns as in `_cycle`; NaN where there is none.
+        Columns as in `_terminal`; NaN where there is none.
     status : ndarray, shape (n,)
         Values of `Status`.
     """

@@ -6,7 +6,8 @@ import numpy as np
 
 from escapement.engines import _energy
 from escapement.engines._cells import cells_of
-from escapement.engines._cycle import (
+from escapement.engines._figures import figures, workspace
+from escapement.engines._terminal import (
     CONTRACTION,
     FIGURES,
     PERIOD,
@@ -15,8 +16,6 @@ from escapement.engines._cycle import (
     V_MAX,
     V_MIN,
     W_HANDOFF,
-    figures,
-    workspace,
 )
 from escapement.metrics import Figures, read_cycle
 from escapement.model import Escapement

@@ -3,10 +3,9 @@
 import numpy as np
 
 from escapement._jit import jit
-from escapement.dynamics import beyond_painleve
-from escapement.engines._cycle import EVENTS_OF_ONE, PAINLEVE, free_turn, tolerances
-from escapement.engines._march import EVENTS, OK, march
-from escapement.engines._panels import ENDS, lay_out, new_store, place_of
+from escapement.dynamics import beyond_painleve, free_turn
+from escapement.engines._march import EVENTS, EVENTS_OF_ONE, OK, PAINLEVE, march
+from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tolerances
 from escapement.mechanisms._slotted import transmission_at
 
 

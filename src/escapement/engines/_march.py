@@ -46,12 +46,15 @@ from escapement.engines._panels import (
     tail_of_inverse,
 )
 from escapement.engines._solve import solve_side
+from escapement.status import Status
 
-OK, STALL, GAVE_UP = 0, 2, 4
+OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
+STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
 SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one of a start
 NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
 EVENTS = 4  # columns of an event: kind, angle from dead centre, time, w
+EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
 
 
 @jit
@@ -204,7 +207,7 @@ def march(
         if split:
             used = before
             if count >= MAX_PANELS or s[at + HALF] < SMALLEST:
-                return GAVE_UP, s[at + LEFT], time, exponent, source, side, rising, count, used
+                return NOT_CONVERGED, w, time, exponent, source, side, rising, count, used
             count = halve(s, panel, path, cells, rho, count)
             continue
         if reversal >= 0:
@@ -224,7 +227,7 @@ def march(
             exponent += s[to + RIGHT + 2]
             source = s[to + RIGHT] * source + s[to + RIGHT + 1]
         if used >= events.shape[0]:
-            return GAVE_UP, s[at + LEFT], time, exponent, source, side, rising, count, used
+            return NOT_CONVERGED, w, time, exponent, source, side, rising, count, used
         energy, w = e_right, w_right
         panel = int(s[chained + NEXT])
         noted = False

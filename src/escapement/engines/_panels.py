@@ -165,3 +165,15 @@ def lay_out(s, path, breaks, cells, rho, loose):
             count = halve(s, panel, path, cells, rho, count)
         following = s[at + NEXT]
     return count
+
+
+@jit
+def tolerances(rtol):
+    """Tails allowed in panels for a relative error: whole panel, and inside.
+
+    Measured on random scenes the error is at most a hundredth of the square of
+    the first and a twentieth of the second. Beyond 1e-8 that no longer holds of every
+    scene, and next to nothing would be saved.
+    """
+    rtol = min(rtol, 1e-8)
+    return 3.0 * np.sqrt(rtol), max(15.0 * rtol, 1e-14)

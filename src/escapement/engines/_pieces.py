@@ -8,7 +8,6 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import bend
-from escapement.engines._cycle import tolerances
 from escapement.engines._gauss import CUMULATE, WEIGHTS, N, combine, dot, whole
 from escapement.engines._inside import rough, run_over
 from escapement.engines._locate import weights_to
@@ -33,6 +32,7 @@ from escapement.engines._panels import (
     place_of,
     solution_of,
     survey,
+    tolerances,
 )
 from escapement.engines._solve import solve_side
 from escapement.mechanisms._slotted import transmission_at

@@ -73,11 +73,11 @@ def _decay(s):
 def solve_side(s, at, side, rho, mu, load):
     """Solve the energy equation on a panel for one side of the slot."""
     at &= PLACES
-    lost = bend(side, mu)
+    loss = bend(side, mu)
     for k in range(N):
         g = s[at + G + k]
         inverse = s[at + INVERSE + k]
-        c = lost * s[at + U + k]
+        c = loss * s[at + U + k]
         share = 1.0 / (1.0 + g * c * inverse)  # (rho + g^2) / J
         twice = 2.0 * s[at + STEP + k]
         s[DECAY + k] = twice * c * rho * s[at + DG + k] * share * inverse * inverse
@@ -94,7 +94,10 @@ def solve_side(s, at, side, rho, mu, load):
         s[SOLVED + BETA + i] *= s[SOLVED + ALPHA + i]
     largest = max(abs(s[SOLVED + BETA + N - 1]), abs(s[SOLVED + BETA + N // 2]))
     alpha = _exponentials(total)[0] if abs(total) <= 0.7 else np.exp(-total)
-    tail = tail_of(s, SOLVED + ALPHA) / max(1.0, alpha)
+    # next to a cycle that hardly loses, what is lost has to be accurate by itself
+    lost = max(abs(total), max(abs(s[SOLVED + B + N // 2]), abs(s[SOLVED + B + N - 1])))
+    tail = tail_of(s, SOLVED + B) / max(lost, 1e-300)
+    tail = max(tail, tail_of(s, SOLVED + ALPHA) / max(1.0, alpha))
     tail = max(tail, tail_of(s, SOLVED + BETA) / max(largest, 1e-300))
     tail = max(tail, tail_of_inverse(s, at))
     noise *= max(1.0, abs(total))

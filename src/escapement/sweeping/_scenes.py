@@ -76,7 +76,7 @@ def _by_mechanism(plan: StudyPlan, columns: dict[str, NDArray[Any]], size: int) 
 
 def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> Figures:
     """Solve the scenes of one mechanism, shape (4, n): equal ones once."""
-    from escapement.engines import _cycle, _energy_batch
+    from escapement.engines import _energy_batch, _terminal
 
     order = np.lexsort(scene)
     ordered = scene[:, order]
@@ -86,14 +86,14 @@ def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> Figures:
     rho, mu, load, w = np.ascontiguousarray(ordered[:, new])
     table, status = _energy_batch.solve(mechanism, rho, mu, load, w, rtol)
     columns = table.T
-    period = columns[_cycle.PERIOD]
+    period = columns[_terminal.PERIOD]
     figures = np.array([
-        columns[_cycle.V_MAX],
-        columns[_cycle.V_MIN],
+        columns[_terminal.V_MAX],
+        columns[_terminal.V_MIN],
         mechanism.cell_angle / period,
         period,
-        columns[_cycle.RISE],
-        columns[_cycle.SETTLING],
+        columns[_terminal.RISE],
+        columns[_terminal.SETTLING],
     ])  # fmt: skip
     return figures[:, which], status[which]
 

@@ -1,0 +1,156 @@
+"""Figures of merit of a case: its transient, and the cycle that ends in."""
+
+import numpy as np
+
+from escapement._jit import jit
+from escapement.dynamics import free_turn
+from escapement.engines._march import (
+    EVENTS,
+    EVENTS_OF_ONE,
+    MAXIMUM,
+    MINIMUM,
+    NO_TERMINAL,
+    NOT_CONVERGED,
+    OK,
+    STALL,
+    march,
+    turned,
+)
+from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tolerances
+from escapement.engines._terminal import (
+    CONTRACTION,
+    FIGURES,
+    RISE,
+    SETTLING,
+    V_MAX,
+    V_MIN,
+    beyond,
+    closer,
+    terminal_cycle,
+)
+from escapement.mechanisms._slotted import transmission_at
+from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
+
+SEEN = 128  # extrema of a transient that are kept
+PATIENCE = 40  # engagements after which the terminal cycle is looked for in any case
+
+
+@jit(allocates=True)
+def workspace(breaks):
+    """Panel store, events of an engagement and extrema seen, for `figures`."""
+    most = EVENTS_OF_ONE + 4 * breaks.size
+    return new_store(), np.empty((most, EVENTS)), np.empty((SEEN + 2 * most, EVENTS))
+
+
+@jit
+def _judge(kind, time, w, leading, calm, out):
+    """Let one extremum of the transient decide on rise and settling time.
+
+    Only the greatest and the least speed of an engagement tend to the terminal
+    ones, so only they can unsettle a motion. Returns how many in a row did not.
+    """
+    error = abs(np.sqrt(w) / (out[V_MAX] if kind == MAXIMUM else out[V_MIN]) - 1.0)
+    if np.isnan(out[RISE]) and error <= RISE_BAND:
+        out[RISE] = time
+    if not leading:
+        return calm
+    if error > SETTLING_BAND:
+        out[SETTLING] = np.nan
+        return 0
+    if np.isnan(out[SETTLING]):
+        out[SETTLING] = time
+    return calm + 1
+
+
+@jit
+def _leads(events, used, i):
+    """Whether no other extremum of its kind in the engagement goes further."""
+    for j in range(used):
+        if events[j, 0] == events[i, 0]:
+            if events[i, 0] == MAXIMUM and events[j, 3] > events[i, 3]:
+                return False
+            if events[i, 0] == MINIMUM and events[j, 3] < events[i, 3]:
+                return False
+    return True
+
+
+@jit
+def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, out):
+    """Figures of merit of one case into out (natural units); returns the status.
+
+    The motion is followed from its start until it has nearly settled, its
+    extrema kept in `seen`; Newton's method finds the terminal cycle from there;
+    only a motion that settles slowly is followed again. On a stall out[0:2]
+    holds its angle and the engagement.
+    """
+    for i in range(FIGURES):
+        out[i] = np.nan
+    if mu[0] == 0.0 and load == 0.0:
+        return NO_TERMINAL
+    loose, strict = tolerances(rtol)
+    count = lay_out(store, path, breaks, cells, rho, loose)
+    ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    time, rising = 0.0, 0.0
+    filled = 0
+    found, calm, sought = False, 0, False
+    before, better_before = w, w
+    record = out.size > 0  # a value: see `handoffs`
+    for k in range(MAX_ENGAGEMENTS):
+        status, exit_w, length, exponent, source, _s, rising, count, used = march(
+            store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, record, events
+        )
+        if status != OK:
+            for i in range(FIGURES):
+                out[i] = np.nan
+            out[0], out[1] = exit_w, k
+            return status
+        if mu[0] == 0.0:
+            # every engagement adds the same energy: the load stops the motion, or nothing does
+            return NO_TERMINAL if source + 2.0 * dwell > 0.0 else STALL
+        if dwell > 0.0:
+            if rising < 0.0:
+                events[used, 0], events[used, 2], events[used, 3] = MINIMUM, length, exit_w
+                used += 1
+            rising = 1.0
+        for i in range(used):
+            kind = events[i, 0]
+            if kind != MAXIMUM and kind != MINIMUM:
+                continue
+            leading = _leads(events, used, i)
+            if found:
+                calm = _judge(kind, time + events[i, 2], events[i, 3], leading, calm, out)
+            elif not sought:
+                seen[filled, 0], seen[filled, 1] = kind, time + events[i, 2]
+                seen[filled, 2], seen[filled, 3] = events[i, 3], leading
+                filled += 1
+        following, free = free_turn(exit_w, dwell, rho)
+        time += length + free
+        if not sought:
+            turning = turned(events, used)
+            better, _shrink, sound = closer(w, exit_w, exponent, source, rho, ends, turning)
+            # speeds within the band; every later engagement lies between this and the last
+            settled = sound and abs(better - w) <= 4.0 * SETTLING_BAND * better
+            if settled or k == PATIENCE or filled + events.shape[0] > seen.shape[0]:
+                start = better if better > 0.0 else following
+                if sound and better > 0.0 and better_before != before:
+                    start = beyond(w, better, before, better_before)
+                status, count = terminal_cycle(
+                    store, count, cells, path, breaks, dwell, rho, mu, load, start, following, w,
+                    better, rtol, events, out,
+                )  # fmt: skip
+                sought, found = True, status == OK
+                if status == NOT_CONVERGED:
+                    return status
+                for i in range(filled if found else 0):
+                    calm = _judge(seen[i, 0], seen[i, 1], seen[i, 2], seen[i, 3] > 0.0, calm, out)
+                # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) engagements
+                if found and out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
+                    return OK
+            before, better_before = w, better
+        w = following
+        # motions do not cross: once both its extrema are within the band, so are all to come
+        if found and calm >= 2:
+            return OK
+    # beyond the limit a time is not given
+    out[SETTLING] = np.nan
+    return OK if found else NOT_CONVERGED

@@ -1,0 +1,110 @@
+"""The cycle a motion ends in, as the fixed point of an engagement.
+
+An engagement maps the squared handoff speed affinely once its reversals are
+known, and to first order they do not move the result. Newton's method on the
+fixed point is therefore the affine map's own fixed point, found again for the
+reversals found: it converges quadratically, and its contraction is exact.
+"""
+
+import numpy as np
+
+from escapement._jit import jit
+from escapement.dynamics import free_turn
+from escapement.engines._march import MAXIMUM, MINIMUM, NOT_CONVERGED, OK, STALL, march, turned
+from escapement.engines._panels import ENDS, place_of, tolerances
+from escapement.mechanisms._slotted import transmission_at
+from escapement.metrics import MAX_ENGAGEMENTS
+
+FIGURES = 7
+V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION = range(FIGURES)
+
+
+@jit
+def closer(w, out, exponent, source, rho, ends, reversed_):
+    """Fixed point of the affine map an engagement went by, and its contraction.
+
+    E_out = exp(-exponent) E_in + source with w = E/(rho + g^2) at either end;
+    `ends` holds g at entry, g at exit and what a dwell adds to w. The gap
+    1 - shrink keeps its relative accuracy when next to nothing is lost. The third
+    answer is False where the map has no fixed point to be trusted.
+    """
+    g_in, g_out, free = ends
+    leave = rho + g_out * g_out
+    unequal = (g_out - g_in) * (g_out + g_in) / leave
+    shrink = np.exp(-exponent) * (1.0 - unequal)
+    gap = -np.expm1(-exponent) + np.exp(-exponent) * unequal
+    following = out + free
+    if gap <= 0.0 or (gap <= 1e-12 and not reversed_):
+        # too slow for a pin reversal, friction only borrows: go where it takes
+        return (4.0 * following if following > w else following), shrink, False
+    return (source / leave + free) / gap, shrink, True
+
+
+@jit
+def beyond(w, better, before, better_before):
+    """Fixed point from two steps of Newton's, whose errors go like the squares of what they had.
+
+    The better of the two where they are too close for that.
+    """
+    was, now = before - better, w - better
+    if now * now > 0.25 * was * was or abs(better_before - better) > abs(was):
+        return better
+    further = better - (better_before - better) * now * now / (was * was - now * now)
+    return further if further > 0.0 else better
+
+
+@jit
+def terminal_cycle(
+    store, count, cells, path, breaks, dwell, rho, mu, load, w, last_good, before,
+    better_before, rtol, events, out,
+):  # fmt: skip
+    """Terminal cycle by Newton's method from w; fills out, events hold its extrema.
+
+    `last_good` is where to go on from when that stalls; `better_before` what a step
+    from `before` gave, equal ones counting for nothing.
+
+    Returns
+    -------
+    status, count
+    """
+    loose, strict = tolerances(rtol)
+    ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    plain = 0
+    near = better_before != before  # by a value, see `handoffs`
+    for _ in range(MAX_ENGAGEMENTS):
+        status, exit_w, length, exponent, source, _side, _r, count, used = march(
+            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, near, events
+        )
+        if status == STALL and plain == 0:
+            # Newton overshot into a stop: follow the motion itself for a while
+            w, plain, near = last_good, 20, False
+            continue
+        if status != OK:
+            return status, count
+        turning = turned(events, used)
+        better, shrink, sound = closer(w, exit_w, exponent, source, rho, ends, turning)
+        last_good = exit_w + ends[2]
+        change = abs(better - w)
+        if near and change <= 0.2 * rtol * w:
+            break
+        # the next change is about the square of this one
+        near = sound and change <= np.sqrt(0.02 * rtol) * w
+        if plain > 0 or not better > 0.0:
+            better = last_good
+            near = False
+            plain = max(plain - 1, 0)
+        elif sound and better_before != before:
+            before, w, better_before = w, beyond(w, better, before, better_before), better
+            continue
+        before, better_before = w, better
+        w = better
+    else:
+        return NOT_CONVERGED, count
+    fast, slow = max(w, exit_w), min(w, exit_w)
+    for i in range(used):
+        if events[i, 0] == MAXIMUM or events[i, 0] == MINIMUM:
+            fast, slow = max(fast, events[i, 3]), min(slow, events[i, 3])
+    out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
+    out[PERIOD] = length + free_turn(exit_w, dwell, rho)[1]
+    out[W_HANDOFF], out[CONTRACTION] = better, shrink
+    return OK, count
