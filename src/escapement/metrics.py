@@ -20,6 +20,8 @@ SETTLING_BAND = 0.01
 """A motion is settled when every later extremum is this close [-]."""
 MAX_ENGAGEMENTS = 1_000_000
 """A rise or settling time beyond this many engagements is not given."""
+BOUNDLESS = 1e-12
+"""A gain over w below which a ratio that no loss outweighs is constant to rounding [-]."""
 
 NAN = math.nan
 

@@ -27,9 +27,9 @@ class Status(IntEnum):
 MESSAGES = {
     Status.OK: "done",
     Status.NO_TERMINAL: (
-        "no terminal velocity exists: nothing dissipates the work of the drive, "
-        "so the speed grows without bound; give a friction greater than 0, "
-        "to a mesh an efficiency below 1"
+        "no terminal velocity exists: nothing takes more of the drive's work at a higher speed, "
+        "which grows without bound; give a friction greater than 0, "
+        "to a mesh an efficiency below 1 and a ratio that varies"
     ),
     Status.STALL: "the drive cannot carry the load and the mechanism stops",
     Status.PAINLEVE: "friction is at or above the Painleve limit: no unique rigid motion exists",

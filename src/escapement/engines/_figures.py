@@ -16,7 +16,7 @@ from escapement.engines._march import (
     march,
     turned,
 )
-from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tolerances
+from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tidy, tolerances
 from escapement.engines._terminal import (
     CONTRACTION,
     FIGURES,
@@ -96,6 +96,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
     before, better_before = w, w
     record = out.size > 0  # a value: see `handoffs`
     for k in range(MAX_ENGAGEMENTS):
+        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _s, rising, count, used = march(
             store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, record, events
         )
@@ -139,7 +140,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
                     better, rtol, events, out,
                 )  # fmt: skip
                 sought, found = True, status == OK
-                if status == NOT_CONVERGED:
+                if status in (NOT_CONVERGED, NO_TERMINAL):
                     return status
                 for i in range(filled if found else 0):
                     calm = _judge(seen[i, 0], seen[i, 1], seen[i, 2], seen[i, 3] > 0.0, calm, out)

@@ -5,7 +5,7 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, free_turn
 from escapement.engines._march import EVENTS, EVENTS_OF_ONE, OK, PAINLEVE, march
-from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tolerances
+from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tidy, tolerances
 from escapement.mechanisms._slotted import transmission_at
 
 
@@ -39,6 +39,7 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
     record = times.size < 0
     same = inertia == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
+        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, exponent, source, _side, _r, count, _u = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, record, events
         )

@@ -16,7 +16,8 @@ from scipy.optimize import toms748
 
 from escapement.engines import _ivp
 from escapement.mechanisms._slotted import transmission_at
-from escapement.metrics import Figures, read_cycle, read_transient
+from escapement.mechanisms._table import is_table
+from escapement.metrics import BOUNDLESS, Figures, read_cycle, read_transient
 from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
@@ -118,7 +119,7 @@ def _gain(motion: Motion, w: float) -> float:
 
 
 def _rise(engage: Any, low: float, gain: float) -> tuple[float, float] | Motion:
-    """Bracket above a speed that grows, or the engagement that cannot be solved.
+    """Bracket above a speed that grows, or the engagement that shows there is none.
 
     Trajectories do not cross: what passes at one speed passes at any higher one.
     """
@@ -129,6 +130,9 @@ def _rise(engage: Any, low: float, gain: float) -> tuple[float, float] | Motion:
             return trial.motion
         if not trial.gain > 0.0:
             return low, high
+        if is_table(trial.motion.escapement.mechanism.path) and trial.gain < BOUNDLESS * high:
+            status = Status.NO_TERMINAL
+            return replace(trial.motion, status=status, message=MESSAGES[status])
         low, high = high, 4.0 * high
 
 

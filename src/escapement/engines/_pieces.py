@@ -32,6 +32,7 @@ from escapement.engines._panels import (
     place_of,
     solution_of,
     survey,
+    tidy,
     tolerances,
 )
 from escapement.engines._solve import solve_side
@@ -79,6 +80,7 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     rising = 0.0
     record = starts.size > 0  # a value: see `handoffs`
     for k in range(starts.size):
+        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, _x, _s, side, rising, count, used = march(
             store, count, path, cells, rho, mu, load, squares[k], 0.0, rising,
             loose, strict, record, events,

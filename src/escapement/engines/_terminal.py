@@ -10,10 +10,20 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import free_turn
-from escapement.engines._march import MAXIMUM, MINIMUM, NOT_CONVERGED, OK, STALL, march, turned
-from escapement.engines._panels import ENDS, place_of, tolerances
+from escapement.engines._march import (
+    MAXIMUM,
+    MINIMUM,
+    NO_TERMINAL,
+    NOT_CONVERGED,
+    OK,
+    STALL,
+    march,
+    turned,
+)
+from escapement.engines._panels import ENDS, lay_out, place_of, tidy, tolerances
 from escapement.mechanisms._slotted import transmission_at
-from escapement.metrics import MAX_ENGAGEMENTS
+from escapement.mechanisms._table import is_table
+from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
 FIGURES = 7
 V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION = range(FIGURES)
@@ -69,15 +79,19 @@ def terminal_cycle(
     """
     loose, strict = tolerances(rtol)
     ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
-    plain = 0
+    plain, patience = 0, 20
     near = better_before != before  # by a value, see `handoffs`
     for _ in range(MAX_ENGAGEMENTS):
+        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, near, events
         )
         if status == STALL and plain == 0:
-            # Newton overshot into a stop: follow the motion itself for a while
-            w, plain, near = last_good, 20, False
+            # Newton overshot into a stop: follow the motion itself for a while, without the
+            # panels of that stop
+            count = lay_out(store, path, breaks, cells, rho, loose)
+            w, plain, near = last_good, patience, False
+            patience *= 2
             continue
         if status != OK:
             return status, count
@@ -87,6 +101,8 @@ def terminal_cycle(
         change = abs(better - w)
         if near and change <= 0.2 * rtol * w:
             break
+        if not sound and is_table(path) and w < last_good < (1.0 + BOUNDLESS) * w:
+            return NO_TERMINAL, count
         # the next change is about the square of this one
         near = sound and change <= np.sqrt(0.02 * rtol) * w
         if plain > 0 or not better > 0.0:
