@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.cli import main
 from escapement.configuration import parse_plan
 from escapement.errors import InvalidValue
 from escapement.status import Status
@@ -346,16 +345,10 @@ COMMANDS = {
 
 @pytest.mark.usefixtures("patience")
 @pytest.mark.parametrize(("argv", "name", "rule"), COMMANDS.values(), ids=COMMANDS)
-def test_commands_refuse_alike(capsys, tmp_path, monkeypatch, argv, name, rule):
-    monkeypatch.chdir(tmp_path)
-    assert main(argv) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("escapement: error: ")
-    assert err.count("\n") == 1
-    assert name in err
-    assert rule in err
-    assert not list(tmp_path.iterdir())
+def test_commands_refuse_alike(refusal, argv, name, rule):
+    said = refusal(2, *argv)
+    assert name in said
+    assert rule in said
 
 
 @pytest.mark.usefixtures("patience")
@@ -373,11 +366,9 @@ def test_too_many_steps_end_in_a_status(options):
 
 
 @pytest.mark.usefixtures("patience")
-def test_too_many_steps_on_the_command_line(capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    argv = ["run", *MODEL, "--engine", "ivp", "--method", "RK23", "--rtol", "1e-13"]
-    assert main(argv) == 3
-    _out, err = capsys.readouterr()
+def test_too_many_steps_on_the_command_line(command, tmp_path):
+    code, _, err = command("run", *MODEL, "--engine", "ivp", "--method", "RK23", "--rtol", "1e-13")
+    assert code == 3
     assert err.count("\n") == 1
     assert "choose a larger rtol, a larger max_step or method 'DOP853'" in err
     assert not list(tmp_path.iterdir())

@@ -8,7 +8,6 @@ import pytest
 import xarray
 
 import escapement as esc
-from escapement.cli import main
 from escapement.cli._output import plain
 from escapement.cli._tables import spread
 from escapement.solver import DEFAULT_RTOL, ENGINES, METHODS
@@ -40,19 +39,6 @@ RUN_KEYS = {
     *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
     *("status", "message", "engine"),
 }
-
-
-@pytest.fixture
-def command(capsys, monkeypatch, tmp_path):
-    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """Dijksman (1974): captions of figures 6 to 9, errata, charts and the command line."""
 
 import csv
-import json
 
 import numpy as np
 import pytest
@@ -122,9 +121,8 @@ def folder(tmp_path_factory):
     return place
 
 
-def test_reproduce_prints_figures_and_errata(capsys):
-    assert main(["reproduce", "dijksman"]) == 0
-    out = capsys.readouterr().out
+def test_reproduce_prints_figures_and_errata(command):
+    out = command("reproduce", "dijksman")[1]
     assert "12 of 16 numbers are right" in out
     for (figure, column), (right, reason) in ERRATA.items():
         assert f"figure {figure}, {COLUMNS[column]}: " in out
@@ -134,9 +132,8 @@ def test_reproduce_prints_figures_and_errata(capsys):
     assert "cycles of the same time" in out
 
 
-def test_reproduce_json(capsys):
-    assert main(["reproduce", "dijksman", "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
+def test_reproduce_json(report):
+    record = report("reproduce", "dijksman")
     assert (record["cells"], record["agreeing"]) == (16, 12)
     assert len(record["rows"]) == 4
 

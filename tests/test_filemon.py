@@ -9,7 +9,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import escapement as esc
-from escapement.cli import main
 from escapement.constant_speed import geneva
 from escapement.errors import InvalidValue
 from escapement.plots import filemon as figures
@@ -54,19 +53,6 @@ KEYS = {
     *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max"),
     *("torque_max_deg", "torque_mean", "power_max"),
 }
-
-
-@pytest.fixture
-def command(capsys, monkeypatch, tmp_path):
-    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 # --- Table I ------------------------------------------------------------------------------

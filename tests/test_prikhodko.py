@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from scipy.special import gammaincc
 
 import escapement as esc
-from escapement.cli import main
 from escapement.configuration import parse_plan
 from escapement.errors import InvalidValue
 from escapement.plots import planetary
@@ -20,19 +19,6 @@ from escapement.units import INCH
 
 PAPER = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
 DRIVE = ("elliptical-planetary", "--sun-radius", 0.016, "--planet-radius", 0.009)
-
-
-@pytest.fixture
-def command(capsys, monkeypatch, tmp_path):
-    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 def by_id(ax, gid):

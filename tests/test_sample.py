@@ -10,7 +10,6 @@ import xarray
 
 import escapement as esc
 from escapement import simulation
-from escapement.cli import main
 from escapement.configuration import _sample, parse_plan, plan_from
 from escapement.errors import CannotCreate, InvalidValue
 from escapement.store import RESULTS, read_study
@@ -343,36 +342,29 @@ torque = { relative_tolerance = 0.1 }
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch, capsys):
-    """A sample in the working folder; runs a command and returns its code and output."""
-    monkeypatch.chdir(tmp_path)
+def study_file(tmp_path):
+    """The configuration of a sample in the working folder."""
     (tmp_path / "s.toml").write_text(STUDY)
 
-    def command(*argv):
-        return main([*argv]), *capsys.readouterr()
 
-    return command
-
-
-def test_on_the_command_line(run, monkeypatch):
-    code, out, _ = run("sweep", "s.toml", "--quiet", "--json")
-    record = json.loads(out)
-    assert (code, record["axes"], record["cases"]) == (0, {"case": 16}, 16)
+@pytest.mark.usefixtures("study_file")
+def test_on_the_command_line(command, report, monkeypatch):
+    record = report("sweep", "s.toml", "--quiet")
+    assert (record["axes"], record["cases"]) == ({"case": 16}, 16)
     assert record["some_cases"][-1]["case"] == 15
     study = read_study("s.h5")
     assert record["some_cases"][0]["torque"] == study.sampled["torque"][0]
     assert study.units["torque"] == "in lbf"
     plan = parse_plan(study.configuration)
     assert plan.escapement(3).torque == study.sampled["torque"][3] * INCH_POUND
-    code, out, _ = run("sweep", "s.toml", "--quiet", "--force", "--units", "SI", "--json")
-    shown = json.loads(out)["some_cases"][0]["torque"]
+    shown = report("sweep", "s.toml", "--quiet", "--force", "--units", "SI")
+    shown = shown["some_cases"][0]["torque"]
     assert shown == pytest.approx(study.sampled["torque"][0] * INCH_POUND, rel=1e-15)
     # redone as it was stored, whatever this version would draw
     monkeypatch.setattr(_sample, "_unit_cube", None)
-    code, out, _ = run("run", "--from", "s.h5", "--select", "case=11", "--json")
-    assert code == 0
-    assert json.loads(out)["period"] == pytest.approx(study.results["period"][11], rel=1e-11)
-    code, out, err = run("plot", "s.h5", "--units", "SI")
+    again = report("run", "--from", "s.h5", "--select", "case=11")
+    assert again["period"] == pytest.approx(study.results["period"][11], rel=1e-11)
+    code, _, err = command("plot", "s.h5", "--units", "SI")
     assert (code, err) == (0, "escapement: study drawn in s.png\n")
 
 
@@ -387,12 +379,10 @@ def test_on_the_command_line(run, monkeypatch):
         ("case=1,torque=0.1", "--select must name axes of s.h5, got 'torque'; it has case"),
     ],
 )
-def test_a_selection_that_names_no_case(run, selection, message):
-    run("sweep", "s.toml", "--quiet")
-    code, out, err = run("run", "--from", "s.h5", "--select", selection)
-    assert (code, out) == (2, "")
-    assert message in err
-    assert err.count("\n") == 1
+@pytest.mark.usefixtures("study_file")
+def test_a_selection_that_names_no_case(command, refusal, selection, message):
+    command("sweep", "s.toml", "--quiet")
+    assert message in refusal(2, "run", "--from", "s.h5", "--select", selection)
 
 
 def test_other_kinds_of_mechanism_scatter_alike():
