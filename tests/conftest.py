@@ -1,9 +1,11 @@
-"""The command line as a test sees it: a call in an empty folder, its report, its refusal."""
+"""The command line as a test sees it, and an end to calls that hang."""
 
 import json
+import signal
 
 import pytest
 
+import escapement as esc
 from escapement.cli import main
 
 
@@ -48,3 +50,30 @@ def refusal(command, tmp_path):
         return err
 
     return run
+
+
+@pytest.fixture(scope="session")
+def compiled():
+    """Both engines, ready to run: compiling them is not what a test waits for."""
+    timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, friction=0.35)
+    for engine in ("energy", "ivp"):
+        esc.simulate(timer, 2, engine=engine).at(0.0)
+        esc.terminal(timer, engine=engine)
+    esc.sweep(timer, friction=[0.3])
+
+
+@pytest.fixture
+def patience(compiled):
+    """No call may hang: twenty seconds of the processor, where the system can count them."""
+    if not hasattr(signal, "SIGPROF"):
+        yield
+        return
+
+    def stop(*_):
+        raise TimeoutError("twenty seconds without an answer")
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, 20.0)
+    yield
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
+    signal.signal(signal.SIGPROF, before)

@@ -16,14 +16,10 @@ from escapement.plots import planetary
 from escapement.plots import prikhodko as figures
 from escapement.published import prikhodko
 from escapement.units import INCH
+from figure_tools import by_id
 
 PAPER = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
 DRIVE = ("elliptical-planetary", "--sun-radius", 0.016, "--planet-radius", 0.009)
-
-
-def by_id(ax, gid):
-    (found,) = [artist for artist in ax.get_children() if artist.get_gid() == gid]
-    return found
 
 
 # --- numbers ------------------------------------------------------------------------------

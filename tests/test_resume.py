@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import crash_tools as tools
 from escapement import simulation
 from escapement.cli import main
 from escapement.configuration import plan_from
@@ -21,9 +22,7 @@ from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.store import SCHEMA_VERSION, _lock, _owned_file, partial_path, read_study
 from escapement.sweeping import _run, sweep, write_plan
-
-sys.path.insert(0, str(Path(__file__).parent))
-import crash_tools as tools
+from study_tools import without_date
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
 CONFIGURATION = """
@@ -62,12 +61,6 @@ def plan(num=40, **options):
 def interrupted(path, study=None, **options):
     with pytest.raises(KeyboardInterrupt):
         write_plan(plan() if study is None else study, path, **options)
-
-
-def without_date(path):
-    """Bytes of a study file, its date of creation blanked."""
-    created = read_study(path).attributes["created"].encode()
-    return path.read_bytes().replace(created, b"0" * len(created))
 
 
 def test_only_what_is_missing_is_computed(tmp_path, solved):

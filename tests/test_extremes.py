@@ -1,0 +1,87 @@
+"""What is allowed comes to an end, and says what is missing."""
+
+import math
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from bad_calls import MODEL, TIMER, built, first_steps, ivp, wheel
+from escapement.status import Status
+
+
+@pytest.mark.usefixtures("patience")
+@pytest.mark.parametrize(
+    "options", [{"method": "RK23", "rtol": 1e-13}, {"method": "RK45", "max_step": 1e-9}]
+)
+def test_too_many_steps_end_in_a_status(options):
+    motion = ivp(**options)
+    assert motion.status is Status.NOT_CONVERGED
+    assert "more than 25000 steps" in motion.message
+    assert motion.handoff_times.size == 0
+    figures = esc.terminal(TIMER, engine="ivp", **options)
+    assert (figures.status, figures.message) == (motion.status, motion.message)
+    assert math.isnan(figures.velocity_max)
+
+
+@pytest.mark.usefixtures("patience")
+def test_too_many_steps_on_the_command_line(command, tmp_path):
+    code, _, err = command("run", *MODEL, "--engine", "ivp", "--method", "RK23", "--rtol", "1e-13")
+    assert code == 3
+    assert err.count("\n") == 1
+    assert "choose a larger rtol, a larger max_step or method 'DOP853'" in err
+    assert not list(tmp_path.iterdir())
+
+
+# what is allowed ends, and says what is missing
+ODD = {
+    "nothing but a driver": built(inertia=esc.Inertia(1e8, 1.0), torque=1.0),
+    "nothing but a follower": built(inertia=esc.Inertia(1e-6, 1.0), torque=1.0, friction=1e-4),
+    "hardly any friction": built(friction=1e-12),
+    "a load that stops it": built(load_torque=1.0),
+    "a load it cannot start": built(load_torque=1e50),
+    "a load without friction": built(friction=0.0, load_torque=0.0102),
+    "a wheel of a thousand slots": built(mechanism=wheel(slots=1000)),
+    "friction beyond the limit": built(friction=1e300),
+}
+ALWAYS = ("velocity_max", "velocity_min", "velocity_mean", "period", "handoff_velocity")
+
+
+@pytest.mark.usefixtures("patience")
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@pytest.mark.parametrize("name", ODD)
+def test_a_missing_figure_has_a_status_or_a_message(name, engine):
+    found = esc.terminal(ODD[name], engine=engine)
+    missing = [math.isnan(getattr(found, figure)) for figure in ALWAYS]
+    assert all(missing) == any(missing) == (found.status is not Status.OK)
+    if found.status is not Status.OK or math.isnan(found.settling_time):
+        assert found.message != "done"
+        assert "nan" not in found.message
+    motion = esc.simulate(ODD[name], 2, engine=engine)
+    if motion.status is Status.OK:
+        assert np.isfinite(motion.handoff_velocities).all()
+        assert motion.handoff_velocities.size == 2
+    else:
+        assert motion.message != "done"
+    # from rest both tell the same story: what cannot do one cell has no terminal cycle
+    assert motion.status.failed == found.status.failed
+
+
+@pytest.mark.usefixtures("patience")
+@pytest.mark.parametrize("settings", [{"atol": 0.0}, {"atol": 0.0, "rtol": 1e-13}, {"rtol": 0.5}])
+def test_any_tolerance_that_is_allowed_ends(settings):
+    motion = ivp(**settings)
+    best = first_steps()
+    error = abs(motion.handoff_times[0] / best.handoff_times[0] - 1.0)
+    assert error <= 10.0 * settings.get("rtol", 1e-10)
+
+
+@pytest.mark.usefixtures("patience")
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_any_speed_that_is_allowed_is_simulated(engine):
+    unit = math.sqrt(TIMER.torque / TIMER.inertia.follower)
+    for exponent in (10, 20, 50, 99):
+        speed = 10.0**exponent * unit
+        motion = esc.simulate(TIMER, 1, engine=engine, initial_speed=speed)
+        assert motion.status is Status.OK
+        assert motion.handoff_velocities[0] == pytest.approx(speed * 0.007625214402, rel=1e-6)
