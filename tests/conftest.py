@@ -1,9 +1,12 @@
 """The command line as a test sees it, and an end to calls that hang."""
 
+import contextlib
+import io
 import json
 import signal
 
 import pytest
+from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement.cli import main
@@ -50,6 +53,17 @@ def refusal(command, tmp_path):
         return err
 
     return run
+
+
+@pytest.fixture(scope="session")
+def reproduced(tmp_path_factory):
+    """Folder and report of `reproduce all`; its pictures are coarse, but all drawn."""
+    folder = tmp_path_factory.mktemp("reproduced") / "all"
+    whole, report = Figure.savefig, io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(report):
+        patch.setattr(Figure, "savefig", lambda *args, **kw: whole(*args, **(kw | {"dpi": 30})))
+        assert main(["reproduce", "all", "-o", str(folder), "--json"]) == 0
+    return folder, json.loads(report.getvalue())
 
 
 @pytest.fixture(scope="session")

@@ -273,33 +273,31 @@ def test_plot_of_a_motion(command):
     assert record == {"input": "m.h5", "holds": "motion", "output": "m.png"}
 
 
-def test_reproduce_meyer(command, tmp_path):
-    code, out, _ = command("reproduce", "meyer", "-o", "meyer", "--json", "--units", "in-lbf-s")
-    rows = json.loads(out)["rows"]
-    assert code == 0
+def test_reproduce_meyer(report, reproduced):
+    folder, rows = reproduced[0] / "meyer", reproduced[1]["meyer"]["rows"]
+    inches = report("reproduce", "meyer", "--units", "in-lbf-s")["rows"]
     assert len(rows) == 49
     columns = ("printed", "as_published", "program_1973", "true")
     figures = {"velocity_max", "velocity_min", "rise_time", "period"}
     assert all(set(row[column]) == figures for row in rows for column in columns)
     assert {"slots", "friction", "torque_inlbf"} <= set(rows[0])
-    written = {path.name for path in (tmp_path / "meyer").iterdir()}
+    for row, same in zip(rows, inches, strict=True):
+        assert all(row[column] == same[column] for column in columns)
+        assert same["torque"] == row["torque_inlbf"]
+    written = {path.name for path in folder.iterdir()}
     assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
-    assert json.loads((tmp_path / "meyer" / "meyer_appendix_e.json").read_text())["rows"] == rows
-    table = (tmp_path / "meyer" / "meyer_appendix_e.csv").read_text().splitlines()
+    assert json.loads((folder / "meyer_appendix_e.json").read_text())["rows"] == rows
+    table = (folder / "meyer_appendix_e.csv").read_text().splitlines()
     assert len(table) == 50
 
 
-def test_reproduce_all_is_each_source_in_a_folder_of_its_own(command, tmp_path):
-    code, out, _ = command("reproduce", "all", "-o", "all", "--json")
-    record = json.loads(out)
-    assert code == 0
+def test_reproduce_all_is_each_source_in_a_folder_of_its_own(reproduced):
+    folder, record = reproduced
     assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
     assert len(record["meyer"]["rows"]) == 49
-    assert {path.name for path in (tmp_path / "all").iterdir()} == set(record)
-    assert (
-        json.loads((tmp_path / "all/filemon/filemon_table_1.json").read_text())
-        == (record["filemon"])
-    )
+    assert {path.name for path in folder.iterdir()} == set(record)
+    table = (folder / "filemon" / "filemon_table_1.json").read_text()
+    assert json.loads(table) == record["filemon"]
 
 
 def test_reproduce_meyer_prints_rows_reasons_and_counts(command):

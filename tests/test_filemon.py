@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement.constant_speed import geneva
@@ -292,16 +291,11 @@ def test_reproduce_json(command):
     assert [erratum["column"] for erratum in six["errata"]] == ["F12"]
 
 
-def test_reproduce_fills_a_folder(command, tmp_path, monkeypatch):
-    whole = Figure.savefig
-    coarse = {"dpi": 30}  # names and formats are asked for here, not pixels
-    monkeypatch.setattr(Figure, "savefig", lambda *args, **kw: whole(*args, **(kw | coarse)))
-    code, _, err = command("reproduce", "filemon", "-o", "out")
-    assert code == 0
-    assert "tables and figures in out" in err
-    names = {path.name for path in (tmp_path / "out").iterdir()}
+def test_reproduce_fills_a_folder(reproduced):
+    folder = reproduced[0] / "filemon"
+    names = {path.name for path in folder.iterdir()}
     sheets = {f"filemon_figure_{name}.pdf" for name in SHEETS}
     plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}
     assert names == sheets | plain | {"filemon_table_1.json", "filemon_table_1.csv"}
-    with open(tmp_path / "out" / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:
+    with open(folder / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:
         assert len(list(csv.DictReader(stream))) == 48

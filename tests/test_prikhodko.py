@@ -213,14 +213,17 @@ def test_study_over_the_planet_s_radius():
     assert second == PAPER
 
 
-def test_reproduce(command, tmp_path):
+def test_reproduce(command, reproduced, tmp_path, monkeypatch):
+    # what the pictures show is drawn with those of all sources
+    monkeypatch.setattr(Figure, "savefig", lambda _, stream, **_options: stream.write(b"drawn"))
     code, out, err = command("reproduce", "prikhodko", "-o", "there")
     assert code == 0
     assert "26.9301" in out
     assert "202.5" in out
     assert "-157.5" in out
-    assert "there" in err
+    assert err == "escapement: tables and figures in there\n"
     made = {path.name for path in (tmp_path / "there").iterdir()}
+    assert made == {path.name for path in (reproduced[0] / "prikhodko").iterdir()}
     assert made >= {
         *("prikhodko.csv", "prikhodko.json", "prikhodko_figure_2.png"),
         *("prikhodko_figure_3.png", "prikhodko_figure_6.png"),
@@ -229,7 +232,7 @@ def test_reproduce(command, tmp_path):
     text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))
     assert [row["right"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
-    record = json.loads(command("reproduce", "prikhodko", "--json")[1])
+    record = reproduced[1]["prikhodko"]
     assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
     assert (record["agreeing"], record["judged"]) == (8, 11)
 
