@@ -1,6 +1,7 @@
 """Gear-driven wheels of many numbers of stations and lobes, and their path by definition."""
 
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 
@@ -13,13 +14,14 @@ STATIONS = range(3, 25)
 LOBES = sorted({Fraction(a, b) for b in (1, 2, 3, 5) for a in range(30 * b)})
 
 
-def chart(stations=STATIONS, lobes=LOBES):
+@cache
+def chart():
     """Every mechanism with V0 < 1 of these numbers; the whole chart has over 4000."""
     return [
         GearDriven(n, m, curve)
         for curve in SOURCES
-        for n in stations
-        for m in lobes
+        for n in STATIONS
+        for m in LOBES
         if (curve == "epicycloid" or 2 * (m + 1) < n)
         and any(ratio < 1.0 for ratio in lobe_ratios(n, m, curve))
     ]

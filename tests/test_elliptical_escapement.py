@@ -20,7 +20,7 @@ def between_stops(motion, drive):
 
 
 @pytest.mark.parametrize(
-    ("ratio", "efficiency", "load"), [(16 / 9, 0.9, 0.0), (16 / 9, 0.6, 0.3), (3.0, 0.95, 0.1)]
+    ("ratio", "efficiency", "load"), [(16 / 9, 0.9, 0.0), (16 / 9, 0.6, 0.3), (3.0, 0.8, 0.1)]
 )
 def test_both_engines_agree(ratio, efficiency, load):
     timer = esc.Escapement(
@@ -33,7 +33,7 @@ def test_both_engines_agree(ratio, efficiency, load):
     np.testing.assert_allclose(
         between_stops(fast, timer.mechanism), between_stops(slow, timer.mechanism), atol=1e-8
     )
-    ours, theirs = esc.terminal(timer), esc.terminal(timer, engine="ivp", rtol=1e-10)
+    ours, theirs = esc.terminal(timer), esc.terminal(timer, engine="ivp", rtol=1e-8)
     for name in ("velocity_max", "velocity_min", "period", "rise_time", "contact_moment_max"):
         assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-7), name
 

@@ -15,11 +15,6 @@ from escapement.model import Mechanism
 from gear_chart import chart, position
 
 
-@pytest.fixture(scope="module")
-def mechanisms():
-    return chart()
-
-
 @pytest.mark.parametrize("curve", CURVES)
 @pytest.mark.parametrize(("n", "m"), [(12, 3), (12, 0), (24, 5), (9, "1/2"), (7, "2/3")])
 def test_transmission_is_that_of_the_path(curve, n, m):
@@ -44,8 +39,8 @@ def test_transmission_is_that_of_the_path(curve, n, m):
     assert isinstance(wheel, Mechanism)
 
 
-def test_cognates_trace_the_same_path(mechanisms):
-    for source in mechanisms[::5]:
+def test_cognates_trace_the_same_path():
+    for source in chart()[::5]:
         other = source.cognate
         assert other.curve == COGNATES[source.curve]
         assert other.cognate == source

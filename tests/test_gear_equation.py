@@ -13,11 +13,6 @@ from escapement.mechanisms.gear_equation import gear_ratio, lobe_ratios
 from gear_chart import LOBES, SOURCES, STATIONS, chart
 
 
-@pytest.fixture(scope="module")
-def mechanisms():
-    return chart()
-
-
 def tangency(k, gamma, alpha):
     """Zero where an arm exists with which the pin stands on a slot and moves along it.
 
@@ -70,9 +65,9 @@ def test_at_most_one_mechanism_and_where_there_is_none():
                     assert (not ratios) == beyond
 
 
-def test_follower_turns_by_a_station_and_starts_and_ends_at_rest(mechanisms):
-    assert len(mechanisms) > 4000
-    for wheel in (*mechanisms, *(wheel.cognate for wheel in mechanisms[::3])):
+def test_follower_turns_by_a_station_and_starts_and_ends_at_rest():
+    assert len(chart()) > 4000
+    for wheel in (*chart(), *(wheel.cognate for wheel in chart()[::3])):
         ends = np.array([wheel.breaks[0], wheel.breaks[-1]])
         assert 0.0 <= wheel.transmission(ends).g.min() <= wheel.transmission(ends).g.max() < 1e-13
         turned = np.diff(wheel.follower_angle(ends))[0]
@@ -82,10 +77,10 @@ def test_follower_turns_by_a_station_and_starts_and_ends_at_rest(mechanisms):
         assert 0.0 < wheel.motion_ratio < 1.0
 
 
-def test_no_wheel_turns_back(mechanisms):
+def test_no_wheel_turns_back():
     """g is positive inside the engagement and monotone from dead centre to the exit."""
     inside = np.linspace(0.0, 1.0, 33)[:-1]
-    for wheel in mechanisms[::7]:
+    for wheel in chart()[::7]:
         found = wheel.transmission(inside * wheel.breaks[-1])
         assert found.g.min() > 0.0
         assert (np.diff(found.g) < 0.0).all()

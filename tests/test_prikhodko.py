@@ -243,11 +243,10 @@ def test_run_with_a_mesh_that_loses(command):
     record = json.loads(out)
     assert (code, record["status"]) == (0, "ok")
     assert record["critical_friction"] is None
-    slow = json.loads(
-        command("run", *DRIVE, *options, "--efficiency", 0.9, "--json", "--engine", "ivp")[1]
-    )
+    ivp = ("--engine", "ivp", "--rtol", 1e-8)
+    slow = json.loads(command("run", *DRIVE, *options, "--efficiency", 0.9, "--json", *ivp)[1])
     for name in ("velocity_max", "velocity_min", "period", "rise_time", "settling_time"):
-        assert record[name] == pytest.approx(slow[name], rel=1e-8)
+        assert record[name] == pytest.approx(slow[name], rel=1e-7)
     code, out, _ = command("run", *DRIVE, *options, "--json")
     assert json.loads(out)["status"] == "no_terminal"
     code, _, err = command("run", *DRIVE, *options, "--friction", 0.1)
@@ -284,9 +283,9 @@ def test_sweep_over_efficiency_is_terminal_case_by_case():
             expected = getattr(one, name) * np.array([1.0, 0.5 if name != "velocity_max" else 2.0])
             np.testing.assert_allclose(study.results[name][i], expected, rtol=1e-9)
     assert np.isnan(study.results["period"][2]).all()
-    wide = esc.sweep(timer, sun_radius=[0.016, 0.02], engine="ivp")
-    assert wide.results["velocity_max"][0] == pytest.approx(
-        study.results["velocity_max"][1, 0], rel=1e-8
+    slow = esc.sweep(timer, sun_radius=[0.016], engine="ivp", rtol=1e-8)
+    assert slow.results["velocity_max"][0] == pytest.approx(
+        study.results["velocity_max"][1, 0], rel=1e-7
     )
 
 

@@ -253,15 +253,27 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     assert '"resumed": 40' in capsys.readouterr().out
 
 
+SLOW_SWEEP = """
+import time
+from escapement.cli import main
+from escapement.store import StudyWriter
+add = StudyWriter.add
+def add_and_wait(writer, block):
+    add(writer, block)
+    print("a block is safe", flush=True)
+    time.sleep(60)
+StudyWriter.add = add_and_wait
+main(["sweep", "s.toml", "--quiet", "--workers", "1"])
+"""
+
+
 def test_a_real_study_survives_its_process(tmp_path, monkeypatch):
     """Killed by SIGKILL as a whole program, then continued."""
-    text = CONFIGURATION.replace("num = 40", "num = 100_000").replace('"ivp"', '"energy"')
+    text = CONFIGURATION.replace("num = 40", "num = 50_000").replace('"ivp"', '"energy"')
     (tmp_path / "s.toml").write_text(text)
-    program = [sys.executable, "-m", "escapement", "sweep", "s.toml", "--quiet", "--workers", "1"]
+    program = [sys.executable, "-c", SLOW_SWEEP]
     with subprocess.Popen(program, cwd=tmp_path, stdout=subprocess.PIPE) as process:
-        partial = tmp_path / "s.h5.partial"
-        while process.poll() is None and not (partial.exists() and partial.stat().st_size > 1500):
-            pass
+        assert process.stdout.readline() == b"a block is safe\n"
         process.kill()
     assert process.returncode == -9
     assert not (tmp_path / "s.h5").exists()
