@@ -1,11 +1,13 @@
-"""A mechanism of no kind that the package knows: any pin path at all."""
+"""Geneva wheels, and the same pin paths as a mechanism of no kind that the package knows."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 from scipy.integrate import quad
 
+import escapement as esc
 from escapement.mechanisms._slotted import transmission
 
 
@@ -30,3 +32,14 @@ class Plain:
 
 def plain(wheel):
     return Plain(wheel.path, wheel.breaks[-1])
+
+
+def name_of(wheel):
+    return f"{wheel.slots}{'-internal' if wheel.internal else ''}"
+
+
+each_wheel = pytest.mark.parametrize(
+    "wheel",
+    [esc.Geneva(n, pins=1, internal=k) for n in (3, 4, 5, 8, 40) for k in (False, True)],
+    ids=name_of,
+)

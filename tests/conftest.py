@@ -1,4 +1,4 @@
-"""The command line as a test sees it, and an end to calls that hang."""
+"""What many tests share: the command line, all sources reproduced, calls counted or ended."""
 
 import contextlib
 import io
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement.cli import main
+from escapement.engines import _energy_batch
 
 
 @pytest.fixture
@@ -53,6 +54,20 @@ def refusal(command, tmp_path):
         return err
 
     return run
+
+
+@pytest.fixture
+def solves(monkeypatch):
+    """How many scenes each call of the batch solver was given."""
+    counted = []
+    solve = _energy_batch.solve
+
+    def count(mechanism, rho, *rest):
+        counted.append(rho.size)
+        return solve(mechanism, rho, *rest)
+
+    monkeypatch.setattr(_energy_batch, "solve", count)
+    return counted
 
 
 @pytest.fixture(scope="session")

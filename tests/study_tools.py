@@ -12,6 +12,18 @@ from escapement.store import (
     read_study,
 )
 
+IVP_STUDY = """
+torque = 0.01
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-7
+follower = 6e-6
+[sweep]
+friction = { start = 0.01, stop = 0.3, num = 40 }
+[solver]
+engine = "ivp"
+"""
 ATTRIBUTES = {
     "title": "a study – of µ",
     "schema_version": SCHEMA_VERSION,

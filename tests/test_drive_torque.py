@@ -9,23 +9,13 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import escapement as esc
-from any_path import Plain
+from any_path import Plain, each_wheel
 from escapement.constant_speed import geneva
 from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import radius
 
-WHEELS = [esc.Geneva(n, pins=1, internal=k) for n in (3, 4, 5, 8, 40) for k in (False, True)]
 
-
-def name_of(wheel):
-    return f"{wheel.slots}{'-internal' if wheel.internal else ''}"
-
-
-@pytest.fixture(params=WHEELS, ids=name_of)
-def wheel(request):
-    return request.param
-
-
+@each_wheel
 def test_torque_is_power_over_speed_without_friction(wheel):
     """M_2 omega_2 = M_0 omega_0, the follower's speed and acceleration by differences."""
     speed, load, inertia, eta = 12.0, 0.7, 2e-3, 0.8

@@ -22,21 +22,9 @@ from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.store import SCHEMA_VERSION, _lock, _owned_file, partial_path, read_study
 from escapement.sweeping import _run, sweep, write_plan
-from study_tools import without_date
+from study_tools import IVP_STUDY, without_date
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
-CONFIGURATION = """
-torque = 0.01
-[mechanism]
-slots = 4
-[inertia]
-driver = 3e-7
-follower = 6e-6
-[sweep]
-friction = { start = 0.01, stop = 0.3, num = 40 }
-[solver]
-engine = "ivp"
-"""
 
 
 @pytest.fixture
@@ -238,7 +226,7 @@ def test_resume_in_python(tmp_path, solved):
 
 def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "s.toml").write_text(CONFIGURATION)
+    (tmp_path / "s.toml").write_text(IVP_STUDY)
     assert main(["sweep", "s.toml", "--quiet", "--workers", "1"]) == 130
     assert capsys.readouterr().err.splitlines() == [
         "escapement: what was finished is in s.h5.partial; continue with --resume",
@@ -269,7 +257,7 @@ main(["sweep", "s.toml", "--quiet", "--workers", "1"])
 
 def test_a_real_study_survives_its_process(tmp_path, monkeypatch):
     """Killed by SIGKILL as a whole program, then continued."""
-    text = CONFIGURATION.replace("num = 40", "num = 50_000").replace('"ivp"', '"energy"')
+    text = IVP_STUDY.replace("num = 40", "num = 50_000").replace('"ivp"', '"energy"')
     (tmp_path / "s.toml").write_text(text)
     program = [sys.executable, "-c", SLOW_SWEEP]
     with subprocess.Popen(program, cwd=tmp_path, stdout=subprocess.PIPE) as process:

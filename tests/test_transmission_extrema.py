@@ -5,22 +5,12 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from any_path import plain
+from any_path import each_wheel, plain
 from escapement.constant_speed import geneva, jerk_function
 from escapement.model import Mechanism
 
-WHEELS = [esc.Geneva(n, pins=1, internal=k) for n in (3, 4, 5, 8, 40) for k in (False, True)]
 
-
-def name_of(wheel):
-    return f"{wheel.slots}{'-internal' if wheel.internal else ''}"
-
-
-@pytest.fixture(params=WHEELS, ids=name_of)
-def wheel(request):
-    return request.param
-
-
+@each_wheel
 def test_extrema_are_found_by_search_too(wheel):
     found = esc.transmission_extrema(wheel)
     theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 4001)
@@ -44,6 +34,7 @@ def test_extrema_are_found_by_search_too(wheel):
         assert float(read(extremum.angle)) == pytest.approx(extremum.value, rel=1e-13)
 
 
+@each_wheel
 def test_a_mechanism_of_unknown_kind_has_the_same_extrema(wheel):
     closed, found = (esc.transmission_extrema(m) for m in (wheel, plain(wheel)))
     assert isinstance(plain(wheel), Mechanism)
@@ -55,6 +46,7 @@ def test_a_mechanism_of_unknown_kind_has_the_same_extrema(wheel):
     np.testing.assert_allclose(found.reversal_limits, closed.reversal_limits, rtol=1e-12)
 
 
+@each_wheel
 def test_jerk_is_the_slope_of_the_acceleration(wheel):
     theta = np.linspace(0.95 * wheel.breaks[0], 0.95 * wheel.breaks[-1], 24)
     step = 1e-4
