@@ -21,9 +21,9 @@ def few_steps(monkeypatch):
 
 @pytest.mark.usefixtures("few_steps")
 @pytest.mark.parametrize(
-    "options", [{"method": "RK23", "rtol": 1e-13}, {"method": "RK45", "max_step": 1e-9}]
+    "options", [{"method": "RK23", "rtol": 1e-8}, {"method": "RK45", "max_step": 1e-5}]
 )
-def test_too_many_steps_end_in_a_status(options):
+def test_too_many_steps_end_in_a_status(options, monkeypatch):
     motion = ivp(**options)
     assert motion.status is Status.NOT_CONVERGED
     assert "more than 1000 steps" in motion.message
@@ -31,11 +31,13 @@ def test_too_many_steps_end_in_a_status(options):
     figures = esc.terminal(TIMER, engine="ivp", **options)
     assert (figures.status, figures.message) == (motion.status, motion.message)
     assert math.isnan(figures.velocity_max)
+    monkeypatch.setattr(_ivp_piece, "MOST_STEPS", 10_000)
+    assert ivp(**options).status is Status.OK
 
 
 @pytest.mark.usefixtures("few_steps")
 def test_too_many_steps_on_the_command_line(command, tmp_path):
-    code, _, err = command("run", *MODEL, "--engine", "ivp", "--method", "RK23", "--rtol", "1e-13")
+    code, _, err = command("run", *MODEL, "--engine", "ivp", "--method", "RK23", "--rtol", "1e-8")
     assert code == 3
     assert err.count("\n") == 1
     assert "choose a larger rtol, a larger max_step or method 'DOP853'" in err
