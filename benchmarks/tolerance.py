@@ -3,7 +3,7 @@
     python benchmarks/tolerance.py [--energy 1000] [--ivp 1000] [--only NAME ...]
 
 Five studies, each a CSV in benchmarks/results, judged by the Taylor integrator of
-`independent.py`; `figures.py` draws them:
+`independent`; `figures.py` draws them:
 
     tolerance     error over tolerance of random cases, both engines
     order         observed order of solve_ivp's methods with a fixed step
@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import independent
 import judge
-import stress
+from random_cases import Problem, draw
 
 import escapement as esc
 from escapement.dynamics import critical_friction
@@ -86,13 +86,13 @@ def study_tolerance(options):
     the double precision of the independent integrator has its own errors.
     """
     head = ["engine", "rtol", "cases", "median", "q95", "worst", "worst / rtol", "share <= 10 rtol"]
-    head += ["ms a case", *stress.Problem._fields[:7]]
+    head += ["ms a case", *Problem._fields[:7]]
     rows = kept("tolerance", lambda row: getattr(options, row[0]) == 0)
     for engine, count, lowest in (("energy", options.energy, 13), ("ivp", options.ivp, 12)):
         random = np.random.default_rng(SEED)
         problems = []
         while len(problems) < count:
-            problem = stress.draw(random)
+            problem = draw(random)
             truth = exact(independent.case_of(*problem.physics[:6]), problem.speed**2)
             if truth is not None:
                 problems.append([problem, truth])
@@ -126,7 +126,7 @@ def study_order(_options):
     an error passes through on its way down would be taken for order.
     """
     problems = [
-        stress.Problem(4, 4, False, 1.0, 0.2, 0.0, float(speed), 1e-9, 0.1)
+        Problem(4, 4, False, 1.0, 0.2, 0.0, float(speed), 1e-9, 0.1)
         for speed in np.linspace(0.5, 2.0, 8)
     ]
     truths = [exact(independent.case_of(*p.physics[:6]), p.speed**2) for p in problems]
@@ -163,7 +163,7 @@ def study_painleve(_options):
         for power in np.arange(1.0, 7.01, 0.5):
             gap = 10.0**-power
             mu = (1.0 - gap) * limit
-            problem = stress.Problem(slots, wheel.pins, False, rho, mu, 0.0, 0.0, 1e-12, 1.0 - gap)
+            problem = Problem(slots, wheel.pins, False, rho, mu, 0.0, 0.0, 1e-12, 1.0 - gap)
             truth = exact(independent.case_of(*problem.physics[:6]), 0.0)
             for engine, rtol in (("energy", 1e-12), ("ivp", 1e-10)):
                 error = error_of(problem, engine, rtol, truth)
@@ -203,7 +203,7 @@ def study_long_run(_options):
     count, rows = 1_000_000, []
     for mu in (0.0, 1e-6):
         case = independent.case_of(4, 4, False, 1.0, mu, 0.0)
-        model = stress.Problem(4, 4, False, 1.0, mu, 0.0, 0.0, 1e-12, 0.0).model
+        model = Problem(4, 4, False, 1.0, mu, 0.0, 0.0, 1e-12, 0.0).model
         began = time.perf_counter()
         motion = esc.simulate(model, count, rtol=1e-12)
         spent = time.perf_counter() - began

@@ -1,267 +1,13 @@
 """Whatever is wrong is said in one line: the argument, its rule, the value, a remedy."""
 
-import math
-import signal
-from functools import partial
-from typing import Any, NamedTuple
-
 import numpy as np
 import pytest
 
-import escapement as esc
-from escapement.cli import main
-from escapement.configuration import parse_plan
+from bad_calls import MODEL, TABLE, built, wheel
 from escapement.errors import InvalidValue
-from escapement.status import Status
-
-INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
-WHEEL = esc.Geneva(slots=4)
-TIMER = esc.Escapement(WHEEL, INERTIA, torque=0.0113, friction=0.35)
 
 
-class Bad(NamedTuple):
-    """A call that must be refused, and what its message must say."""
-
-    call: Any
-    name: str
-    rule: str
-    value: str
-
-
-class Text(str):
-    """A string that is not of the very type str."""
-
-
-def built(**changes):
-    model = {"mechanism": WHEEL, "inertia": INERTIA, "torque": 0.0113, "friction": 0.35}
-    return esc.Escapement(**(model | changes))
-
-
-def inertia(**changes):
-    return esc.Inertia(**({"driver": 1.0, "follower": 1.0} | changes))
-
-
-def wheel(**changes):
-    return esc.Geneva(**({"slots": 4} | changes))
-
-
-def ivp(**changes):
-    return esc.simulate(TIMER, 1, **({"engine": "ivp"} | changes))
-
-
-def lasting(**changes):
-    return esc.simulate(TIMER, **changes)
-
-
-def first_steps(**changes):
-    return esc.simulate(TIMER, 1, **changes)
-
-
-def figures(**changes):
-    return esc.terminal(TIMER, **changes)
-
-
-def grid(**changes):
-    return esc.sweep(TIMER, **changes)
-
-
-def study(**changes):
-    content = {"mechanism": {"slots": 4}, "inertia": {"driver": 1.0, "follower": 1.0}}
-    content |= {"torque": 1.0, "sweep": {"friction": [0.1]}}
-    return parse_plan(content | changes)
-
-
-def show(value):
-    return repr(value).partition("\n")[0][:20]
-
-
-# number, how it is given, its rule, and values outside it
-NUMBERS = {
-    "torque": (built, "torque", "greater than 0", [0, -0.0, -3e-6]),
-    "friction": (built, "friction", "at least 0", [-1e-300, -0.35]),
-    "load_torque": (built, "load_torque", "at least 0", [-0.5]),
-    "efficiency": (built, "efficiency", "in [0.001, 1]", [1.5, 1e-4]),
-    "driver_inertia": (inertia, "driver", "greater than 0", [0.0, -3e-6]),
-    "follower_inertia": (inertia, "follower", "greater than 0", [0.0, -1]),
-    "crank_radius": (wheel, "crank_radius", "greater than 0", [0, -0.02]),
-    "initial_speed": (first_steps, "initial_speed", "at least 0", [-1.0]),
-    "duration": (lasting, "duration", "greater than 0", [0.0, -2]),
-    "rtol": (figures, "rtol", "at least 1e-13 and below 1", [0, -1e-9, 1.0, 9e-14, 2]),
-    "atol": (ivp, "atol", "at least 0", [-1e-12]),
-    "max_step": (ivp, "max_step", "greater than 0", [0, -1e-3]),
-}
-NO_NUMBERS = [
-    *("0.1", "", Text("1"), b"1", True, math.nan, math.inf, -math.inf, [0.1], {}, 1j, 10**400),
-    *(np.float64("nan"), np.str_("1"), np.array([0.1]), np.array([0.1, 0.2]), np.array("0.1")),
-    *(np.array([["0.1"], ["0.2"]]), np.array(True), np.zeros((0, 3)), np.array(1j)),
-    *(np.True_, np.complex128(1 + 2j), np.datetime64("1973-01-01"), object),
-]
-WHOLE = {
-    "slots": (wheel, "a whole number of at least 3", [2, 0, -4]),
-    "pins": (wheel, "a whole number of at least 1", [0, -1]),
-    "engagements": (partial(esc.simulate, TIMER), "a whole number of at least 1", [0, -20]),
-    "workers": (partial(grid, friction=[0.3]), "a whole number of at least 1", [0, -2]),
-}
-NOT_WHOLE = [
-    "4",
-    4.0,
-    2.5,
-    math.nan,
-    True,
-    [4],
-    4j,
-    np.float64(4.0),
-    np.array([4]),
-    np.array([4, 5]),
-]
-CHOICES = {
-    "engine": (first_steps, "energy, ivp"),
-    "method": (ivp, "DOP853, RK45, RK23, Radau, BDF, LSODA"),
-}
-NO_CHOICE = ["euler", "", "RK54", 4, 4.5, True, ["ivp"], b"ivp", np.array(["ivp", "energy"])]
-
-
-def numbers():
-    for name, (call, key, rule, outside) in NUMBERS.items():
-        for value in NO_NUMBERS:
-            yield Bad(partial(call, **{key: value}), name, "a finite number", show(value))
-        for value in outside:
-            yield Bad(partial(call, **{key: value}), name, rule, show(value))
-    for name, (call, rule, outside) in WHOLE.items():
-        for value in [*NOT_WHOLE, *outside]:
-            yield Bad(partial(call, **{name: value}), name, rule, show(value))
-    for name, (call, allowed) in CHOICES.items():
-        for value in NO_CHOICE:
-            yield Bad(partial(call, **{name: value}), name, f"one of {allowed}", show(value))
-
-
-def objects():
-    for value in (4, None, "geneva", esc.Geneva, INERTIA):
-        yield Bad(partial(built, mechanism=value), "mechanism", "a mechanism", show(value))
-    for value in ((1.0, 2.0), None, 1.0, esc.Inertia):
-        yield Bad(partial(built, inertia=value), "inertia", "an Inertia", show(value))
-    for value in (None, WHEEL, esc.Escapement):
-        for call in (esc.simulate, esc.terminal):
-            yield Bad(partial(call, value), "escapement", "an Escapement", show(value))
-    for value in (0, 1, "yes", None, np.array([True, False])):
-        yield Bad(partial(wheel, internal=value), "internal", "true or false", show(value))
-
-
-def together():
-    for n, pins, most in ((4, 5, 4), (5, 4, 3), (3, 7, 6), (1000, 3, 2), (6, 10**400, 3)):
-        call = partial(esc.Geneva, n, pins)
-        yield Bad(call, "pins", f"at most {most} for {n} slots", show(pins))
-    inside = partial(esc.Geneva, 5, 2, internal=True)
-    yield Bad(inside, "pins", "at most 1 for an internal wheel", "2")
-    both = partial(lasting, engagements=3, duration=1.0)
-    yield Bad(both, "engagements and duration", "not both be given", "3 and 1.0")
-    for name, value in (("atol", 1e-9), ("method", "RK45"), ("max_step", 1.0)):
-        call = partial(first_steps, **{name: value})
-        yield Bad(call, name, "left out with engine 'energy'", show(value))
-    yield Bad(partial(built, efficiency=0.0), "efficiency", "greater than 0", "0.0")
-    yield Bad(partial(built, efficiency=0.9), "efficiency", "1 for a slotted mechanism", "0.9")
-    tiny = partial(built, torque=1e-300)
-    yield Bad(tiny, "follower_inertia / torque", "between 1e-100 and 1e100", "e+294")
-    light = partial(built, inertia=inertia(driver=1e-300))
-    yield Bad(light, "driver_inertia / follower_inertia", "between 1e-100 and 1e100", "1e-300")
-    yield Bad(partial(built, load_torque=1e300), "load_torque / torque", "below 1e100", "e+301")
-    yield Bad(partial(first_steps, initial_speed=1e300), "initial_speed", "at most", "1e+300")
-    for count in (10**7, 10**400, 10**5000):
-        yield Bad(partial(esc.Geneva, count), "slots", "at most 1000000", "")
-    for count in (10**12, 10**30, 10**400):
-        call = partial(esc.simulate, TIMER, count)
-        yield Bad(call, "engagements", "whole number of at most 10000000", show(count))
-    many = partial(esc.simulate, TIMER, 10_001, engine="ivp")
-    yield Bad(many, "engagements", "whole number of at most 10000", "10001")
-    for engine, most in (("energy", 10_000_000), ("ivp", 10_000)):
-        for time in (1e9, 1e300):
-            call = partial(lasting, duration=time, engine=engine)
-            yield Bad(call, "duration", f"in which {most} engagements pass", show(time))
-
-
-def look(t):
-    return esc.simulate(TIMER, 1).at(t)
-
-
-def times():
-    rule = "between 0 and the end of the motion"
-    for t in (-1e-300, -1.0, 1.0, math.nan, math.inf, [0.0, 0.01, 9.0], [[math.nan]], None):
-        shown = show(float(np.array(t, dtype=float).flat[-1]))
-        yield Bad(partial(look, t), "t", rule, shown)
-    for t in ("now", 1j, {}, [[0.0], [0.0, 0.0]], 10**400):
-        yield Bad(partial(look, t), "t", "a time in s or an array of times", show(t))
-
-
-def axes():
-    yield Bad(grid, "study", "sweep at least one parameter", "none")
-    for value in ("0.1", None, True, {1, 2}, np.zeros((2, 0)), np.array(["a"])):
-        yield Bad(partial(grid, friction=value), "friction", "must be", "")
-    for name, value, rule in (
-        ("friction", -0.1, "at least 0"),
-        ("torque", 0.0, "greater than 0"),
-        ("load_torque", math.nan, "a finite number"),
-        ("driver_inertia", -1.0, "greater than 0"),
-        ("follower_inertia", math.inf, "a finite number"),
-        ("initial_speed", -2.0, "at least 0"),
-        ("slots", 2, "a whole number of at least 3"),
-        ("pins", 0, "a whole number of at least 1"),
-    ):
-        yield Bad(partial(grid, **{name: [5.0, value]}), f"{name}[1]", rule, show(value))
-        yield Bad(partial(study, sweep={name: [value]}), f"{name}[0]", rule, show(value))
-    yield Bad(partial(grid, friction=[]), "friction", "at least one value", "an empty axis")
-    yield Bad(partial(grid, radius=[1.0]), "'radius'", "unknown key", "radius")
-    for key, value in (("start", "a"), ("stop", -1.0), ("num", 0), ("log", "yes"), ("step", 1)):
-        form = {"start": 0.1, "stop": 0.2, "num": 2, key: value}
-        rule = "unknown key" if key == "step" else "must be"
-        shown = "" if key == "step" else show(value)
-        yield Bad(partial(study, sweep={"friction": form}), key, rule, shown)
-
-
-def studies():
-    for section in ("mechanism", "inertia", "sweep", "solver"):
-        for value in ("x", 4, [1]):
-            yield Bad(partial(study, **{section: value}), section, "a table", show(value))
-    for key, value in (("engine", "eenrgy"), ("method", "RK45"), ("rtol", "small"), ("atol", 1.0)):
-        rule = "left out with engine 'energy'" if key in ("method", "atol") else "must be"
-        yield Bad(partial(study, solver={key: value}), key, rule, show(value))
-    for value in ("imperial", None, 3, ["SI"]):
-        yield Bad(partial(study, units=value), "units", "one of SI, in-lbf-s", show(value))
-    for value in (None, 3, "two\nlines", ["a"]):
-        yield Bad(partial(study, title=value), "title", "one line of text", show(value))
-    for key in ("frictions", "Torque", "slot", "", "sweeps", "load torque"):
-        yield Bad(partial(study, **{key: 1.0}), repr(key), "unknown key", key)
-
-
-TABLE = [*numbers(), *objects(), *together(), *times(), *axes(), *studies()]
-
-
-@pytest.fixture(scope="module")
-def compiled():
-    """Both engines, ready to run: compiling them is not what a test waits for."""
-    for engine in ("energy", "ivp"):
-        esc.simulate(TIMER, 2, engine=engine).at(0.0)
-        esc.terminal(TIMER, engine=engine)
-    esc.sweep(TIMER, friction=[0.3])
-
-
-@pytest.fixture
-def patience(compiled):
-    """No call may hang: twenty seconds of the processor, where the system can count them."""
-    if not hasattr(signal, "SIGPROF"):
-        yield
-        return
-
-    def stop(*_):
-        raise TimeoutError("twenty seconds without an answer")
-
-    before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, 20.0)
-    yield
-    signal.setitimer(signal.ITIMER_PROF, 0.0)
-    signal.signal(signal.SIGPROF, before)
-
-
-def refusal(call):
+def outcome(call):
     """What InvalidValue says; any other outcome is the exception itself, or None."""
     try:
         call()
@@ -273,7 +19,7 @@ def refusal(call):
 @pytest.mark.usefixtures("patience")
 @pytest.mark.parametrize("bad", TABLE, ids=lambda bad: f"{bad.name}-{bad.value}")
 def test_a_refusal_names_argument_rule_value_and_remedy(bad):
-    error = refusal(bad.call)
+    error = outcome(bad.call)
     assert isinstance(error, InvalidValue)
     message = str(error)
     assert message.isprintable()
@@ -292,7 +38,7 @@ def test_different_rules_have_different_messages():
     rule_of = {}
     for bad in TABLE:
         rule = (bad.name, bad.rule)
-        assert rule_of.setdefault(str(refusal(bad.call)), rule) == rule
+        assert rule_of.setdefault(str(outcome(bad.call)), rule) == rule
 
 
 def test_a_number_in_an_array_without_dimensions_is_a_number():
@@ -300,8 +46,6 @@ def test_a_number_in_an_array_without_dimensions_is_a_number():
     assert wheel(slots=np.array(5)) == wheel(slots=np.int8(5)) == wheel(slots=5)
 
 
-MODEL = ["--torque", "0.0113", "--driver-inertia", "3.39e-7", "--follower-inertia", "5.65e-6"]
-MODEL += ["--friction", "0.35", "-o", "out.h5", "--plot", "out.png"]
 COMMANDS = {
     "time without end": (
         ["run", *MODEL, "--duration", "1e300"],
@@ -346,93 +90,7 @@ COMMANDS = {
 
 @pytest.mark.usefixtures("patience")
 @pytest.mark.parametrize(("argv", "name", "rule"), COMMANDS.values(), ids=COMMANDS)
-def test_commands_refuse_alike(capsys, tmp_path, monkeypatch, argv, name, rule):
-    monkeypatch.chdir(tmp_path)
-    assert main(argv) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("escapement: error: ")
-    assert err.count("\n") == 1
-    assert name in err
-    assert rule in err
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.usefixtures("patience")
-@pytest.mark.parametrize(
-    "options", [{"method": "RK23", "rtol": 1e-13}, {"method": "RK45", "max_step": 1e-9}]
-)
-def test_too_many_steps_end_in_a_status(options):
-    motion = ivp(**options)
-    assert motion.status is Status.NOT_CONVERGED
-    assert "more than 25000 steps" in motion.message
-    assert motion.handoff_times.size == 0
-    figures = esc.terminal(TIMER, engine="ivp", **options)
-    assert (figures.status, figures.message) == (motion.status, motion.message)
-    assert math.isnan(figures.velocity_max)
-
-
-@pytest.mark.usefixtures("patience")
-def test_too_many_steps_on_the_command_line(capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    argv = ["run", *MODEL, "--engine", "ivp", "--method", "RK23", "--rtol", "1e-13"]
-    assert main(argv) == 3
-    _out, err = capsys.readouterr()
-    assert err.count("\n") == 1
-    assert "choose a larger rtol, a larger max_step or method 'DOP853'" in err
-    assert not list(tmp_path.iterdir())
-
-
-# what is allowed ends, and says what is missing
-
-ODD = {
-    "nothing but a driver": built(inertia=esc.Inertia(1e8, 1.0), torque=1.0),
-    "nothing but a follower": built(inertia=esc.Inertia(1e-6, 1.0), torque=1.0, friction=1e-4),
-    "hardly any friction": built(friction=1e-12),
-    "a load that stops it": built(load_torque=1.0),
-    "a load it cannot start": built(load_torque=1e50),
-    "a load without friction": built(friction=0.0, load_torque=0.0102),
-    "a wheel of a thousand slots": built(mechanism=wheel(slots=1000)),
-    "friction beyond the limit": built(friction=1e300),
-}
-ALWAYS = ("velocity_max", "velocity_min", "velocity_mean", "period", "handoff_velocity")
-
-
-@pytest.mark.usefixtures("patience")
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-@pytest.mark.parametrize("name", ODD)
-def test_a_missing_figure_has_a_status_or_a_message(name, engine):
-    found = esc.terminal(ODD[name], engine=engine)
-    missing = [math.isnan(getattr(found, figure)) for figure in ALWAYS]
-    assert all(missing) == any(missing) == (found.status is not Status.OK)
-    if found.status is not Status.OK or math.isnan(found.settling_time):
-        assert found.message != "done"
-        assert "nan" not in found.message
-    motion = esc.simulate(ODD[name], 2, engine=engine)
-    if motion.status is Status.OK:
-        assert np.isfinite(motion.handoff_velocities).all()
-        assert motion.handoff_velocities.size == 2
-    else:
-        assert motion.message != "done"
-    # from rest both tell the same story: what cannot do one cell has no terminal cycle
-    assert motion.status.failed == found.status.failed
-
-
-@pytest.mark.usefixtures("patience")
-@pytest.mark.parametrize("settings", [{"atol": 0.0}, {"atol": 0.0, "rtol": 1e-13}, {"rtol": 0.5}])
-def test_any_tolerance_that_is_allowed_ends(settings):
-    motion = ivp(**settings)
-    best = first_steps()
-    error = abs(motion.handoff_times[0] / best.handoff_times[0] - 1.0)
-    assert error <= 10.0 * settings.get("rtol", 1e-10)
-
-
-@pytest.mark.usefixtures("patience")
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-def test_any_speed_that_is_allowed_is_simulated(engine):
-    unit = math.sqrt(TIMER.torque / TIMER.inertia.follower)
-    for exponent in (10, 20, 50, 99):
-        speed = 10.0**exponent * unit
-        motion = esc.simulate(TIMER, 1, engine=engine, initial_speed=speed)
-        assert motion.status is Status.OK
-        assert motion.handoff_velocities[0] == pytest.approx(speed * 0.007625214402, rel=1e-6)
+def test_commands_refuse_alike(refusal, argv, name, rule):
+    said = refusal(2, *argv)
+    assert name in said
+    assert rule in said

@@ -2,13 +2,13 @@
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
 
 import escapement as esc
-from escapement.cli import main
 from escapement.cli._output import plain
 from escapement.cli._tables import spread
 from escapement.solver import DEFAULT_RTOL, ENGINES, METHODS
@@ -34,25 +34,17 @@ follower = 50e-6
 friction = {friction}
 torque = [0.08, 0.10, 0.12, 0.14]
 """
+(REFERENCE,) = [
+    case
+    for case in json.loads((Path(__file__).parent / "reference" / "motions.json").read_text())
+    if case["name"] == "meyer four pins"
+]
 RUN_KEYS = {
     *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
     *("rise_time", "settling_time", "critical_friction", "handoff_times", "handoff_velocities"),
     *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
     *("status", "message", "engine"),
 }
-
-
-@pytest.fixture
-def command(capsys, monkeypatch, tmp_path):
-    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture
@@ -89,8 +81,8 @@ def test_run_json_is_one_object_with_the_promised_keys(command):
         figures["contact_moment_max"] / INCH_POUND, rel=1e-12
     )
     assert len(record["handoff_times"]) == 20
-    assert record["handoff_times"][-1] == pytest.approx(0.881247098654620, rel=1e-9)
-    assert record["handoff_velocities"][-1] == pytest.approx(74.6834608876848, rel=1e-9)
+    for name in ("handoff_times", "handoff_velocities"):
+        assert record[name] == pytest.approx([float(x) for x in REFERENCE[name]], rel=1e-9)
     assert abs(record["energy_residual"]) < 1e-9
     assert (record["status"], record["engine"]) == ("ok", "energy")
 
@@ -106,12 +98,14 @@ def test_run_gives_the_same_motion_in_either_system(command):
     )
 
 
-def test_run_table_says_the_same_as_the_json(command):
+def test_run_table_says_the_same_as_the_json(command, report):
+    record = report("run", "--friction", ".35", *MEYER)
     code, out, err = command("run", "--friction", ".35", *MEYER)
     rows = dict(line.split("  ", 1) for line in out.splitlines())
     assert (code, err) == (0, "")
-    assert rows["velocity max"].split() == ["117.071", "rad", "s-1"]
-    assert rows["contact moment max"].split() == ["1.90259", "in", "lbf"]
+    assert rows["velocity max"].split() == [f"{record['velocity_max']:.6g}", "rad", "s-1"]
+    moment = f"{record['contact_moment_max']:.6g}"
+    assert rows["contact moment max"].split() == [moment, "in", "lbf"]
     assert rows["status"].split() == ["ok"]
 
 
@@ -119,14 +113,16 @@ def test_run_table_says_the_same_as_the_json(command):
 def test_run_length(command, extra):
     record = json.loads(command("run", "--friction", ".35", *MEYER, *extra, "--json")[1])
     assert len(record["handoff_times"]) == 3
-    assert record["velocity_max"] == pytest.approx(117.0714983, rel=1e-8)
+    expected = float(REFERENCE["terminal"]["velocity_max"])
+    assert record["velocity_max"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_run_with_the_reference_engine(command):
     extra = ["--engine", "ivp", "--rtol", "1e-8", "--method", "RK45", "--max-step", "1e-3"]
     record = json.loads(command("run", "--friction", ".35", *MEYER, *extra, "--json")[1])
     assert record["engine"] == "ivp"
-    assert record["handoff_times"][-1] == pytest.approx(0.881247098654620, rel=1e-7)
+    expected = float(REFERENCE["handoff_times"][-1])
+    assert record["handoff_times"][-1] == pytest.approx(expected, rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -287,33 +283,31 @@ def test_plot_of_a_motion(command):
     assert record == {"input": "m.h5", "holds": "motion", "output": "m.png"}
 
 
-def test_reproduce_meyer(command, tmp_path):
-    code, out, _ = command("reproduce", "meyer", "-o", "meyer", "--json", "--units", "in-lbf-s")
-    rows = json.loads(out)["rows"]
-    assert code == 0
+def test_reproduce_meyer(report, reproduced):
+    folder, rows = reproduced[0] / "meyer", reproduced[1]["meyer"]["rows"]
+    inches = report("reproduce", "meyer", "--units", "in-lbf-s")["rows"]
     assert len(rows) == 49
     columns = ("printed", "as_published", "program_1973", "true")
     figures = {"velocity_max", "velocity_min", "rise_time", "period"}
     assert all(set(row[column]) == figures for row in rows for column in columns)
     assert {"slots", "friction", "torque_inlbf"} <= set(rows[0])
-    written = {path.name for path in (tmp_path / "meyer").iterdir()}
+    for row, same in zip(rows, inches, strict=True):
+        assert all(row[column] == same[column] for column in columns)
+        assert same["torque"] == row["torque_inlbf"]
+    written = {path.name for path in folder.iterdir()}
     assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
-    assert json.loads((tmp_path / "meyer" / "meyer_appendix_e.json").read_text())["rows"] == rows
-    table = (tmp_path / "meyer" / "meyer_appendix_e.csv").read_text().splitlines()
+    assert json.loads((folder / "meyer_appendix_e.json").read_text())["rows"] == rows
+    table = (folder / "meyer_appendix_e.csv").read_text().splitlines()
     assert len(table) == 50
 
 
-def test_reproduce_all_is_each_source_in_a_folder_of_its_own(command, tmp_path):
-    code, out, _ = command("reproduce", "all", "-o", "all", "--json")
-    record = json.loads(out)
-    assert code == 0
+def test_reproduce_all_is_each_source_in_a_folder_of_its_own(reproduced):
+    folder, record = reproduced
     assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
     assert len(record["meyer"]["rows"]) == 49
-    assert {path.name for path in (tmp_path / "all").iterdir()} == set(record)
-    assert (
-        json.loads((tmp_path / "all/filemon/filemon_table_1.json").read_text())
-        == (record["filemon"])
-    )
+    assert {path.name for path in folder.iterdir()} == set(record)
+    table = (folder / "filemon" / "filemon_table_1.json").read_text()
+    assert json.loads(table) == record["filemon"]
 
 
 def test_reproduce_meyer_prints_rows_reasons_and_counts(command):

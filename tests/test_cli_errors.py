@@ -2,8 +2,6 @@
 
 import pytest
 
-from escapement.cli import main
-
 BASE = {
     "--torque": ".10",
     "--driver-inertia": "3e-6",
@@ -39,9 +37,8 @@ NEGATIVE = ["-3e-6", "-.5", "-1", "-2.5E+3"]
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(tmp_path):
     """A folder with a good study, bad ones, and things that are no study."""
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "good.toml").write_text(STUDY)
     (tmp_path / "broken.toml").write_text("units = \n")
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
@@ -51,32 +48,19 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def check(capsys, folder, argv, code, *said):
-    """One line on stderr that says all of `said`, nothing on stdout, no file touched."""
-    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
-    found = main([str(word) for word in argv])
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("escapement: error: ")
-    assert err.count("\n") == 1
-    assert "Traceback" not in err
-    for text in said:
-        assert text in err
-    assert found == code
-    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
-
-
 @pytest.mark.parametrize("value", NOT_FINITE)
 @pytest.mark.parametrize("name", NUMBERS)
-def test_what_is_no_number(capsys, folder, name, value):
-    rule = "must be a finite number"
-    check(capsys, folder, run(f"--{name}", value), 2, f"--{name} {rule}, got {value!r}; ")
+def test_what_is_no_number(refusal, name, value):
+    said = refusal(2, *run(f"--{name}", value))
+    assert f"--{name} must be a finite number, got {value!r}; " in said
 
 
 @pytest.mark.parametrize("value", NEGATIVE)
 @pytest.mark.parametrize("name", NUMBERS)
-def test_negative_numbers_reach_their_rule(capsys, folder, name, value):
-    check(capsys, folder, run(f"--{name}", value), 2, name, f"got {float(value)!r}")
+def test_negative_numbers_reach_their_rule(refusal, name, value):
+    said = refusal(2, *run(f"--{name}", value))
+    assert name in said
+    assert f"got {float(value)!r}" in said
 
 
 USAGE = {
@@ -133,8 +117,9 @@ USAGE = {
 
 
 @pytest.mark.parametrize(("argv", "said"), [(a, s) for a, *s in USAGE.values()], ids=USAGE)
-def test_wrong_usage(capsys, folder, argv, said):
-    check(capsys, folder, argv, 2, *said)
+def test_wrong_usage(refusal, argv, said):
+    line = refusal(2, *argv)
+    assert [words for words in said if words not in line] == []
 
 
 FILES = {
@@ -174,8 +159,9 @@ FILES = {
 @pytest.mark.parametrize(
     ("argv", "code", "said"), [(a, c, s) for a, c, *s in FILES.values()], ids=FILES
 )
-def test_wrong_file(capsys, folder, argv, code, said):
-    check(capsys, folder, argv, code, *said)
+def test_wrong_file(refusal, argv, code, said):
+    line = refusal(code, *argv)
+    assert [words for words in said if words not in line] == []
 
 
 STUDIES = {
@@ -193,6 +179,7 @@ STUDIES = {
 
 
 @pytest.mark.parametrize(("change", "said"), [(c, s) for c, *s in STUDIES.values()], ids=STUDIES)
-def test_wrong_study(capsys, folder, change, said):
+def test_wrong_study(refusal, folder, change, said):
     (folder / "bad.toml").write_text(STUDY.replace(*change))
-    check(capsys, folder, ["sweep", "bad.toml"], 2, "bad.toml", *said)
+    line = refusal(2, "sweep", "bad.toml")
+    assert [words for words in ("bad.toml", *said) if words not in line] == []

@@ -8,11 +8,11 @@ import resource
 import signal
 import subprocess
 import sys
+from itertools import cycle
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
 import crash_tools as tools
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and locks")
@@ -30,19 +30,16 @@ def test_asked_to_end(tmp_path, number):
 
 @pytest.mark.parametrize("begun", [False, True], ids=["fresh", "resumed"])
 def test_a_call_that_fails_costs_one_line(tmp_path, begun):
-    calls = [*range(0, 40, 3), *range(40, 1100, 400)]
-    injected = [
-        tools.fail_once(tmp_path, call, code, begun) for call in calls for code in tools.ERRORS[:5]
-    ]
-    assert len(injected) >= 80
-    assert all(injected)
+    calls = [*range(40), *range(40, 1100, 200)]
+    codes = cycle(tools.ERRORS[:5])
+    assert all(tools.fail_once(tmp_path, call, next(codes), begun) for call in calls)
 
 
 def test_random_damage_is_found(tmp_path):
     rng = random.Random(3)
-    lost = [tools.damage_once(tmp_path, rng) for _ in range(200)]
+    lost = [tools.damage_once(tmp_path, rng) for _ in range(100)]
     assert max(lost) <= 5
-    assert sum(lost) > 100
+    assert sum(lost) > 50
 
 
 def test_damage_costs_one_block_and_no_other(tmp_path):

@@ -1,122 +1,18 @@
-"""Gear-driven wheels: equation (8) against geometry, the motion, cognates, what cannot be."""
+"""Gear-driven wheels: their motion, cognates, slots, and what cannot be."""
 
 import math
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, terminal
+from escapement import Escapement, GearDriven, Inertia
 from escapement._curves import COGNATES, CURVES
-from escapement.constant_speed import drive_torque, jerk_function
+from escapement.constant_speed import jerk_function
 from escapement.errors import InvalidValue
-from escapement.mechanisms.gear_equation import gear_ratio, lobe_ratios
+from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import Mechanism
-
-SOURCES = CURVES[:2]
-STATIONS = range(3, 25)
-LOBES = sorted({Fraction(a, b) for b in (1, 2, 3, 5) for a in range(30 * b)})
-
-
-def chart(stations=STATIONS, lobes=LOBES):
-    """Every mechanism with V0 < 1 of these numbers; the whole chart has over 4000."""
-    return [
-        GearDriven(n, m, curve)
-        for curve in SOURCES
-        for n in stations
-        for m in lobes
-        if (curve == "epicycloid" or 2 * (m + 1) < n)
-        and any(ratio < 1.0 for ratio in lobe_ratios(n, m, curve))
-    ]
-
-
-@pytest.fixture(scope="module")
-def mechanisms():
-    return chart()
-
-
-def position(k, carrier, arm, theta):
-    """Pin path from its definition, and its derivatives by the driver angle."""
-    first, second = carrier * np.exp(1j * theta), arm * np.exp(-1j * (k - 1.0) * theta)
-    rate = -1j * (k - 1.0)
-    return first + second, 1j * first + rate * second, -first + rate**2 * second
-
-
-def tangency(k, gamma, alpha):
-    """Zero where an arm exists with which the pin stands on a slot and moves along it.
-
-    At -alpha/2 both the pin and its velocity lie on the ray at gamma/2: two equations,
-    linear in the two vectors, whose determinant this is. Nothing of (8) enters.
-    """
-    a, b = (alpha + gamma) / 2.0, ((k - 1.0) * alpha - gamma) / 2.0
-    return (k - 1.0) * np.sin(a) * np.cos(b) - np.cos(a) * np.sin(b)
-
-
-def scan(n, k):
-    """V0 of each sign change of `tangency` over a fine grid of alpha."""
-    gamma = 2.0 * math.pi / n
-    last = min(math.pi - gamma, 2.0 * math.pi / abs(k))
-    alpha = np.linspace(0.0, last * (1.0 - 1e-9), 4001)[1:]
-    sign = np.sign(tangency(k, gamma, alpha))
-    place = np.flatnonzero(sign[1:] != sign[:-1])
-    return abs(k) / (2.0 * math.pi) * alpha[place], last * abs(k) / (2.0 * math.pi) / 4000
-
-
-def test_no_solution_is_missed():
-    missing, found = 0, 0
-    for curve in SOURCES:
-        for n in STATIONS:
-            for m in LOBES:
-                if curve == "hypocycloid" and 2 * (m + 1) >= n:
-                    continue
-                ratios = [v for v in lobe_ratios(n, m, curve) if v < 1.0]
-                expected, step = scan(n, float(gear_ratio(n, m, curve)))
-                assert len(ratios) == expected.size, (n, m, curve)
-                assert np.all((ratios >= expected - 1e-12) & (ratios <= expected + step + 1e-12))
-                found += len(ratios)
-                missing += not ratios
-    assert found > 4000
-    assert missing > 100
-
-
-def test_at_most_one_mechanism_and_where_there_is_none():
-    """Beside one through the wheel's centre there is never a second mechanism."""
-    for curve in SOURCES:
-        for n in STATIONS:
-            for m in LOBES:
-                if curve == "epicycloid" or 2 * (m + 1) < n:
-                    ratios = lobe_ratios(n, m, curve)
-                    central = (m + 1) / n == Fraction(1, 2) - Fraction(1, n)
-                    assert (ratios[-1:] == [1.0]) == central
-                    assert len(ratios) <= 1 + (central and curve == "epicycloid")
-                    # hypocycloids exist up to the one through the centre
-                    beyond = curve == "hypocycloid" and m + 1 > Fraction(n, 2) - 1
-                    assert (not ratios) == beyond
-
-
-def test_follower_turns_by_a_station_and_starts_and_ends_at_rest(mechanisms):
-    assert len(mechanisms) > 4000
-    for wheel in (*mechanisms, *(wheel.cognate for wheel in mechanisms[::3])):
-        ends = np.array([wheel.breaks[0], wheel.breaks[-1]])
-        assert 0.0 <= wheel.transmission(ends).g.min() <= wheel.transmission(ends).g.max() < 1e-13
-        turned = np.diff(wheel.follower_angle(ends))[0]
-        assert turned == pytest.approx(2.0 * math.pi / wheel.stations, abs=1e-13)
-        if wheel.curve in SOURCES:
-            assert 0.0 < wheel.alpha <= math.pi - 2.0 * math.pi / wheel.stations
-        assert 0.0 < wheel.motion_ratio < 1.0
-
-
-def test_no_wheel_turns_back(mechanisms):
-    """g is positive inside the engagement and monotone from dead centre to the exit."""
-    inside = np.linspace(0.0, 1.0, 33)[:-1]
-    for wheel in mechanisms[::7]:
-        found = wheel.transmission(inside * wheel.breaks[-1])
-        assert found.g.min() > 0.0
-        assert (np.diff(found.g) < 0.0).all()
-        assert (found.dg[1:] < 0.0).all()
+from gear_chart import chart, position
 
 
 @pytest.mark.parametrize("curve", CURVES)
@@ -143,8 +39,8 @@ def test_transmission_is_that_of_the_path(curve, n, m):
     assert isinstance(wheel, Mechanism)
 
 
-def test_cognates_trace_the_same_path(mechanisms):
-    for source in mechanisms[::5]:
+def test_cognates_trace_the_same_path():
+    for source in chart()[::5]:
         other = source.cognate
         assert other.curve == COGNATES[source.curve]
         assert other.cognate == source
@@ -178,56 +74,6 @@ def test_dimensions_of_cognates():
         scale = float(source.gear_ratio) * source.arms.second
         assert scale * other.carrier_over_fixed == pytest.approx(source.arm_over_fixed, rel=1e-14)
         assert scale * other.arm_over_fixed == pytest.approx(source.carrier_over_fixed, rel=1e-14)
-
-
-def test_arm_of_equation_15():
-    """MC/R = k sin(alpha + gamma)/(2 sin(k alpha/2)), and M0C = R0 cos((alpha + gamma)/2)."""
-    for n, m, curve in [(12, 3, "hypocycloid"), (12, 5, "epicycloid"), (4, 1, "epicycloid")]:
-        wheel = GearDriven(n, m, curve)
-        k, end = float(wheel.gear_ratio), wheel.alpha + 2.0 * math.pi / n
-        arm = math.sin(end) / (2.0 * math.sin(0.5 * k * wheel.alpha))
-        assert wheel.arms.second == pytest.approx(arm, rel=1e-13)
-        assert wheel.entry_radius_over_fixed == pytest.approx(math.cos(0.5 * end), rel=1e-13)
-
-
-def test_roots_against_many_digits():
-    mpmath.mp.dps = 40
-    for n, m, curve in [(12, 3, "hypocycloid"), (3, 29, "epicycloid"), (24, "1/5", "epicycloid")]:
-        wheel = GearDriven(n, m, curve)
-        k, gamma = mpmath.mpf(wheel.gear_ratio.numerator) / wheel.gear_ratio.denominator, 0
-        gamma = 2 * mpmath.pi / n
-        alpha = mpmath.findroot(
-            lambda a, k=k, gamma=gamma: (
-                (2 / k - 1) * mpmath.sin(k * a / 2) - mpmath.sin(a * (1 - k / 2) + gamma)
-            ),
-            wheel.alpha,
-        )
-        assert wheel.alpha == pytest.approx(float(alpha), rel=4e-15)
-
-
-def test_two_wheels_are_always_engaged():
-    """p V0 = 1: six pins on an epicycloid for 12 stations, two on a hypocycloid for 24.
-
-    V0 = 1/p and a rational c make the ratio of two sines of rational angles rational,
-    which leaves c = 2 and c = -1/2 only.
-    """
-    continuous = {
-        (curve, n, m, round(1.0 / ratio))
-        for curve in SOURCES
-        for n in STATIONS
-        for m in LOBES
-        if curve == "epicycloid" or 2 * (m + 1) < n
-        for ratio in lobe_ratios(n, m, curve)
-        if ratio < 1.0 and abs(1.0 / ratio - round(1.0 / ratio)) < 1e-9
-    }
-    assert continuous == {("epicycloid", 12, 5, 6), ("hypocycloid", 24, 5, 2)}
-    for curve, n, m, pins in continuous:
-        for name in (curve, COGNATES[curve]):
-            wheel = GearDriven(n, m, name, pins=pins)
-            assert wheel.continuous
-            assert wheel.motion_ratio == 1.0
-            assert wheel.cell_angle == pytest.approx(wheel.alpha, rel=1e-15)
-            assert not GearDriven(n, m, name, pins=pins - 1).continuous
 
 
 def follow(wheel, arrivals):
@@ -347,83 +193,3 @@ def test_what_cannot_be_is_one_line(arguments, words):
     with pytest.raises(InvalidValue, match=words) as caught:
         GearDriven(*arguments)
     assert "\n" not in str(caught.value)
-
-
-def test_a_wheel_whose_g_is_rounded_below_zero_starts_from_rest():
-    wheel = GearDriven(24, 0, "epicycloid", pins=2)
-    drive = Escapement(wheel, Inertia(0.8560442686544377, 1.0), 1.0, 0.03787595660111593)
-    one, other = (simulate(drive, 2, engine=engine) for engine in ("energy", "ivp"))
-    assert one.handoff_velocities == pytest.approx(other.handoff_velocities, rel=1e-9)
-
-
-DRIVES = [
-    GearDriven(12, 5, "epicycloid", pins=6),
-    GearDriven(24, 5, "hypocycloid", pins=2),
-    GearDriven(24, 5, "contracted-hypocycloid", pins=2),
-    GearDriven(12, 3, "hypocycloid"),
-    GearDriven(8, "1/2", "epicycloid", pins=2),
-    GearDriven(9, 5, "pericycloid", pins=2),
-]
-
-
-@pytest.mark.parametrize("wheel", DRIVES, ids=lambda wheel: f"{wheel.stations} {wheel.curve}")
-def test_both_engines_agree(wheel):
-    inertia = Inertia(3.4e-6, 5.6e-6)
-    limit = critical_friction(wheel, inertia)
-    drive = Escapement(wheel, inertia, 0.0113, friction=0.6 * limit, load_torque=5e-4)
-    fast, slow = terminal(drive), terminal(drive, engine="ivp", rtol=1e-11)
-    for name in ("velocity_max", "velocity_min", "period", "rise_time"):
-        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-8)
-    one = simulate(drive, 6)
-    other = simulate(drive, 6, engine="ivp", rtol=1e-11)
-    assert one.handoff_velocities == pytest.approx(other.handoff_velocities, rel=1e-9)
-    assert abs(one.ledger.residual) < 1e-12
-    ends = one.at(np.array([one.handoff_times[-1]]))
-    assert ends.phi[0] == pytest.approx(5.5 * wheel.follower_step, abs=1e-9)
-
-
-def test_contact_force_has_the_arm_in_metres():
-    wheel = GearDriven(12, 5, "epicycloid", pins=6, fixed_radius=0.02)
-    motion = simulate(Escapement(wheel, Inertia(3e-6, 5e-6), 0.01, 0.1), 3)
-    at = motion.at(motion.handoff_times[0] + np.array([1e-4, 3e-3]))
-    local = (at.theta + wheel.alpha / 2.0) % wheel.cell_angle - wheel.alpha / 2.0
-    first, _, second, rate = wheel.arms
-    arm = 0.02 * abs(first * np.exp(1j * local) + second * np.exp(1j * rate * local))
-    assert at.contact_force * arm == pytest.approx(at.contact_moment, rel=1e-9)
-
-
-@settings(deadline=None, max_examples=60)
-@given(
-    st.sampled_from(CURVES),
-    st.integers(3, 24),
-    st.fractions(0, 12, max_denominator=4),
-    st.floats(-4.0, 4.0),
-)
-def test_painleve_limit_is_the_least_ratio(curve, n, m, exponent):
-    if curve not in ("epicycloid", "pericycloid"):
-        n = max(n, 4)
-        m = m * (Fraction(n, 2) - 2) / 13
-    wheel = GearDriven(n, m.limit_denominator(9), curve)
-    if wheel.through_centre:
-        return
-    rho = 10.0**exponent
-    limit = critical_friction(wheel, Inertia(rho, 1.0))
-    away = np.concatenate([np.geomspace(1e-12, 1.0, 4000), np.linspace(1e-6, 1.0, 4000)])
-    found = wheel.transmission(wheel.breaks[-1] * np.concatenate([1.0 - away, away]))
-    with np.errstate(divide="ignore"):
-        ratio = (rho + found.g**2) / (np.abs(found.g) * np.abs(found.u))
-    assert limit <= ratio.min() * (1.0 + 1e-12)
-    assert limit == pytest.approx(ratio.min(), rel=1e-3)
-
-
-def test_constant_speed_has_a_closed_mean():
-    """Without a loss the work over an engagement is that on the load."""
-    for wheel in DRIVES:
-        result = drive_torque(wheel, 20.0, 0.3, 1e-3)
-        nodes, weights = np.polynomial.legendre.leggauss(80)
-        half = wheel.breaks[-1]
-        work = 2.0 * half * 0.5 * weights @ result.at(half * nodes).torque
-        assert work == pytest.approx(0.3 * wheel.follower_step, rel=1e-12)
-        inertia_free = drive_torque(wheel, 20.0, 0.3, 1e-9)
-        assert inertia_free.zone == 1
-        assert result.torque_max > inertia_free.torque_max

@@ -1,7 +1,6 @@
 """Kinds of mechanism: an option belongs to its kinds, in whatever order things are typed."""
 
 import argparse
-import json
 import math
 import sys
 import types
@@ -9,7 +8,7 @@ import types
 import pytest
 
 from escapement import Escapement, GearDriven, Inertia, read_study
-from escapement.cli import _kinds, main
+from escapement.cli import _kinds
 from escapement.cli._parser import Parser, UsageError, number, whole
 from escapement.configuration import parse_plan, plan_from
 from escapement.configuration._kinds import KINDS, Kind
@@ -68,16 +67,15 @@ def test_what_a_kind_needs_is_named(second_kind):
         _kinds.require(args, "pins", "lift")
 
 
-def test_help_and_reports_know_every_kind(second_kind, capsys):
-    for command in ("run", "mechanism", "drive-torque"):
-        assert main([command, "--help"]) == 0
-        text = " ".join(capsys.readouterr().out.split())
-        for name, summary in _kinds.KINDS.items():
-            assert f"{name}: {summary}" in text
+def test_help_and_reports_know_every_kind(second_kind, command):
+    for name in ("run", "mechanism", "drive-torque"):
+        text = " ".join(command(name, "--help")[1].split())
+        for kind, summary in _kinds.KINDS.items():
+            assert f"{kind}: {summary}" in text
         assert "geneva, gear-driven, cam-drive: pins of the driver" in text
         assert "cam-drive: height of the cam" in text
-    assert main(["mechanism", "cam-drive", "--lift", "0.0254", "--units", "in-lbf-s"]) == 0
-    assert capsys.readouterr().out.split() == ["stations", "4", "lift", "1", "in"]
+    out = command("mechanism", "cam-drive", "--lift", "0.0254", "--units", "in-lbf-s")[1]
+    assert out.split() == ["stations", "4", "lift", "1", "in"]
 
 
 def test_a_study_says_to_which_kind_a_key_belongs(monkeypatch):
@@ -101,18 +99,16 @@ def test_a_study_says_to_which_kind_a_key_belongs(monkeypatch):
     ("words", "named"),
     [(["geneva"], "KIND"), (["--slots", "4"], "--slots"), (["--internal"], "--internal")],
 )
-def test_a_mechanism_beside_a_study_is_refused(words, named, capsys):
-    assert main(["run", "--from", "study.h5", *words]) == 2
-    assert f"{named} must not come with --from" in capsys.readouterr().err
+def test_a_mechanism_beside_a_study_is_refused(words, named, refusal):
+    assert f"{named} must not come with --from" in refusal(2, "run", "--from", "study.h5", *words)
 
 
 TWELVE = ["gear-driven", "--stations", "12", "--curve", "epicycloid"]
 
 
-def test_gear_driven_report(capsys):
+def test_gear_driven_report(report):
     """Figure 7 of Dijksman, and the same geometry in every solution."""
-    assert main(["mechanism", *TWELVE, "--lobes", "5", "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
+    record = report("mechanism", *TWELVE, "--lobes", "5")
     (solution,) = record.pop("solutions")
     assert record == solution
     assert record["stations"] == record["slots"] == 12
@@ -126,15 +122,13 @@ def test_gear_driven_report(capsys):
     assert record["closest_radius_over_fixed"] == pytest.approx(1.5 - math.sqrt(0.75), rel=1e-15)
 
 
-def test_gear_driven_solutions(capsys, tmp_path):
+def test_gear_driven_solutions(command, report, tmp_path):
     options = ["--stations", "4", "--lobes", "0", "--curve", "epicycloid", "--pins", "6"]
-    assert main(["mechanism", "gear-driven", *options, "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
+    record = report("mechanism", "gear-driven", *options)
     first, second = record["solutions"]
     assert record["alpha_deg"] == first["alpha_deg"] < second["alpha_deg"] == 90.0
     assert (first["pins"], second["pins"]) == (6, 1)
-    assert main(["mechanism", "gear-driven", *options, "--plot", str(tmp_path / "a.png")]) == 0
-    assert "solutions" in capsys.readouterr().out
+    assert "solutions" in command("mechanism", "gear-driven", *options, "--plot", "a.png")[1]
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
@@ -150,15 +144,11 @@ def test_gear_driven_solutions(capsys, tmp_path):
         ([*TWELVE, "--lobes", "5", "--solution", "2"], "solution must be at most 1 here"),
     ],
 )
-def test_gear_driven_errors(argv, said, capsys):
-    assert main(["mechanism", *argv]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert said in err
+def test_gear_driven_errors(argv, said, refusal):
+    assert said in refusal(2, "mechanism", *argv)
 
 
-def test_gear_driven_study(tmp_path, capsys):
+def test_gear_driven_study(tmp_path, report):
     """A sweep over lobes, a fraction among the fixed values, and one case of it again."""
     text = """
     friction = 0.05
@@ -177,17 +167,13 @@ def test_gear_driven_study(tmp_path, capsys):
     load_torque = [0.0, 1e-4]
     """
     (tmp_path / "g.toml").write_text(text)
-    file = str(tmp_path / "g.h5")
-    assert main(["sweep", str(tmp_path / "g.toml"), "-o", file, "--quiet", "--json"]) == 0
-    capsys.readouterr()
-    assert main(["run", "--from", file, "--select", "lobes=5.5,load_torque=0", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    report("sweep", "g.toml", "--quiet")
+    found = report("run", "--from", "g.h5", "--select", "lobes=5.5,load_torque=0")
     options = ["--lobes", "11/2", "--pins", "2", "--torque", ".01", "--friction", ".05"]
-    options += ["--driver-inertia", "3e-6", "--follower-inertia", "5e-6", "--json"]
-    assert main(["run", *TWELVE, *options]) == 0
-    again = json.loads(capsys.readouterr().out)
+    options += ["--driver-inertia", "3e-6", "--follower-inertia", "5e-6"]
+    again = report("run", *TWELVE, *options)
     assert found["velocity_max"] == pytest.approx(again["velocity_max"], rel=1e-12)
-    study = read_study(file)
+    study = read_study("g.h5")
     assert study.results["period"][1, 0] == pytest.approx(again["period"], rel=1e-10)
 
 

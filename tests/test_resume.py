@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import crash_tools as tools
 from escapement import simulation
 from escapement.cli import main
 from escapement.configuration import plan_from
@@ -21,23 +22,9 @@ from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.store import SCHEMA_VERSION, _lock, _owned_file, partial_path, read_study
 from escapement.sweeping import _run, sweep, write_plan
-
-sys.path.insert(0, str(Path(__file__).parent))
-import crash_tools as tools
+from study_tools import IVP_STUDY, without_date
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
-CONFIGURATION = """
-torque = 0.01
-[mechanism]
-slots = 4
-[inertia]
-driver = 3e-7
-follower = 6e-6
-[sweep]
-friction = { start = 0.01, stop = 0.3, num = 40 }
-[solver]
-engine = "ivp"
-"""
 
 
 @pytest.fixture
@@ -62,12 +49,6 @@ def plan(num=40, **options):
 def interrupted(path, study=None, **options):
     with pytest.raises(KeyboardInterrupt):
         write_plan(plan() if study is None else study, path, **options)
-
-
-def without_date(path):
-    """Bytes of a study file, its date of creation blanked."""
-    created = read_study(path).attributes["created"].encode()
-    return path.read_bytes().replace(created, b"0" * len(created))
 
 
 def test_only_what_is_missing_is_computed(tmp_path, solved):
@@ -245,7 +226,7 @@ def test_resume_in_python(tmp_path, solved):
 
 def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "s.toml").write_text(CONFIGURATION)
+    (tmp_path / "s.toml").write_text(IVP_STUDY)
     assert main(["sweep", "s.toml", "--quiet", "--workers", "1"]) == 130
     assert capsys.readouterr().err.splitlines() == [
         "escapement: what was finished is in s.h5.partial; continue with --resume",
@@ -260,15 +241,27 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     assert '"resumed": 40' in capsys.readouterr().out
 
 
+SLOW_SWEEP = """
+import time
+from escapement.cli import main
+from escapement.store import StudyWriter
+add = StudyWriter.add
+def add_and_wait(writer, block):
+    add(writer, block)
+    print("a block is safe", flush=True)
+    time.sleep(60)
+StudyWriter.add = add_and_wait
+main(["sweep", "s.toml", "--quiet", "--workers", "1"])
+"""
+
+
 def test_a_real_study_survives_its_process(tmp_path, monkeypatch):
     """Killed by SIGKILL as a whole program, then continued."""
-    text = CONFIGURATION.replace("num = 40", "num = 100_000").replace('"ivp"', '"energy"')
+    text = IVP_STUDY.replace("num = 40", "num = 50_000").replace('"ivp"', '"energy"')
     (tmp_path / "s.toml").write_text(text)
-    program = [sys.executable, "-m", "escapement", "sweep", "s.toml", "--quiet", "--workers", "1"]
+    program = [sys.executable, "-c", SLOW_SWEEP]
     with subprocess.Popen(program, cwd=tmp_path, stdout=subprocess.PIPE) as process:
-        partial = tmp_path / "s.h5.partial"
-        while process.poll() is None and not (partial.exists() and partial.stat().st_size > 1500):
-            pass
+        assert process.stdout.readline() == b"a block is safe\n"
         process.kill()
     assert process.returncode == -9
     assert not (tmp_path / "s.h5").exists()

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.cli import main
 from escapement.errors import InputFileError, InvalidValue, MissingInput
 from escapement.mechanisms._periodic_spline import interpolating, smoothing
 from escapement.model import Mechanism
@@ -325,37 +324,24 @@ def test_a_study_holds_the_table():
 
 
 @pytest.fixture
-def command(capsys, monkeypatch, tmp_path):
-    """Runs a command in a folder with a table: (exit code, stdout, stderr)."""
-    monkeypatch.chdir(tmp_path)
+def table_file(tmp_path):
+    """The drive as 61 rows of a table."""
     theta = np.linspace(*DRIVE.breaks, 61)
     columns = np.degrees(np.column_stack([theta, -DRIVE.follower_angle(theta)]))
-    np.savetxt("table.csv", columns, delimiter=",", fmt="%.17g")
-
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
+    np.savetxt(tmp_path / "table.csv", columns, delimiter=",", fmt="%.17g")
 
 
-def test_commands_take_a_table(command, tmp_path):
-    code, out, _ = command(
-        "mechanism", "tabulated", "--table", "table.csv", "--plot", "g.svg", "--json"
-    )
-    record = json.loads(out)
-    assert code == 0
+@pytest.mark.usefixtures("table_file")
+def test_commands_take_a_table(report, tmp_path):
+    record = report("mechanism", "tabulated", "--table", "table.csv", "--plot", "g.svg")
     assert record["cell_angle_deg"] == pytest.approx(202.5)
     assert record["transmission_max"] == pytest.approx(DRIVE.ratio_max, rel=1e-5)
     assert record["noise_deg"] == 0.0
     assert (tmp_path / "g.svg").stat().st_size > 1000
     options = ("--torque", 0.01, "--driver-inertia", 1e-5, "--follower-inertia", 2e-5)
-    code, out, _ = command(
-        "run", "tabulated", "--table", "table.csv", *options, "--efficiency", 0.9, "--json"
-    )
+    found = report("run", "tabulated", "--table", "table.csv", *options, "--efficiency", 0.9)
     truth = esc.terminal(esc.Escapement(DRIVE, INERTIA, 0.01, efficiency=0.9))
-    assert json.loads(out)["velocity_max"] == pytest.approx(truth.velocity_max, rel=1e-6)
+    assert found["velocity_max"] == pytest.approx(truth.velocity_max, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -367,11 +353,10 @@ def test_commands_take_a_table(command, tmp_path):
         (("--table", "table.csv", "--cell-angle", 100), 2, ["cell_angle", "follower_step"]),
     ],
 )
-def test_wrong_use(command, argv, code, words):
-    found, out, err = command("mechanism", "tabulated", *argv)
-    assert (found, out) == (code, "")
-    assert err.count("\n") == 1
-    assert all(word in err for word in words)
+@pytest.mark.usefixtures("table_file")
+def test_wrong_use(refusal, argv, code, words):
+    said = refusal(code, "mechanism", "tabulated", *argv)
+    assert all(word in said for word in words)
 
 
 def test_a_measured_table_is_drawn_with_its_doubt():

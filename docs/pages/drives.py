@@ -1,0 +1,95 @@
+"""Figures of constant speed, of the planetary drive, and of what was measured."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import escapement as esc
+from escapement import plots
+from escapement.plots._style import legend_above
+from escapement.plots.filemon_reversals import plot_reversal_curves
+from escapement.plots.nomograms import SHEETS, plot_nomogram
+from escapement.plots.planetary import plot_planetary
+from escapement.plots.prikhodko import plot_position_function, plot_velocity_plans
+from escapement.plots.tabulated import plot_table
+from escapement.published import meyer
+from escapement.units import INCH_POUND
+from pages import LINES, RUNS, drawn
+
+
+@drawn
+def drive_torque() -> Figure:
+    """A drive at constant speed whose pin changes sides twice."""
+    drive = esc.drive_torque(esc.Geneva(8), speed=10.0, load_torque=1.0, follower_inertia=0.019)
+    return plots.plot_drive_torque(drive).figure
+
+
+@drawn
+def reversal_curves() -> Figure:
+    """Filemon's figure 10."""
+    return plot_reversal_curves().figure
+
+
+@drawn
+def nomogram() -> Figure:
+    """A sheet to be read by hand."""
+    figure = plot_nomogram(SHEETS["16b"])
+    figure.set_size_inches(9.6, 6.6)
+    return figure
+
+
+PLANETARY = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
+
+
+@drawn
+def planetary_drive() -> Figure:
+    """Prikhodko's drive to scale."""
+    return plot_planetary(PLANETARY, np.radians(30.0)).figure
+
+
+@drawn
+def position_function() -> Figure:
+    """Prikhodko's figure 6."""
+    return plot_position_function(PLANETARY).figure
+
+
+@drawn
+def velocity_plans() -> Figure:
+    """Prikhodko's figure 3."""
+    return plot_velocity_plans(PLANETARY)
+
+
+@drawn
+def planetary_start() -> Figure:
+    """The planetary drive from rest, its mesh losing a tenth."""
+    driver, follower = (inertia * INCH_POUND for inertia in meyer.INERTIAS[4])
+    design = esc.Escapement(
+        PLANETARY, esc.Inertia(driver, follower), 0.1 * INCH_POUND, efficiency=0.9
+    )
+    return plots.plot_velocities(esc.simulate(design, 12)).figure
+
+
+@drawn
+def measured_table() -> Figure:
+    """Transmission from 148 noisy angles of Prikhodko's drive, made up."""
+    random = np.random.default_rng(2020)
+    theta = random.uniform(0.0, 2.0, 148) * PLANETARY.cell_angle
+    phi = -PLANETARY.follower_angle(theta) + np.radians(1.298) * random.standard_normal(theta.size)
+    table = esc.Tabulated(
+        theta, phi, measured=True, cell_angle=PLANETARY.cell_angle,
+        follower_step=PLANETARY.follower_step,
+    )  # fmt: skip
+    ax = plot_table(table)
+    angles = np.linspace(*table.breaks, 400)
+    truth = PLANETARY.transmission(angles).g
+    ax.plot(np.degrees(angles), truth, color=LINES[1][0], ls=LINES[1][1], label="true")
+    legend_above(ax, 4)
+    return ax.figure
+
+
+@drawn
+def measurement() -> Figure:
+    """Synthetic readings of the planetary drive."""
+    drive = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
+    encoder = esc.Encoder(resolution=4096, linearity=0.003)
+    readings = RUNS / "encoder_synthetic.csv"
+    return plots.plot_measurement(esc.measure(readings, drive, encoder=encoder))

@@ -1,0 +1,104 @@
+"""Figures of studies, and of Meyer's thesis beside them."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import escapement as esc
+from escapement import plots
+from escapement.configuration import load_plan
+from escapement.plots.appendix_e import plot_appendix_e
+from escapement.published import meyer
+from escapement.published.program_1973 import program_1973
+from escapement.sweeping import run_plan
+from pages import LINES, RUNS, drawn, panels, timer
+
+
+@drawn
+def four_pins() -> Figure:
+    """Meyer's figure 10, true."""
+    return plots.plot_study(run_plan(load_plan(RUNS / "meyer_four_pins.toml")))
+
+
+@drawn
+def torque_friction_map() -> Figure:
+    """Lines and maps of a finer study."""
+    return plots.plot_study(run_plan(load_plan(RUNS / "torque_friction_map.toml")))
+
+
+@drawn
+def four_pins_tolerances() -> Figure:
+    """What tolerances do to a period."""
+    return plots.plot_study(run_plan(load_plan(RUNS / "four_pins_tolerances.toml")))
+
+
+@drawn
+def published_cell() -> Figure:
+    """Transmission over driver angle, real and as the 1973 program has it."""
+    figure, axes = panels(3, 2.5)
+    for ax, slots in zip(axes, (3, 4, 6), strict=True):
+        wheel = esc.Geneva(slots)
+        cells = (wheel, meyer.PublishedCell(slots))
+        for cell, name, look in zip(
+            cells, ("real mechanism", "1973 program"), LINES[:2], strict=True
+        ):
+            theta = np.linspace(cell.breaks[0], cell.breaks[-1], 200)
+            starts = np.arange(3)[:, None] * cell.cell_angle
+            turned = np.degrees(np.pad(theta - theta[0] + starts, ((0, 0), (0, 1)))).ravel()
+            ratio = np.tile([*wheel.transmission(theta).g, np.nan], 3)
+            label = name if slots == 3 else "_"
+            ax.plot(turned, ratio, ls=look[1], color=look[0], lw=1.3, label=label)
+        ax.axhline(0.0, color="grey", lw=0.6)
+        ax.set(xlabel="driver angle (°)", xlim=(0, 180), xticks=range(0, 181, 60))
+        ax.set_title(f"{wheel.pins} pins", fontsize=9)
+    axes[0].set_ylabel("transmission g")
+    figure.legend(loc="outside upper center", ncols=2, frameon=False, fontsize=8)
+    return figure
+
+
+@drawn
+def appendix_e_three_pins() -> Figure:
+    """Meyer's figure 9 with his table in it."""
+    return plot_appendix_e(meyer.appendix_e(), slots=6)
+
+
+@drawn
+def appendix_e_four_pins() -> Figure:
+    """Meyer's figure 10 with his table in it."""
+    return plot_appendix_e(meyer.appendix_e(), slots=4)
+
+
+@drawn
+def sampling() -> Figure:
+    """Peaks of a motion and what rows half a millisecond apart show of them."""
+    engagements = 30
+    design = timer(4, 0.35, 0.20)
+    motion = esc.simulate(design, engagements)
+    times = np.arange(0.0, motion.end_time, 0.0005)
+    listing = program_1973(4, 0.35, 0.20, *meyer.INERTIAS[4], duration=0.95)
+    shown = {
+        "exact, every 0.5 ms": (
+            motion.at(times).theta_dot,
+            np.searchsorted(motion.handoff_times, times),
+        ),
+        "1973 program": (listing.theta_dot, listing.theta // 1.5708),
+    }
+    figure, (left, right) = panels(2, 3.0)
+    dense = np.linspace(0.095, 0.161, 5000)
+    rows = times[(times >= dense[0]) & (times <= dense[-1])]
+    left.plot(1e3 * dense, motion.at(dense).theta_dot, color=LINES[0][0], lw=1.0)
+    left.plot(1e3 * rows, motion.at(rows).theta_dot, ".", color="black", ms=3.5)
+    left.set(xlabel="time (ms)", ylabel="driver velocity (rad/s)", ylim=(0, 180))
+    peak = motion.extrema.theta_dot.max()
+    right.axhline(peak, color=LINES[0][0], label="exact")
+    for (name, (speed, of)), look, mark in zip(shown.items(), LINES[1:], "os", strict=False):
+        tops = [speed[of == k].max() for k in range(engagements)]
+        count = np.arange(1, engagements + 1)
+        right.plot(
+            count, tops, ls=look[1], color=look[0], marker=mark, ms=3.5, mfc="white", label=name
+        )
+    right.set(xlabel="engagement", ylabel="peak driver velocity (rad/s)", xlim=(0, 31))
+    right.set_ylim(153.0, 169.0)
+    right.legend(
+        frameon=False, ncols=3, fontsize=7, loc="upper center", columnspacing=0.8, handlelength=1.8
+    )
+    return figure

@@ -1,0 +1,108 @@
+"""What many tests share: the command line, all sources reproduced, calls counted or ended."""
+
+import contextlib
+import io
+import json
+import signal
+
+import pytest
+from matplotlib.figure import Figure
+
+import escapement as esc
+from escapement.cli import main
+from escapement.engines import _energy_batch
+
+
+@pytest.fixture
+def command(capsys, monkeypatch, tmp_path):
+    """Runs a command in an empty folder: (exit code, stdout, stderr)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*argv):
+        code = main([str(word) for word in argv])
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def report(command):
+    """Runs a command that must succeed, with --json: its report."""
+
+    def run(*argv):
+        code, out, err = command(*argv, "--json")
+        assert code == 0, err
+        return json.loads(out)
+
+    return run
+
+
+@pytest.fixture
+def refusal(command, tmp_path):
+    """Runs a command that must end with a code, one line and no file touched: that line."""
+
+    def files():
+        return {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
+
+    def run(code, *argv):
+        before = files()
+        found, out, err = command(*argv)
+        assert (found, out) == (code, ""), err
+        assert err.startswith("escapement: error: ")
+        assert err.count("\n") == 1
+        assert files() == before
+        return err
+
+    return run
+
+
+@pytest.fixture
+def solves(monkeypatch):
+    """How many scenes each call of the batch solver was given."""
+    counted = []
+    solve = _energy_batch.solve
+
+    def count(mechanism, rho, *rest):
+        counted.append(rho.size)
+        return solve(mechanism, rho, *rest)
+
+    monkeypatch.setattr(_energy_batch, "solve", count)
+    return counted
+
+
+@pytest.fixture(scope="session")
+def reproduced(tmp_path_factory):
+    """Folder and report of `reproduce all`; its pictures are coarse, but all drawn."""
+    folder = tmp_path_factory.mktemp("reproduced") / "all"
+    whole, report = Figure.savefig, io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(report):
+        patch.setattr(Figure, "savefig", lambda *args, **kw: whole(*args, **(kw | {"dpi": 30})))
+        assert main(["reproduce", "all", "-o", str(folder), "--json"]) == 0
+    return folder, json.loads(report.getvalue())
+
+
+@pytest.fixture(scope="session")
+def compiled():
+    """Both engines, ready to run: compiling them is not what a test waits for."""
+    timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, friction=0.35)
+    for engine in ("energy", "ivp"):
+        esc.simulate(timer, 2, engine=engine).at(0.0)
+        esc.terminal(timer, engine=engine)
+    esc.sweep(timer, friction=[0.3])
+
+
+@pytest.fixture
+def patience(compiled):
+    """No call may hang: twenty seconds of the processor, where the system can count them."""
+    if not hasattr(signal, "SIGPROF"):
+        yield
+        return
+
+    def stop(*_):
+        raise TimeoutError("twenty seconds without an answer")
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, 20.0)
+    yield
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
+    signal.signal(signal.SIGPROF, before)

@@ -1,0 +1,34 @@
+"""Gear-driven wheels of many numbers of stations and lobes, and their path by definition."""
+
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+
+from escapement import GearDriven
+from escapement._curves import CURVES
+from escapement.mechanisms.gear_equation import lobe_ratios
+
+SOURCES = CURVES[:2]
+STATIONS = range(3, 25)
+LOBES = sorted({Fraction(a, b) for b in (1, 2, 3, 5) for a in range(30 * b)})
+
+
+@cache
+def chart():
+    """Every mechanism with V0 < 1 of these numbers; the whole chart has over 4000."""
+    return [
+        GearDriven(n, m, curve)
+        for curve in SOURCES
+        for n in STATIONS
+        for m in LOBES
+        if (curve == "epicycloid" or 2 * (m + 1) < n)
+        and any(ratio < 1.0 for ratio in lobe_ratios(n, m, curve))
+    ]
+
+
+def position(k, carrier, arm, theta):
+    """Pin path from its definition, and its derivatives by the driver angle."""
+    first, second = carrier * np.exp(1j * theta), arm * np.exp(-1j * (k - 1.0) * theta)
+    rate = -1j * (k - 1.0)
+    return first + second, 1j * first + rate * second, -first + rate**2 * second

@@ -1,0 +1,95 @@
+"""A study of random results, its blocks, and files compared."""
+
+import numpy as np
+
+from escapement.store import (
+    RESULTS,
+    SCHEMA_VERSION,
+    Study,
+    StudyWriter,
+    blocks_of,
+    encode_block,
+    read_study,
+)
+
+IVP_STUDY = """
+torque = 0.01
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-7
+follower = 6e-6
+[sweep]
+friction = { start = 0.01, stop = 0.3, num = 40 }
+[solver]
+engine = "ivp"
+"""
+ATTRIBUTES = {
+    "title": "a study – of µ",
+    "schema_version": SCHEMA_VERSION,
+    "package_version": "0.1.0",
+    "engine": "energy",
+    "rtol": 1e-12,
+    "created": "2000-01-01T00:00:00+00:00",
+}
+
+
+def study(shape=(3, 5), seed=0):
+    """A study of random results, some of them missing."""
+    rng = np.random.default_rng(seed)
+    names = ("friction", "torque", "slots")[: len(shape)]
+    axes = {name: np.linspace(0.1, 0.4, n) for name, n in zip(names, shape, strict=True)}
+    if "slots" in axes:
+        axes["slots"] = np.arange(3, 3 + shape[2])
+    results = {}
+    for name, result in RESULTS.items():
+        values = rng.integers(0, 6, shape) if name == "status" else rng.random(shape)
+        results[name] = values.astype(result.dtype)
+    for name in results.keys() - {"status"}:
+        results[name][results["status"] > 0] = np.nan
+    units = dict.fromkeys(axes, "1") | {"torque": "in lbf"}
+    return Study(
+        axes=axes,
+        results=results,
+        units=units | {name: result.units for name, result in RESULTS.items()},
+        long_names=dict.fromkeys(axes, "an axis") | {n: r.long_name for n, r in RESULTS.items()},
+        configuration={"sweep": {name: values.tolist() for name, values in axes.items()}},
+        attributes=ATTRIBUTES,
+    )
+
+
+def block(whole, number):
+    cut = blocks_of(whole)
+    span = slice(*cut.span(number))
+    columns = {name: values.reshape(-1)[span] for name, values in whole.results.items()}
+    return encode_block(cut, number, columns)
+
+
+def write_in_blocks(path, whole, order, **options):
+    """Write the missing blocks in some order; returns their numbers."""
+    with StudyWriter(path, whole, **options) as writer:
+        numbers = order(writer.missing)
+        for number in numbers:
+            writer.add(block(whole, number))
+    return numbers
+
+
+def assert_same(one, other):
+    assert list(one.axes) == list(other.axes)
+    for name in one.axes:
+        np.testing.assert_array_equal(one.axes[name], other.axes[name])
+    for name in RESULTS:
+        np.testing.assert_array_equal(one.results[name], other.results[name])
+    assert one.attributes == other.attributes
+    assert one.configuration == other.configuration
+
+
+def a_file(tmp_path):
+    (tmp_path / "file").write_text("precious")
+    return tmp_path / "file"
+
+
+def without_date(path):
+    """Bytes of a study file, its date of creation blanked."""
+    created = read_study(path).attributes["created"].encode()
+    return path.read_bytes().replace(created, b"0" * len(created))

@@ -1,0 +1,176 @@
+"""Torque of a drive at constant speed against independent computations."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import escapement as esc
+from any_path import Plain, each_wheel
+from escapement.constant_speed import geneva
+from escapement.errors import InvalidValue
+from escapement.mechanisms._slotted import radius
+
+
+@each_wheel
+def test_torque_is_power_over_speed_without_friction(wheel):
+    """M_2 omega_2 = M_0 omega_0, the follower's speed and acceleration by differences."""
+    speed, load, inertia, eta = 12.0, 0.7, 2e-3, 0.8
+    result = esc.drive_torque(wheel, speed, load, inertia, efficiency=eta)
+    theta = np.linspace(0.98 * wheel.breaks[0], 0.98 * wheel.breaks[-1], 41)
+    step = 1e-4
+    phi = [wheel.follower_angle(theta + k * step) for k in (-1, 0, 1)]
+    follower_speed = speed * (phi[2] - phi[0]) / (2 * step)
+    moment = load + inertia * speed**2 * (phi[2] - 2 * phi[1] + phi[0]) / step**2
+    power = follower_speed * moment
+    state = result.at(theta)
+    scale = np.abs(state.contact_moment).max()
+    np.testing.assert_allclose(state.contact_moment, moment, atol=3e-5 * scale)
+    arrives = np.where(power > 0.0, power / eta, power * eta)
+    np.testing.assert_allclose(state.torque * speed, arrives, atol=1e-4 * speed * scale)
+
+
+@pytest.mark.parametrize("internal", [False, True])
+@pytest.mark.parametrize("ratio", [0.02, 0.5, 1.7, 30.0])
+def test_figures_of_one_drive_agree_with_the_study(ratio, internal):
+    for slots in (3, 4, 6, 9, 25):
+        drive = esc.Geneva(slots, pins=1, internal=internal)
+        one = esc.drive_torque(drive, 2.0, 3.0, 3.0 * ratio / 4.0)
+        many = esc.reversal_study(slots, ratio, internal)
+        assert one.inertia_ratio == pytest.approx(ratio, rel=1e-15)
+        assert one.zone == int(many.zone)
+        assert one.torque_max == pytest.approx(3.0 * float(many.torque_max), rel=1e-14)
+        assert one.torque_max_angle == pytest.approx(float(many.torque_max_angle), abs=1e-11)
+        assert one.torque_mean == pytest.approx(3.0 * float(many.torque_mean), rel=1e-13)
+        assert one.peak_to_mean == pytest.approx(float(many.peak_to_mean), rel=1e-13)
+        assert one.power_max == 2.0 * one.torque_max
+        found = many.reversals[~np.isnan(many.reversals)]
+        assert one.reversals.size == int(many.reversal_count)
+        np.testing.assert_allclose(one.reversals, found, rtol=1e-10)
+
+
+def test_friction_is_the_work_of_the_pin_in_its_slot():
+    """What the drive gives more than without friction is mu N times the way slid."""
+    wheel, speed, mu = esc.Geneva(6, pins=1), 9.0, 0.25
+    with_mu, without = (esc.drive_torque(wheel, speed, 0.8, 0.02, friction=m) for m in (mu, 0.0))
+    theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 101)
+    state, free = with_mu.at(theta), without.at(theta)
+    np.testing.assert_array_equal(state.contact_moment, free.contact_moment)
+    arm = radius(wheel.path, theta)
+    slid = np.abs(wheel.transmission(theta).u) * arm  # |dR/d theta|, in crank radii
+    lost = mu * np.abs(state.contact_moment) / arm * slid
+    np.testing.assert_allclose(state.torque - free.torque, lost, atol=1e-13)
+    np.testing.assert_array_equal(with_mu.reversals, without.reversals)
+
+
+@pytest.mark.parametrize(("friction", "efficiency"), [(0.0, 0.7), (0.3, 1.0), (0.3, 0.7)])
+def test_extremes_and_mean_are_those_of_the_torque(friction, efficiency):
+    for slots, inertia in ((3, 0.01), (5, 0.09), (8, 0.019), (8, 0.2)):
+        wheel = esc.Geneva(slots, pins=1)
+        result = esc.drive_torque(wheel, 10.0, 1.0, inertia, efficiency, friction)
+        theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 20001)
+        torque = result.at(theta).torque
+        assert torque.max() <= result.torque_max * (1.0 + 1e-14)
+        assert torque.max() == pytest.approx(result.torque_max, rel=1e-6)
+        assert torque.min() == pytest.approx(result.torque_min, rel=1e-5, abs=1e-9)
+        mean = quad(lambda x, r=result: float(r.at(x).torque), theta[0], 0.0, epsabs=1e-13)[0]
+        assert result.torque_mean == pytest.approx(mean / -theta[0], rel=1e-12)
+
+
+def test_power_that_flows_back_is_multiplied_by_the_efficiency():
+    """Also with friction, which can take more than the follower gives."""
+    wheel = esc.Geneva(4, pins=1)
+    results = [esc.drive_torque(wheel, 10.0, 0.1, 0.01, e, 0.1) for e in (1.0, 0.8)]
+    ideal, real = (r.at(np.linspace(*wheel.breaks[::2], 501)).torque for r in results)
+    held = (results[0].at(np.linspace(*wheel.breaks[::2], 501)).contact_moment < 0) & (ideal > 0)
+    assert held.any()
+    np.testing.assert_allclose(real, np.where(ideal > 0, ideal / 0.8, ideal * 0.8), rtol=1e-14)
+
+
+def test_dwell_needs_no_torque():
+    result = esc.drive_torque(esc.Geneva(6, pins=1), 10.0, 1.0, 0.01)
+    assert result.at(2.0).torque == 0.0
+    assert float(result.at(2.0).phi) == pytest.approx(math.pi / 6)
+    with pytest.raises(InvalidValue, match="theta must be between pin entry"):
+        result.at(math.pi * 2)
+
+
+def test_load_that_varies_with_the_follower_angle():
+    """A pendulum load: the mean is its work; reversals are roots of load + I omega^2 g'."""
+    wheel, speed, inertia = esc.Geneva(8, pins=1), 10.0, 0.025
+
+    def load(phi):
+        return 1.0 + 0.6 * np.sin(3.0 * phi)
+
+    result = esc.drive_torque(wheel, speed, load, inertia)
+    start = float(wheel.follower_angle(wheel.breaks[0]))
+    work = quad(load, start, 0.0)[0]
+    kinetic = 0.5 * inertia * speed**2 * float(geneva.ratio_max(8)) ** 2
+    assert result.torque_mean * -wheel.breaks[0] == pytest.approx(work + kinetic, rel=1e-13)
+
+    def moment(theta):
+        rate = float(wheel.transmission(theta).dg)
+        return load(float(wheel.follower_angle(theta))) + inertia * speed**2 * rate
+
+    assert result.zone == 2
+    for angle, low, high in zip(result.reversals, (0.0, 0.55), (0.55, 1.17), strict=True):
+        assert angle == pytest.approx(brentq(moment, low, high, xtol=1e-15), rel=1e-12)
+    constant = esc.drive_torque(wheel, speed, lambda phi: 0.0 * phi + 1.0, inertia)
+    number = esc.drive_torque(wheel, speed, 1.0, inertia)
+    assert constant.torque_max == number.torque_max
+    np.testing.assert_array_equal(constant.reversals, number.reversals)
+
+
+def test_load_that_jumps():
+    result = esc.drive_torque(
+        esc.Geneva(5, pins=1), 10.0, lambda phi: np.where(phi < 0.1, 0.2, 1.0), 0.01
+    )
+    wheel = result.mechanism
+    jump = brentq(lambda x: float(wheel.follower_angle(x)) - 0.1, 0.0, 0.5)
+    assert result.reversals[1] == pytest.approx(jump, abs=1e-7)
+    assert (np.diff(result.reversals) > 0).all()
+    assert result.zone == 2
+
+
+def test_a_mechanism_that_counts_from_its_entry():
+    """Half the engagement is the middle; a load that helps leaves no mean to compare with."""
+
+    @dataclass(frozen=True)
+    class Shifted(Plain):
+        @property
+        def breaks(self):
+            return 0.1, self.half
+
+    drive = Shifted(esc.Geneva(6).path, 0.9)
+    result = esc.drive_torque(drive, 1.0, 1.0, 0.1)
+    mean = quad(lambda x: float(result.at(x).torque), 0.1, 0.5)[0] / 0.4
+    assert result.torque_mean == pytest.approx(mean, rel=1e-12)
+    helped = esc.drive_torque(esc.Geneva(6), 1.0, lambda phi: phi - 10.0, 0.1)
+    assert helped.torque_mean < 0.0
+    assert math.isnan(helped.peak_to_mean)
+
+
+GOOD = {"mechanism": esc.Geneva(6), "speed": 1.0, "load_torque": 1.0, "follower_inertia": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"speed": 0.0}, r"speed must be greater than 0, got 0\.0; give the driver speed"),
+        ({"speed": math.nan}, "speed must be a finite number, got nan"),
+        ({"load_torque": -1.0}, r"load_torque must be at least 0, got -1\.0"),
+        ({"load_torque": lambda phi: phi * np.nan}, "load_torque must give a finite torque"),
+        ({"follower_inertia": 0.0}, "follower_inertia must be greater than 0"),
+        ({"efficiency": 0.0}, "efficiency must be greater than 0 and at most 1, got 0"),
+        ({"efficiency": 1.01}, "efficiency must be greater than 0 and at most 1, got 1"),
+        ({"speed": 1e200}, "speed and follower_inertia must give a torque a double can hold"),
+        ({"friction": -0.1}, "friction must be at least 0"),
+        ({"mechanism": 6}, "mechanism must be a mechanism, got 6; give for example Geneva"),
+    ],
+)
+def test_drive_torque_refuses(change, message):
+    with pytest.raises(InvalidValue, match=message):
+        esc.drive_torque(**(GOOD | change))

@@ -1,0 +1,129 @@
+"""The elliptical planetary drive under a torque, its mesh losing work."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import escapement as esc
+from elliptical_tools import PAPER
+from escapement.errors import InvalidValue
+from escapement.units import INCH_POUND
+
+INERTIA = esc.Inertia(driver=3e-6 * INCH_POUND, follower=50e-6 * INCH_POUND)
+TORQUE = 0.1 * INCH_POUND
+
+
+def between_stops(motion, drive):
+    """Reversals inside the cells: without a load the force vanishes at the stops as well."""
+    place = motion.reversals.theta / drive.cell_angle + 0.5
+    return place[np.abs(place - np.rint(place)) > 1e-9]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "efficiency", "load"), [(16 / 9, 0.9, 0.0), (16 / 9, 0.6, 0.3), (3.0, 0.8, 0.1)]
+)
+def test_both_engines_agree(ratio, efficiency, load):
+    timer = esc.Escapement(
+        esc.EllipticalPlanetary(ratio, 1.0), INERTIA, TORQUE,
+        efficiency=efficiency, load_torque=load * TORQUE,
+    )  # fmt: skip
+    fast, slow = esc.simulate(timer, 5), esc.simulate(timer, 5, engine="ivp", rtol=1e-11)
+    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-10)
+    np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-10)
+    np.testing.assert_allclose(
+        between_stops(fast, timer.mechanism), between_stops(slow, timer.mechanism), atol=1e-8
+    )
+    ours, theirs = esc.terminal(timer), esc.terminal(timer, engine="ivp", rtol=1e-8)
+    for name in ("velocity_max", "velocity_min", "period", "rise_time", "contact_moment_max"):
+        assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-7), name
+
+
+def test_a_heavy_driver_passes_its_stops():
+    """The force all but vanishes at a stop: its sign there must not be rounding."""
+    timer = esc.Escapement(
+        esc.EllipticalPlanetary(1.65, 1.0), esc.Inertia(242.0, 1.0), 1.0, efficiency=0.84
+    )
+    fast, slow = esc.simulate(timer, 3), esc.simulate(timer, 3, engine="ivp", rtol=1e-10)
+    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-10)
+
+
+def test_a_motion_integrated_with_nothing_of_ours():
+    """The equation of motion with the paper's (9) and the loss by hand, in time."""
+    eta = 0.8
+    k, driver, follower = 16 / 9, INERTIA.driver, INERTIA.follower
+    e = (k - 1) / (k + 1)
+
+    def ratio(theta):
+        rho = (1 - e * e) / (1 - e * np.cos(k * theta))
+        slope = -rho * e * k * np.sin(k * theta) / (1 - e * np.cos(k * theta))
+        return k * rho / (2 - rho) - 1, 2 * k * slope / (2 - rho) ** 2
+
+    def motion(_t, y):
+        g, dg = ratio(y[0])
+        # the moment on the follower has the sign of this, whatever the mesh loses
+        pushed = driver * follower * dg * y[1] ** 2 + follower * g * TORQUE >= 0.0
+        p = g / eta if pushed else g * eta
+        return y[1], (TORQUE - p * follower * dg * y[1] ** 2) / (driver + follower * g * p)
+
+    found = esc.simulate(esc.Escapement(PAPER, INERTIA, TORQUE, efficiency=eta), 4)
+    times = np.linspace(0.0, found.handoff_times[-1], 25)
+    run = solve_ivp(
+        motion, (0.0, times[-1]), [PAPER.breaks[0], 0.0], t_eval=times, rtol=1e-10, atol=1e-12,
+        max_step=1e-3,
+    )  # fmt: skip
+    np.testing.assert_allclose(found.at(times).theta_dot, run.y[1], rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("efficiency", [0.98, 0.9, 0.6])
+def test_contraction_in_closed_form(efficiency):
+    """(rho + eta g^2)/(rho + g^2/eta), g being that of the reversal.
+
+    Without a load the speed obeys a linear equation on each side of the reversal, and
+    where the force is zero both sides are one: its shift changes nothing at first order.
+    """
+    cycle = esc.terminal(esc.Escapement(PAPER, INERTIA, TORQUE, efficiency=efficiency))
+    angle = cycle.reversal_angles[0]
+    rho, square = INERTIA.driver / INERTIA.follower, float(PAPER.transmission(angle).g) ** 2
+    expected = (rho + efficiency * square) / (rho + square / efficiency)
+    assert cycle.contraction == pytest.approx(expected, rel=1e-8)
+    # and the reversal is where I_d (I_f g' w) + I_f g tau = 0
+    motion = esc.simulate(
+        esc.Escapement(PAPER, INERTIA, TORQUE, efficiency=efficiency), 1,
+        initial_speed=cycle.handoff_velocity,
+    )  # fmt: skip
+    speed, table = motion.reversals.theta_dot[0], PAPER.transmission(motion.reversals.theta[0])
+    balance = INERTIA.driver * float(table.dg) * speed**2 / (float(table.g) * TORQUE)
+    assert balance == pytest.approx(-1.0, abs=1e-8)
+
+
+def test_without_a_loss_the_energy_is_the_work():
+    found = esc.simulate(esc.Escapement(PAPER, INERTIA, TORQUE), 10)
+    assert esc.terminal(found.escapement).status.label == "no_terminal"
+    # at a stop the follower rests, so all of it is the driver's
+    work = TORQUE * PAPER.cell_angle * np.arange(1, 11)
+    np.testing.assert_allclose(0.5 * INERTIA.driver * found.handoff_velocities**2, work, rtol=1e-12)
+
+
+def test_friction_is_for_slots():
+    with pytest.raises(InvalidValue, match=r"friction must be 0 .* efficiency"):
+        esc.Escapement(PAPER, INERTIA, TORQUE, friction=0.1)
+
+
+@pytest.mark.parametrize("efficiency", [1.0, 0.8])
+def test_torque_at_constant_speed(efficiency):
+    """The drive pays for what the mesh loses, and gets back less than the follower gives."""
+    speed, load = 30.0, 2e-4
+    drive = esc.drive_torque(PAPER, speed, load, INERTIA.follower, efficiency=efficiency)
+    theta = np.linspace(*PAPER.breaks, 4001)
+    table = PAPER.transmission(theta)
+    power = table.g * (load + INERTIA.follower * speed**2 * table.dg)
+    torque = np.where(power > 0.0, power / efficiency, power * efficiency)
+    # kernels know g' of a table to 17^3 rounding errors of g over a piece
+    np.testing.assert_allclose(drive.at(theta).torque, torque, rtol=0.0, atol=1e-11 * torque.max())
+    assert drive.torque_max == pytest.approx(torque.max(), rel=1e-6)
+    assert drive.zone == 2
+    assert len(drive.reversals) == 2
+    # a mean over the whole cell: the load's work and what is lost
+    if efficiency == 1.0:
+        mean = np.trapezoid(drive.at(theta).torque, theta) / PAPER.cell_angle
+        assert mean == pytest.approx(load * PAPER.follower_step / PAPER.cell_angle, rel=1e-6)

@@ -1,0 +1,202 @@
+"""The elliptical gears themselves: pitch curves, inertia, construction, teeth."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import escapement as esc
+from elliptical_tools import PAPER, drives
+from escapement.errors import InvalidValue
+from escapement.mechanisms.elliptical_teeth import fewest_teeth, tooth_module
+
+
+@settings(deadline=None)
+@given(drives, st.lists(st.floats(-2.0, 2.0), min_size=1, max_size=20))
+def test_pitch_curves_roll_without_slip(drive, places):
+    theta = np.array(places) * drive.cell_angle
+    driving, driven = drive.pitch_ellipses
+    alpha, beta = drive.ratio * theta, theta + drive.follower_angle(theta)
+    size = drive.centre_distance
+    total = driving.radius(alpha) + driven.radius(beta)
+    np.testing.assert_allclose(total, size, rtol=1e-12)
+    slack = 1e-12 * (1.0 + np.abs(places).max())
+    np.testing.assert_allclose(driving.arc(alpha), driven.arc(beta), rtol=0.0, atol=slack * size)
+    # one common tangent: angles from opposite radii
+    both = driving.tangent_angle(alpha) + driven.tangent_angle(beta)
+    np.testing.assert_allclose(both, math.pi, rtol=0.0, atol=1e-12)
+    # and the radii give the speeds
+    ratio = drive.ratio * driving.radius(alpha) / driven.radius(beta) - 1.0
+    np.testing.assert_allclose(
+        drive.transmission(theta).g, ratio, rtol=0.0, atol=1e-11 * drive.ratio**2
+    )
+
+
+def test_arcs_by_quadrature_and_around():
+    driving, driven = PAPER.pitch_ellipses
+    for gear, sign in ((driving, 1.0), (driven, -1.0)):
+        a, e = gear.semi_major_axis, sign * gear.eccentricity
+
+        def speed(x, a=a, e=e):
+            r = a * (1 - e * e) / (1 - e * mpmath.cos(x))
+            slope = -r * e * mpmath.sin(x) / (1 - e * mpmath.cos(x))
+            return mpmath.hypot(r, slope)
+
+        for angle in (0.7, 2.9, 6.0):
+            length = float(mpmath.quad(speed, [0, angle / 2, angle]))
+            assert float(gear.arc(angle)) == pytest.approx(length, rel=1e-14)
+        around = float(gear.arc(2.0 * math.pi))
+        whole = float(4 * a * mpmath.ellipe(mpmath.mpf(e) ** 2))
+        assert around == pytest.approx(whole, rel=1e-14)
+
+
+def test_curvature_is_the_turn_of_the_tangent_over_the_arc():
+    for gear in PAPER.pitch_ellipses:
+        angle = np.linspace(0.0, 2.0 * math.pi, 37)
+        h = 1e-4
+        turn = angle + gear.tangent_angle(angle)
+        turned = (angle + h + gear.tangent_angle(angle + h)) - (
+            angle - h + gear.tangent_angle(angle - h)
+        )
+        assert (np.diff(turn) > 0.0).all()
+        slope = turned / (gear.arc(angle + h) - gear.arc(angle - h))
+        np.testing.assert_allclose(gear.curvature(angle), slope, rtol=1e-7)
+        a, b = gear.semi_major_axis, gear.semi_minor_axis
+        assert float(gear.curvature(0.0)) == pytest.approx(a / b**2, rel=1e-14)
+
+
+def test_planet_inertia_is_that_of_a_plate_in_motion():
+    """Kinetic energy of a homogeneous ellipse, point by point, at several driver angles."""
+    drive, density = PAPER, 3.0
+    a, b, c = drive.semi_major_axis, drive.semi_minor_axis, drive.focal_distance
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    r, turn = 0.5 * (nodes + 1.0), np.linspace(0.0, 2.0 * math.pi, 64, endpoint=False)
+    area = (0.5 * weights * r)[:, None] * np.full(turn.size, 2.0 * math.pi / turn.size) * a * b
+    # seen from the shaft; the far vertex points at the carrier's axis when theta = 0
+    plate = -(c + a * r[:, None] * np.cos(turn) + 1j * b * r[:, None] * np.sin(turn))
+    mass = density * area.sum()
+    moment = density * (area * np.abs(plate) ** 2).sum()
+    mean, swing = drive.planet_inertia(mass, moment, offset=c)
+    for theta in np.linspace(0.0, drive.cell_angle, 7):
+        spin = 1.0 + drive.ratio
+        points = plate * np.exp(1j * spin * theta)
+        speed = 1j * drive.centre_distance * np.exp(1j * theta) + 1j * spin * points
+        energy = 0.5 * density * (area * np.abs(speed) ** 2).sum()
+        assert 0.5 * (mean - swing * math.cos(drive.ratio * theta)) == pytest.approx(
+            energy, rel=1e-12
+        )
+    assert drive.planet_inertia(mass, moment)[1] == 0.0
+
+
+@settings(deadline=None)
+@given(st.floats(1e-3, 6.28), st.floats(1e-3, 1e3))
+def test_a_wanted_stop_interval(interval, distance):
+    drive = esc.EllipticalPlanetary.from_stop_interval(interval, distance)
+    assert drive.cell_angle == pytest.approx(interval, rel=1e-14)
+    assert drive.centre_distance == pytest.approx(distance, rel=1e-14)
+    assert drive.follower_step == pytest.approx(2.0 * math.pi - interval, rel=1e-9)
+
+
+def test_an_ellipse():
+    drive = esc.EllipticalPlanetary.from_ellipse(0.0125, 0.28)
+    assert drive.sun_radius == pytest.approx(0.016, rel=1e-15)
+    assert drive.planet_radius == pytest.approx(0.009, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("sun", "planet", "stations"), [(2.0, 1.0, 2), (3, 1, 3), (4, 3, 4), (math.pi, 1.0, None)]
+)
+def test_stations(sun, planet, stations):
+    drive = esc.EllipticalPlanetary(sun, planet)
+    assert drive.stations == stations
+    if stations:
+        stops = drive.follower_step * np.arange(stations) / (2.0 * math.pi)
+        assert np.unique(np.round(stops % 1.0, 9) % 1.0).size == stations
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: esc.EllipticalPlanetary(9e-3, 16e-3), ["sun_radius", "greater than the planet"]),
+        (lambda: esc.EllipticalPlanetary(1.0, 1.0), ["sun_radius", "greater", "1.0"]),
+        (lambda: esc.EllipticalPlanetary(1.0, 0.0), ["planet_radius", "greater than 0", "0.0"]),
+        (lambda: esc.EllipticalPlanetary("a", 1.0), ["sun_radius", "finite number", "'a'"]),
+        (lambda: esc.EllipticalPlanetary(1e6, 1.0), ["sun_radius / planet_radius", "10000"]),
+        (lambda: esc.EllipticalPlanetary.from_ellipse(1.0, 1.0), ["eccentricity", "below 1"]),
+        (lambda: esc.EllipticalPlanetary.from_ellipse(1.0, 0.0), ["eccentricity", "circle"]),
+        (lambda: esc.EllipticalPlanetary.from_ellipse(-1.0, 0.5), ["semi_major_axis", "-1.0"]),
+        (lambda: esc.EllipticalPlanetary.from_stop_interval(7.0, 1.0), ["stop_interval", "2 pi"]),
+        (lambda: PAPER.dwell_below(-1.0), ["ratio", "at least 0", "-1.0"]),
+        (lambda: PAPER.dwell_within(0.0), ["angle", "greater than 0", "0.0"]),
+        (lambda: PAPER.planet_inertia(1.0, 1e-9, 1e-3), ["moment", "offset^2", "shaft"]),
+    ],
+)
+def test_impossible_drives_are_refused(make, words):
+    with pytest.raises(InvalidValue) as caught:
+        make()
+    message = str(caught.value)
+    assert "\n" not in message
+    assert all(word in message for word in words)
+
+
+def test_fewest_teeth_of_a_circle_are_those_of_every_textbook():
+    round_one = esc.EllipticalPlanetary.from_ellipse(1.0, 1e-6)
+    assert fewest_teeth(round_one) == 18
+    assert fewest_teeth(round_one, math.radians(14.5)) == 32
+    assert fewest_teeth(round_one, addendum=0.8) == 14
+    assert fewest_teeth(PAPER) == 19
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(0.01, 0.9), st.floats(0.2, 0.6))
+def test_a_rack_undercuts_where_its_flank_leaves_a_cusp(eccentricity, angle):
+    """The flank that a rolling rack leaves on the gear, point by point.
+
+    Its speed vanishes first for a flank that is cut as the rack touches the sharpest
+    place: a cusp, as deep below the pitch line as the addendum may be.
+    """
+    drive = esc.EllipticalPlanetary.from_ellipse(1.0, eccentricity)
+    gear = drive.pitch_ellipses[0]
+    radius = 1.0 / float(gear.curvature(0.0))
+    few = fewest_teeth(drive, angle)
+
+    def cut(place):
+        """Point of the flank that is being cut while the rack touches at `place` [rad]."""
+        rolled = float(gear.arc(place))
+        heading = place + float(gear.tangent_angle(place))
+        touch = float(gear.radius(place)) * np.exp(1j * place)
+        away = (radius * math.tan(angle) - rolled) * math.cos(angle)
+        return touch + away * np.exp(1j * (heading + angle)), away
+
+    allowed = cut(0.0)[1] * math.sin(angle)
+    assert tooth_module(drive, few) <= allowed * (1.0 + 1e-9) < tooth_module(drive, few - 1)
+    h = 1e-4
+    speed = abs(cut(h)[0] - cut(-h)[0]) / (float(gear.arc(h)) - float(gear.arc(-h)))
+    assert speed < 1e-3 * (1.0 + 1.0 / radius)
+    ahead = abs(cut(0.3 + h)[0] - cut(0.3 - h)[0]) / (2.0 * h)
+    assert ahead > 10.0 * speed
+
+
+def test_teeth_share_the_perimeter():
+    around = 2.0 * float(PAPER.pitch_ellipses[0].arc(math.pi))
+    assert 25 * math.pi * tooth_module(PAPER, 25) == pytest.approx(around, rel=1e-13)
+    assert esc.EllipticalPlanetary.from_teeth(32, 18, 0.001).ratio == pytest.approx(16 / 9)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: tooth_module(PAPER, 2), ["teeth", "at least 3", "2"]),
+        (lambda: fewest_teeth(PAPER, 1.0), ["pressure_angle", "below pi/4"]),
+        (lambda: fewest_teeth(PAPER, addendum=0.0), ["addendum", "greater than 0"]),
+        (lambda: esc.EllipticalPlanetary.from_teeth(18, 32, 1e-3), ["sun_radius", "greater"]),
+        (lambda: esc.EllipticalPlanetary.from_teeth(18.5, 9, 1e-3), ["sun_teeth", "whole"]),
+    ],
+)
+def test_impossible_teeth_are_refused(make, words):
+    with pytest.raises(InvalidValue) as caught:
+        make()
+    assert all(word in str(caught.value) for word in words)

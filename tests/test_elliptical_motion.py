@@ -1,0 +1,185 @@
+"""Motion of the elliptical planetary drive against the paper's equations."""
+
+import math
+from itertools import pairwise
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from elliptical_tools import PAPER, drives
+from escapement.mechanisms._slotted import transmission
+from escapement.model import Mechanism
+
+places = st.floats(-1.0, 1.0)
+
+
+def analogue(drive, theta):
+    """The paper's (9), with (6), in 30 digits: output over input speed."""
+    with mpmath.workdps(30):
+        sun, planet = mpmath.mpf(drive.sun_radius), mpmath.mpf(drive.planet_radius)
+        a, e = (sun + planet) / 2, (sun - planet) / (sun + planet)
+        rho = a * (1 - e**2) / (1 - e * mpmath.cos(sun / planet * theta))
+        return 1 - sun * rho / (planet * (sun + planet - rho))
+
+
+def test_the_paper_s_drive():
+    """Table 1, and the stop interval of section 3; R1 = 16, R2 = 9 mm."""
+    assert 1e3 * PAPER.semi_major_axis == pytest.approx(12.5, rel=1e-15)
+    assert 1e3 * PAPER.semi_minor_axis == pytest.approx(12.0, rel=1e-15)
+    assert 1e3 * PAPER.focal_distance == pytest.approx(3.5, rel=1e-15)
+    assert PAPER.eccentricity == pytest.approx(0.28, rel=1e-15)
+    assert math.degrees(PAPER.cell_angle) == pytest.approx(202.5, rel=1e-15)
+    assert -math.degrees(PAPER.follower_step) == pytest.approx(-157.5, rel=1e-15)
+    assert PAPER.ratio_max == pytest.approx((16 / 9) ** 2 - 1, rel=1e-15)
+    assert PAPER.stations == 16
+    assert isinstance(PAPER, Mechanism)
+
+
+@settings(deadline=None, max_examples=40)
+@given(drives, st.floats(-3.0, 3.0))
+def test_transmission_is_equation_9(drive, place):
+    theta = place * drive.cell_angle
+    found = drive.transmission(theta)
+    expected = -analogue(drive, mpmath.mpf(theta))
+    # an angle of this size carries its own rounding into the planet's turn
+    assert float(found.g) == pytest.approx(float(expected), abs=1e-14 * (1.0 + drive.ratio**4))
+    assert float(found.u) == 0.0
+
+
+@settings(deadline=None, max_examples=15)
+@given(drives.filter(lambda drive: drive.ratio < 5.0), places)
+def test_position_function_is_the_integral_of_equation_9(drive, place):
+    theta = 0.5 * place * drive.cell_angle
+    with mpmath.workdps(20):
+        integral = mpmath.quad(lambda x: analogue(drive, x), [0, theta / 2, theta])
+    scale = 1.0 + drive.follower_step
+    assert float(drive.follower_angle(theta)) == pytest.approx(-float(integral), abs=1e-14 * scale)
+
+
+def test_position_function_of_the_paper_to_1e_14():
+    """Three cells of the drive that was measured, by quadrature of (9)."""
+    theta = np.linspace(0.0, 3.0 * PAPER.cell_angle, 13)
+    with mpmath.workdps(20):
+        pieces = [
+            mpmath.quad(lambda x: analogue(PAPER, x), [low, high]) for low, high in pairwise(theta)
+        ]
+    np.testing.assert_allclose(
+        PAPER.follower_angle(theta[1:]), -np.cumsum(pieces).astype(float), rtol=0.0, atol=1e-14
+    )
+
+
+@settings(deadline=None)
+@given(drives, places)
+def test_closed_form_of_the_position_function(drive, place):
+    """phi = theta - p - 2 atan2(e sin p, 1 - e cos p), another form of the integral."""
+    theta = 0.5 * place * drive.cell_angle
+    e, p = drive.eccentricity, drive.ratio * theta
+    other = theta - p - 2.0 * math.atan2(e * math.sin(p), 1.0 - e * math.cos(p))
+    assert float(drive.follower_angle(theta)) == pytest.approx(-other, abs=2e-14)
+
+
+@settings(deadline=None)
+@given(drives, places)
+def test_derivatives_are_derivatives(drive, place):
+    theta = 0.5 * place * drive.cell_angle
+    h = 1e-3 * drive.cell_angle * (1.0 - drive.eccentricity)
+    nodes = theta + h * np.array([-2.0, -1.0, 1.0, 2.0])
+    weights = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * h)
+    found, near = drive.transmission(theta), drive.transmission(nodes)
+    scale = drive.ratio_max
+    rate = scale / drive.cell_angle / (1.0 - drive.eccentricity)
+    assert weights @ drive.follower_angle(nodes) == pytest.approx(float(found.g), abs=1e-7 * scale)
+    assert weights @ near.g == pytest.approx(float(found.dg), abs=1e-6 * rate)
+    jerk = float(drive.jerk_function(theta))
+    assert weights @ near.dg == pytest.approx(
+        jerk, abs=1e-5 * rate / drive.cell_angle / (1.0 - drive.eccentricity)
+    )
+
+
+@settings(deadline=None)
+@given(drives)
+def test_the_output_stops_at_both_ends_of_a_cell(drive):
+    ends = np.array(drive.breaks)
+    found = drive.transmission(ends)
+    assert np.abs(found.g).max() < 1e-28 * drive.ratio_max * drive.ratio**2
+    assert np.abs(found.dg).max() < 1e-14 * drive.ratio_max * drive.ratio
+    assert np.diff(ends)[0] == pytest.approx(drive.cell_angle, rel=1e-15)
+    turned = np.diff(drive.follower_angle(ends))[0]
+    assert turned == pytest.approx(drive.follower_step, rel=1e-13)
+    inside = np.linspace(*ends, 101)[1:-1]
+    assert (drive.transmission(inside).g > 0.0).all()
+    away = drive.follower_angle(inside + 7.0 * drive.cell_angle) - 7.0 * drive.follower_step
+    np.testing.assert_allclose(away, drive.follower_angle(inside), rtol=0.0, atol=1e-12)
+
+
+@settings(deadline=None)
+@given(drives)
+def test_kernels_see_the_same_transmission(drive):
+    theta = np.linspace(*drive.breaks, 201)
+    mine, theirs = drive.transmission(theta), transmission(drive.path, theta)
+    # the stops lie a few last digits outside, and the angle itself has one
+    moved = 10.0 * math.ulp(drive.breaks[1])
+    slope = np.abs(mine.dg).max()
+    assert np.abs(mine.g - theirs.g).max() <= 1e-14 * drive.ratio_max + moved * slope
+    # a rounding error in every coefficient of order k comes out k^2 times as great
+    pieces, order = int(drive.path[1]), drive.path[2]
+    length = np.diff(drive.path[3 : 4 + pieces])
+    piece = np.clip(np.searchsorted(drive.path[3 : 3 + pieces], theta, "right") - 1, 0, pieces - 1)
+    tops = np.maximum(mine.g, drive.transmission(drive.path[3 + piece]).g)
+    tops = np.maximum(tops, drive.transmission(drive.path[3 + piece] + length[piece]).g)
+    rounding = np.finfo(float).eps * tops * 2.0 / length[piece] * order**3
+    bend = np.abs(drive.jerk_function(theta)).max()
+    assert (np.abs(mine.dg - theirs.dg) <= rounding + moved * bend).all()
+
+
+@settings(deadline=None)
+@given(drives)
+def test_the_table_keeps_its_signs_up_to_the_stops(drive):
+    """Within a millionth of a cell of a stop g and g' are what their squares and lines say."""
+    away = drive.cell_angle * np.geomspace(1e-10, 1e-6, 25)
+    curvature = 0.5 * drive.ratio_max
+    for stop, side in zip(drive.breaks, (1.0, -1.0), strict=True):
+        theta = stop + side * away
+        found, left = transmission(drive.path, theta), side * (theta - stop)
+        np.testing.assert_allclose(found.dg, side * curvature * left, rtol=1e-3)
+        np.testing.assert_allclose(found.g, 0.5 * curvature * left**2, rtol=1e-3)
+        near = stop + side * drive.cell_angle * np.append(0.0, np.geomspace(1e-16, 1e-6, 41))
+        assert (side * transmission(drive.path, near).dg > 0.0).all()
+
+
+@settings(deadline=None)
+@given(drives)
+def test_peak_acceleration(drive):
+    top, angle = drive.acceleration_max
+    theta = np.linspace(drive.breaks[0], 0.0, 4001)
+    found = drive.transmission(theta).dg
+    assert top >= found.max() * (1.0 - 1e-13)
+    assert top == pytest.approx(found.max(), rel=1e-4)
+    scale = drive.ratio**2 * drive.ratio_max * drive.ratio**2
+    assert abs(float(drive.jerk_function(angle))) < 1e-12 * scale
+
+
+@settings(deadline=None)
+@given(drives, st.floats(1e-9, 0.99), st.floats(1e-9, 0.49))
+def test_dwells_end_where_they_say(drive, speed, position):
+    stop = drive.breaks[1]
+    limit = speed * drive.ratio_max
+    half = 0.5 * drive.dwell_below(limit)
+    ends = drive.transmission(np.array([stop - half, stop + half])).g
+    np.testing.assert_allclose(ends, limit, rtol=1e-7)
+    limit = position * drive.follower_step
+    half = 0.5 * drive.dwell_within(limit)
+    moved = drive.follower_angle(np.array([stop - half, stop, stop + half]))
+    np.testing.assert_allclose(np.diff(moved), limit, rtol=1e-6, atol=1e-14)
+
+
+def test_dwell_of_the_whole_cell():
+    assert PAPER.dwell_below(PAPER.ratio_max) == PAPER.cell_angle
+    assert PAPER.dwell_within(PAPER.follower_step) == PAPER.cell_angle
+    assert PAPER.dwell_below(0.0) == 0.0
+    # within the resolution of the paper's encoders the output rests for a ninth of the time
+    share = PAPER.dwell_within(2.0 * math.pi / 4096) / PAPER.cell_angle
+    assert share == pytest.approx(0.115, abs=5e-4)

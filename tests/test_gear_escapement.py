@@ -1,0 +1,92 @@
+"""Gear-driven wheels under a torque, and at constant speed."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, terminal
+from escapement._curves import CURVES
+from escapement.constant_speed import drive_torque
+
+
+def test_a_wheel_whose_g_is_rounded_below_zero_starts_from_rest():
+    wheel = GearDriven(24, 0, "epicycloid", pins=2)
+    drive = Escapement(wheel, Inertia(0.8560442686544377, 1.0), 1.0, 0.03787595660111593)
+    one, other = (simulate(drive, 2, engine=engine) for engine in ("energy", "ivp"))
+    assert one.handoff_velocities == pytest.approx(other.handoff_velocities, rel=1e-9)
+
+
+DRIVES = [
+    GearDriven(12, 5, "epicycloid", pins=6),
+    GearDriven(24, 5, "hypocycloid", pins=2),
+    GearDriven(24, 5, "contracted-hypocycloid", pins=2),
+    GearDriven(12, 3, "hypocycloid"),
+    GearDriven(8, "1/2", "epicycloid", pins=2),
+    GearDriven(9, 5, "pericycloid", pins=2),
+]
+
+
+@pytest.mark.parametrize("wheel", DRIVES, ids=lambda wheel: f"{wheel.stations} {wheel.curve}")
+def test_both_engines_agree(wheel):
+    inertia = Inertia(3.4e-6, 5.6e-6)
+    limit = critical_friction(wheel, inertia)
+    drive = Escapement(wheel, inertia, 0.0113, friction=0.6 * limit, load_torque=5e-4)
+    fast, slow = terminal(drive), terminal(drive, engine="ivp", rtol=1e-9)
+    for name in ("velocity_max", "velocity_min", "period", "rise_time"):
+        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-8)
+    one = simulate(drive, 6)
+    other = simulate(drive, 6, engine="ivp", rtol=1e-11)
+    assert one.handoff_velocities == pytest.approx(other.handoff_velocities, rel=1e-9)
+    assert abs(one.ledger.residual) < 1e-12
+    ends = one.at(np.array([one.handoff_times[-1]]))
+    assert ends.phi[0] == pytest.approx(5.5 * wheel.follower_step, abs=1e-9)
+
+
+def test_contact_force_has_the_arm_in_metres():
+    wheel = GearDriven(12, 5, "epicycloid", pins=6, fixed_radius=0.02)
+    motion = simulate(Escapement(wheel, Inertia(3e-6, 5e-6), 0.01, 0.1), 3)
+    at = motion.at(motion.handoff_times[0] + np.array([1e-4, 3e-3]))
+    local = (at.theta + wheel.alpha / 2.0) % wheel.cell_angle - wheel.alpha / 2.0
+    first, _, second, rate = wheel.arms
+    arm = 0.02 * abs(first * np.exp(1j * local) + second * np.exp(1j * rate * local))
+    assert at.contact_force * arm == pytest.approx(at.contact_moment, rel=1e-9)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.sampled_from(CURVES),
+    st.integers(3, 24),
+    st.fractions(0, 12, max_denominator=4),
+    st.floats(-4.0, 4.0),
+)
+def test_painleve_limit_is_the_least_ratio(curve, n, m, exponent):
+    if curve not in ("epicycloid", "pericycloid"):
+        n = max(n, 4)
+        m = m * (Fraction(n, 2) - 2) / 13
+    wheel = GearDriven(n, m.limit_denominator(9), curve)
+    if wheel.through_centre:
+        return
+    rho = 10.0**exponent
+    limit = critical_friction(wheel, Inertia(rho, 1.0))
+    away = np.concatenate([np.geomspace(1e-12, 1.0, 4000), np.linspace(1e-6, 1.0, 4000)])
+    found = wheel.transmission(wheel.breaks[-1] * np.concatenate([1.0 - away, away]))
+    with np.errstate(divide="ignore"):
+        ratio = (rho + found.g**2) / (np.abs(found.g) * np.abs(found.u))
+    assert limit <= ratio.min() * (1.0 + 1e-12)
+    assert limit == pytest.approx(ratio.min(), rel=1e-3)
+
+
+def test_constant_speed_has_a_closed_mean():
+    """Without a loss the work over an engagement is that on the load."""
+    for wheel in DRIVES:
+        result = drive_torque(wheel, 20.0, 0.3, 1e-3)
+        nodes, weights = np.polynomial.legendre.leggauss(80)
+        half = wheel.breaks[-1]
+        work = 2.0 * half * 0.5 * weights @ result.at(half * nodes).torque
+        assert work == pytest.approx(0.3 * wheel.follower_step, rel=1e-12)
+        inertia_free = drive_torque(wheel, 20.0, 0.3, 1e-9)
+        assert inertia_free.zone == 1
+        assert result.torque_max > inertia_free.torque_max

@@ -1,0 +1,120 @@
+"""Laws that hold for every contact: Newton's, the ledger's, and Painleve's limit."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+import escapement as esc
+from escapement.dynamics import critical_angle
+from escapement.status import Status
+from random_drives import (
+    close,
+    contacts,
+    dense,
+    drives,
+    few,
+    speeds,
+    wheels,
+)
+
+
+# contact
+@few
+@given(drives(), speeds)
+def test_both_members_obey_newton(drive, speed):
+    """Follower: N R - M_f = I_f phi_ddot; driver: tau - I_d theta_ddot = p_s N R."""
+    motion = esc.simulate(drive, 2, initial_speed=speed)
+    for sign, found, state in contacts(motion):
+        p = found.g + sign * drive.friction * np.abs(found.u)
+        scale = np.abs(state.contact_moment).max() * (1.0 + np.abs(p).max())
+        follower = state.phi_ddot + drive.load_torque
+        close(follower, state.contact_moment, 1e-9, scale)
+        drawn = 1.0 - drive.inertia.driver * state.theta_ddot
+        close(drawn, p * state.contact_moment, 1e-9, scale + 1.0)
+
+
+@few
+@given(drives(), speeds)
+def test_force_is_carried_by_the_side_it_is_said_to_be(drive, speed):
+    motion = esc.simulate(drive, 3, initial_speed=speed)
+    largest = np.abs(motion.contact_moment).max()
+    for sign, _, state in contacts(motion):
+        assert np.all(sign * state.contact_moment >= -1e-9 * largest)
+
+
+@few
+@given(drives(), speeds)
+def test_a_reversal_lies_on_its_locus(drive, speed):
+    """Within 1e-8 of a radian of where rho (g' w + load) + g vanishes; there the driver is free."""
+    motion = esc.simulate(drive, 3, initial_speed=speed)
+    turns, rho = motion.reversals, drive.inertia.driver
+    angle = turns.theta - turns.engagement * drive.mechanism.cell_angle
+    found, w = drive.mechanism.transmission(angle), turns.theta_dot**2
+    beside = [drive.mechanism.transmission(angle + h).dg for h in (-1e-5, 1e-5)]
+    slope = rho * w * (beside[1] - beside[0]) / 2e-5 + 3.0 * found.dg  # w' = 2/rho
+    nothing = rho * (found.dg * w + drive.load_torque) + found.g
+    terms = found.g + rho * (np.abs(found.dg) * w + drive.load_torque)
+    assert np.all(np.abs(nothing) <= 1e-8 * np.abs(slope) + 1e-12 * terms)
+    close(motion.at(turns.time).theta_ddot * rho, np.ones(turns.time.size), 1e-6)
+
+
+@few
+@given(drives(load=False), speeds)
+def test_without_a_load_the_force_turns_once_after_dead_centre(drive, speed):
+    motion = esc.simulate(drive, 4, initial_speed=speed)
+    assert motion.reversals.engagement.tolist() == [0, 1, 2, 3]
+    place = motion.reversals.theta - np.arange(4) * drive.mechanism.cell_angle
+    assert np.all((place > 0.0) & (place < drive.mechanism.breaks[-1]))
+
+
+@few
+@given(drives(), speeds)
+def test_extrema_alternate_and_nothing_goes_beyond_them(drive, speed):
+    motion = esc.simulate(drive, 3, initial_speed=speed)
+    extrema = motion.extrema
+    assert np.all(extrema.maximum[1:] != extrema.maximum[:-1])
+    assert np.all(np.diff(extrema.time) > 0.0)
+    marks = np.concatenate([[0.0], extrema.time, [motion.end_time]])
+    for start, end in pairwise(marks):
+        between = np.diff(motion.at(np.linspace(start, end, 40)).theta_dot)
+        slack = 1e-11 * motion.theta_dot.max()
+        assert np.all(between >= -slack) or np.all(between <= slack)
+
+
+@few
+@given(drives(), speeds)
+def test_nothing_turns_backwards(drive, speed):
+    state = dense(esc.simulate(drive, 3, initial_speed=speed))
+    assert np.all(np.diff(state.theta) > 0.0)
+    assert np.all(np.diff(state.phi) >= -1e-15)
+    assert np.all(state.phi_dot >= -1e-12 * state.theta_dot.max())
+
+
+# the Painleve limit
+@few
+@given(wheels(), st.floats(-6.0, 6.0), st.floats(1.0, 3.0), st.floats(0.0, 1e3))
+def test_at_the_limit_and_beyond_nothing_is_integrated(wheel, exponent, factor, load):
+    inertia = esc.Inertia(10.0**exponent, 1.0)
+    mu = factor * esc.critical_friction(wheel, inertia)
+    drive = esc.Escapement(wheel, inertia, 1.0, mu, load)
+    outcomes = [esc.simulate(drive, engine=engine) for engine in ("energy", "ivp")]
+    for outcome in [*outcomes, esc.terminal(drive), esc.terminal(drive, engine="ivp")]:
+        assert outcome.status is Status.PAINLEVE
+        assert f"{esc.critical_friction(wheel, inertia):.6g}" in outcome.message
+
+
+@few
+@given(wheels(), st.floats(-6.0, 6.0), st.floats(1.0, 3.0))
+def test_the_limit_is_met_where_it_is_said_to_be(wheel, exponent, factor):
+    rho = 10.0**exponent
+    mu = factor * esc.critical_friction(wheel, esc.Inertia(rho, 1.0))
+    angle = critical_angle(wheel, esc.Inertia(rho, 1.0), mu)
+    found = wheel.transmission(angle)
+    reduced = rho + found.g**2 - mu * abs(found.g * found.u)
+    assert abs(reduced) <= 1e-7 * (rho + found.g**2)
+    before = wheel.transmission(angle - (angle - wheel.breaks[0]) * np.linspace(1e-6, 1.0, 500))
+    assert np.all(rho + before.g**2 - mu * np.abs(before.g * before.u) > 0.0)
+    assert math.isnan(critical_angle(wheel, esc.Inertia(rho, 1.0), 0.999 * mu / factor))

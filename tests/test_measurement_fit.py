@@ -1,0 +1,175 @@
+"""Measured positions against theory: the zeros that were planted are found again."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import escapement as esc
+from escapement import measurement
+from escapement.errors import InvalidValue
+from escapement.measurement.readings import unwrapped
+from measurement_tools import DEG, DRIVES, NAMES, PRIKHODKO, read
+
+
+def test_prikhodko_s_position_over_many_cells():
+    sun, planet = 16.0, 9.0
+    a, c = 0.5 * (sun + planet), 0.5 * (sun - planet)
+    theta = np.linspace(-20.0, 30.0, 4001)
+    p, e = sun * theta / planet, c / a
+    phi = theta - p - 2.0 * np.arctan2(e * np.sin(p), 1.0 - e * np.cos(p))
+    np.testing.assert_allclose(measurement.position(PRIKHODKO, theta), -phi, atol=2e-14 * 100)
+
+
+@pytest.mark.parametrize("drive", DRIVES, ids=NAMES)
+def test_each_cell_adds_a_step_and_the_follower_never_jumps(drive):
+    theta = np.linspace(-9.0, 9.0, 5000)
+    phi = measurement.position(drive, theta)
+    turned = measurement.position(drive, theta + drive.cell_angle)
+    np.testing.assert_allclose(turned - phi, drive.follower_step, atol=1e-13)
+    g = measurement.slope(drive, theta)
+    assert np.diff(phi).max() <= 1.01 * np.diff(theta)[0] * g.max()
+    assert np.diff(phi).min() > -1e-12
+
+
+@pytest.mark.parametrize("drive", DRIVES, ids=NAMES)
+def test_slope_is_the_transmission_and_zero_in_the_dwell(drive):
+    entry, exit_ = drive.breaks[0], drive.breaks[-1]
+    theta = np.linspace(entry + 1e-4, exit_ - 1e-4, 501)
+    for cell in (0, 7):
+        g = measurement.slope(drive, theta + cell * drive.cell_angle)
+        np.testing.assert_allclose(g, drive.transmission(theta).g, atol=5e-8)
+    if exit_ < entry + drive.cell_angle - 0.1:
+        assert (measurement.slope(drive, np.linspace(exit_ + 0.01, exit_ + 0.09, 9)) == 0.0).all()
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("drive", DRIVES, ids=NAMES)
+def test_zeros_come_back_exactly_without_errors_but_one_count(drive, sense):
+    fine = esc.Encoder(1 << 24)
+    result = esc.measure(
+        read(drive, phase=17 * DEG, offset=-33 * DEG, sense=sense, encoder=fine), drive
+    )
+    assert result.fit.sense == sense
+    assert result.fit.phase == pytest.approx(17 * DEG, abs=fine.quantum)
+    assert result.fit.offset == pytest.approx(-33 * DEG, abs=fine.quantum * 5)
+    assert np.abs(result.errors).max() < 10 * fine.quantum
+    assert result.mean == pytest.approx(0.0, abs=1e-12)
+
+
+def test_standard_errors_of_the_zeros_are_what_repetition_shows():
+    truth = np.array([9.0, 40.0]) * DEG
+    fits = [
+        esc.measure(
+            read(seed=seed, samples=120, noise=0.5 * DEG, phase=truth[0], offset=truth[1]),
+            PRIKHODKO,
+        ).fit
+        for seed in range(200)
+    ]
+    for name, value in zip(("phase", "offset"), truth, strict=True):
+        found = np.array([getattr(fit, name) for fit in fits])
+        told = np.mean([getattr(fit, f"{name}_error") for fit in fits])
+        assert abs(found.mean() - value) < 4 * told / math.sqrt(len(fits))
+        # the standard error of a standard deviation of 200 is 5 %
+        assert found.std() == pytest.approx(told, rel=0.2)
+
+
+def test_known_zeros_are_kept_and_the_mean_error_remains():
+    readings = read(noise=0.2 * DEG, offset=0.3 * DEG)
+    result = esc.measure(readings, PRIKHODKO, zeros=(0.0, 0.0))
+    assert (result.fit.phase, result.fit.offset, result.fit.phase_error) == (0.0, 0.0, 0.0)
+    assert result.mean == pytest.approx(0.3 * DEG, abs=4 * 0.2 * DEG / math.sqrt(600))
+
+
+def test_wrapped_or_counting_on_is_the_same():
+    plain = read(noise=0.3 * DEG)
+    turned = esc.Readings(np.mod(plain.input, 2 * np.pi), np.mod(plain.output, 2 * np.pi))
+    a, b = (esc.measure(readings, PRIKHODKO) for readings in (plain, turned))
+    np.testing.assert_allclose(a.errors, b.errors, atol=1e-11)
+    assert a.fit.phase == pytest.approx(b.fit.phase, abs=1e-11)
+
+
+def test_samples_in_step_with_the_cells_tell_the_phase():
+    drive = esc.Geneva(4, pins=1)
+    # two hundred a turn: every two hundredth meets the same place of the cell
+    readings = read(drive, samples=200_000, turns=1000.0, noise=0.1 * DEG, phase=0.3)
+    result = esc.measure(readings, drive)
+    assert result.fit.phase == pytest.approx(0.3, abs=4 * result.fit.phase_error)
+    assert result.standard_deviation == pytest.approx(0.1 * DEG, rel=0.01)
+
+
+def test_turning_back_and_forth_is_no_obstacle():
+    theta = 4.0 * np.sin(np.linspace(0.0, 20.0, 900))
+    readings = esc.Readings(np.mod(theta, 2 * np.pi), measurement.position(PRIKHODKO, theta + 0.2))
+    result = esc.measure(
+        esc.Readings(readings.input, readings.output + 1e-6 * np.sin(np.arange(900.0) ** 2)),
+        PRIKHODKO,
+    )
+    assert result.fit.phase == pytest.approx(0.2, abs=1e-6)
+
+
+def test_missing_samples_do_not_lose_a_turn():
+    theta = np.linspace(0.0, 40.0, 900)  # 2.5 degrees a sample
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(900)
+    angle = np.mod(theta, 2 * np.pi)
+    output = np.mod(measurement.position(PRIKHODKO, theta) + noise, 2 * np.pi)
+    angle[200:420] = np.nan  # one turn and a half
+    output[600:610] = np.nan
+    result = esc.measure(esc.Readings(angle, output), PRIKHODKO)
+    assert result.readings.missing == 230
+    np.testing.assert_allclose(result.input, theta[result.readings.complete], atol=1e-12)
+    assert result.standard_deviation < 1.1e-4
+
+
+def test_unwrapping_adds_whole_turns_only():
+    angle = np.mod(np.cumsum(np.random.default_rng(3).uniform(-2.0, 3.0, 500)), 2 * np.pi)
+    steps = np.diff(unwrapped(angle, np.arange(500)))
+    assert np.abs(steps).max() <= np.pi + 1e-12
+    np.testing.assert_allclose(np.exp(1j * steps), np.exp(1j * np.diff(angle)), atol=1e-12)
+
+
+@pytest.mark.parametrize("samples", [300, 5000])
+def test_even_output_tells_no_phase(samples):
+    drive = esc.Geneva(4, pins=1)  # in its dwell throughout
+    theta = np.linspace(1.0, 5.0, samples)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(samples)
+    result = esc.measure(esc.Readings(theta, 0.5 + noise), drive)
+    if result.fit.phase_error == result.fit.phase_error:
+        # another phase may fit noise a little better, but then its error is large
+        assert result.standard_deviation < 1.1e-3
+    else:
+        assert "the phase cannot be told" in result.message
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    drive=st.sampled_from(DRIVES),
+    seed=st.integers(0, 2**32 - 1),
+    samples=st.integers(20, 80),
+    spread=st.sampled_from([1e-9, 1e-3, 1.0, 30.0, 1e6]),
+    counts=st.booleans(),
+)
+def test_whatever_is_measured_the_figures_are_finite(drive, seed, samples, spread, counts):
+    random = np.random.default_rng(seed)
+    columns = spread * random.standard_normal((2, samples)).round(2)
+    if counts:
+        columns = np.cumsum(np.abs(columns), axis=1)
+    try:
+        result = esc.measure(esc.Readings(*columns), drive)
+    except InvalidValue:
+        return
+    assert np.isfinite(result.errors).all()
+    assert math.isfinite(result.fit.phase + result.fit.offset)
+    tests = (result.chi_squared_test, result.published_test, result.anderson_darling_test)
+    assert all(0.0 <= test.p_value <= 1.0 for test in tests)
+    assert all(not error.p_value < 0.0 for error in result.shaft_errors)
+    assert np.isfinite(result.periodogram.power).all()
+    assert 0.0 < result.periodogram.level(0.01) <= 1.0
+    assert "\n" not in result.message
+
+
+def test_a_wrong_mechanism_is_remarked_upon():
+    result = esc.measure(read(noise=0.1 * DEG), esc.Geneva(5))
+    assert "large against a step of" in result.message

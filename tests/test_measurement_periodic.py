@@ -1,0 +1,97 @@
+"""Errors that come back every turn: found on their shaft, and nowhere else."""
+
+import math
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement import measurement
+from measurement_tools import DEG, PRIKHODKO, read, shown
+
+
+@pytest.mark.parametrize("shaft", ["input", "output"])
+@pytest.mark.parametrize("drive", [PRIKHODKO, esc.Geneva(3), esc.Geneva(4)])
+def test_planted_eccentricity_is_found_on_its_shaft(drive, shaft):
+    planted = {f"{shaft}_eccentricity": 0.4 * DEG}
+    result = esc.measure(read(drive, noise=0.4 * DEG, **planted), drive)
+    found = shown(result, shaft)
+    assert found.p_value < 1e-6
+    assert abs(found.amplitude - 0.4 * DEG) < 4 * found.standard_error
+    assert f"comes back once a turn of the {shaft}" in result.message
+    other = shown(result, "output" if shaft == "input" else "input")
+    assert other.amplitude < 4 * other.standard_error
+
+
+def test_eccentricity_of_the_output_is_the_peak_of_the_periodogram():
+    result = esc.measure(read(noise=0.4 * DEG, output_eccentricity=0.4 * DEG), PRIKHODKO)
+    found = result.periodogram
+    power = found.power[found.peak]
+    turns = PRIKHODKO.follower_step / PRIKHODKO.cell_angle
+    assert found.frequency[found.peak] == pytest.approx(turns, abs=0.1)  # 5 turns: 0.2 apart
+    assert found.false_alarm_probability(power) < 1e-10
+    assert power > found.level(0.01)
+
+
+def test_without_eccentricity_nothing_is_found_more_often_than_by_chance():
+    sets = 200
+    least, peaks = [], []
+    for seed in range(sets):
+        result = esc.measure(read(seed=seed, samples=150, noise=0.3 * DEG), PRIKHODKO)
+        least.append([error.p_value for error in result.shaft_errors])
+        found = result.periodogram
+        peaks.append(found.false_alarm_probability(found.power[found.peak]) < 0.05)
+    rate = (np.array(least) < 0.05).mean()
+    assert rate == pytest.approx(0.05, abs=3 * math.sqrt(0.05 * 0.95 / (6 * sets)))
+    # an upper bound: no more alarms than promised, and not far fewer
+    assert 0.01 < np.mean(peaks) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / sets)
+
+
+def test_periodogram_is_a_least_squares_fit_of_a_sinusoid():
+    random = np.random.default_rng(11)
+    angle = np.sort(random.uniform(0.0, 40.0, 200))
+    errors = random.standard_normal(200) + np.cos(3.0 * angle)
+    found = measurement.spectrum.periodogram(angle, errors)
+    for i in (3, found.peak, len(found.frequency) // 2, -1):
+        phase = angle * found.frequency[i]
+        table = np.column_stack([np.ones(200), np.cos(phase), np.sin(phase)])
+        solution, rest, *_ = np.linalg.lstsq(table, errors, rcond=None)
+        explained = 1.0 - rest[0] / (errors.var() * 200)
+        assert found.power[i] == pytest.approx(explained, rel=5e-3, abs=1e-4)
+        amplitude = np.hypot(*solution[1:])
+        assert found.amplitude[i] == pytest.approx(amplitude, rel=5e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize(("samples", "turns"), [(60, 10.0), (40, 20.0), (24, 0.5), (20, 30.0)])
+def test_periodogram_of_few_samples_a_turn(samples, turns):
+    alarms = []
+    for seed in range(40):
+        readings = read(seed=seed, samples=samples, turns=turns, noise=0.1 * DEG)
+        found = esc.measure(readings, PRIKHODKO).periodogram
+        assert np.isfinite(found.power).all()
+        assert found.power.max() < 0.99
+        alarms.append(found.false_alarm_probability(found.power.max()) < 0.05)
+    assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 40)
+
+
+def test_a_shaft_that_did_not_turn_round_is_not_judged():
+    drive = esc.Geneva(8)
+    result = esc.measure(read(drive, turns=3.0, noise=0.1 * DEG), drive)
+    found = shown(result, "output")
+    assert found.turns == pytest.approx(3 / 8, abs=0.2)
+    assert math.isnan(found.p_value)
+
+
+def test_correlated_errors_are_remarked_upon():
+    calm = esc.measure(read(noise=0.4 * DEG), PRIKHODKO)
+    assert calm.message == "synthetic data, computed and not measured"
+    result = esc.measure(read(noise=0.1 * DEG, output_eccentricity=DEG), PRIKHODKO)
+    assert result.autocorrelation > 0.9
+    assert "neighbouring errors are alike" in result.message
+
+
+def test_many_turns_are_cut_for_the_periodogram_alone():
+    result = esc.measure(read(samples=60_000, turns=1500.0, noise=0.1 * DEG), PRIKHODKO)
+    assert "the periodogram covers the first 1000 turns" in result.message
+    assert result.periodogram.samples == pytest.approx(40_000, abs=2)
+    assert shown(result, "input").turns == pytest.approx(1500.0, abs=0.1)

@@ -1,0 +1,173 @@
+"""Statistics of measured errors: tests keep their level, intervals what they promise."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import escapement as esc
+from escapement import measurement
+from measurement_tools import DEG, PRIKHODKO, read
+
+
+def test_the_paper_s_numbers():
+    expected = np.full(9, 148 / 9)
+    observed = expected + np.sqrt(7.595 / 9 * expected)
+    classes = measurement.Histogram(np.arange(10.0), observed, expected, None, None)
+    test = measurement.published_chi_squared(classes)
+    assert test.statistic == pytest.approx(7.595)
+    assert 100.0 * test.p_value == pytest.approx(26.93, abs=0.005)
+    half_width = 2.57 * 1.298
+    assert half_width == pytest.approx(3.336, abs=5e-4)  # printed 3.33: cut off
+    assert measurement.sturges(148) == pytest.approx(8.2, abs=0.05)
+    assert measurement.class_count(np.random.default_rng(0).standard_normal(148)) == 9
+
+
+def test_published_test_is_that_of_the_paper():
+    """Eqs. 11 to 16 once more, from a table of frequencies, by hand."""
+    errors = np.random.default_rng(8).normal(0.1, 1.3, 148)
+    result = measurement.published_chi_squared(measurement.histogram(errors, 9))
+    observed, edges = np.histogram(errors, 9)
+    p = observed / 148
+    x = (edges[1:] + edges[:-1]) / 2
+    mean = sum(x * p)
+    deviation = math.sqrt(sum((x - mean) ** 2 * p))
+    expected = 148 * np.diff(stats.norm.cdf(edges, mean, deviation))
+    statistic = sum((observed - expected) ** 2 / expected)
+    assert result.statistic == pytest.approx(statistic, rel=1e-12)
+    assert result.degrees_of_freedom == 9 - 1 - 2
+    assert result.p_value == pytest.approx(stats.chi2.sf(statistic, 6), rel=1e-12)
+
+
+def test_anderson_darling_is_that_of_scipy():
+    errors = np.random.default_rng(2).normal(3.0, 0.2, 90) ** 3
+    found = measurement.anderson_darling(errors)
+    fitted = stats.norm(*(errors.mean(), errors.std(ddof=1)))
+    u = np.sort(fitted.cdf(errors))
+    i = np.arange(1, 91)
+    by_hand = -90 - np.sum((2 * i - 1) / 90 * (np.log(u) + np.log(1 - u[::-1])))
+    assert found.statistic == pytest.approx(by_hand, rel=1e-10)
+    # 5 % point of the modified statistic, Stephens' table
+    critical = 0.752 / (1 + 0.75 / 90 + 2.25 / 8100)
+    z = np.random.default_rng(0).standard_normal((1, 90))
+    assert measurement.anderson_darling(z).p_value.shape == (1,)
+    near = measurement.normality._anderson_darling_p(critical, 90)
+    assert near == pytest.approx(0.05, abs=5e-4)
+
+
+REPETITIONS = 20_000
+
+
+@pytest.fixture(scope="module")
+def normal_errors():
+    """Sets of 148 normal errors, less what a fit of phase and offset takes up."""
+    draws = np.random.default_rng(2020).standard_normal((REPETITIONS, 148))
+    theta = np.linspace(0.0, 3 * 2 * np.pi, 148, endpoint=False)
+    columns = np.column_stack([np.ones(148), measurement.slope(PRIKHODKO, theta)])
+    basis, _ = np.linalg.qr(columns)
+    return draws - (draws @ basis) @ basis.T
+
+
+@pytest.mark.parametrize("level", [0.05, 0.01])
+@pytest.mark.parametrize("bins", [7, 9, 14])
+def test_chi_squared_test_keeps_its_level(normal_errors, bins, level):
+    rate = (measurement.chi_squared(normal_errors, bins).p_value < level).mean()
+    assert rate == pytest.approx(level, abs=3 * math.sqrt(level * (1 - level) / REPETITIONS))
+
+
+@pytest.mark.parametrize("level", [0.05, 0.01])
+def test_anderson_darling_test_keeps_its_level(normal_errors, level):
+    rate = (measurement.anderson_darling(normal_errors).p_value < level).mean()
+    assert rate == pytest.approx(level, abs=3 * math.sqrt(level * (1 - level) / REPETITIONS))
+
+
+def test_committed_rates_hold_what_the_page_says():
+    root = Path(__file__).parents[1]
+    table = (root / "benchmarks/results/normality_level.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(table.splitlines()))
+    page = (root / "docs/measurement.md").read_text(encoding="utf-8")
+    names = {
+        "chi-squared as published": "as published",
+        "equal probabilities, fitted to counts": "fitted to counts",
+        "chi-squared": "**chi-squared**",
+        "Anderson-Darling": "**Anderson-Darling**",
+    }
+    for test, name in names.items():
+        normal = [row for row in rows if row["test"] == test and row["law"] == "normal"]
+        rates = [f"{100 * float(row['rate']):.1f}" for row in normal if row["level"] == "0.05"]
+        assert f"| {name} |" in page
+        assert f"| {' | '.join(rates)} |" in page
+        if name.startswith("**"):
+            for row in normal:
+                level = float(row["level"])
+                near = 3 * math.sqrt(level * (1 - level) / REPETITIONS)
+                assert float(row["rate"]) == pytest.approx(level, abs=near)
+
+
+def test_published_test_rejects_normal_errors_twice_too_often(normal_errors):
+    classes = measurement.histogram(normal_errors, 9)
+    assert 0.10 < (measurement.published_chi_squared(classes).p_value < 0.05).mean() < 0.13
+
+
+def test_an_outlier_where_none_is_expected():
+    errors = np.random.default_rng(0).standard_normal(5000)
+    for far in (60.0, -60.0):
+        errors[7] = far
+        result = measurement.published_chi_squared(measurement.histogram(errors, 40))
+        assert result.statistic > 1e6
+        assert result.p_value == 0.0
+
+
+def test_classes_of_both_tails_expect_alike():
+    errors = np.array([-9.0, 9.0, *np.random.default_rng(0).standard_normal(400)])
+    errors = np.concatenate([errors, -errors])
+    expected = measurement.histogram(errors, 20).expected
+    np.testing.assert_allclose(expected, expected[::-1], rtol=1e-9)
+    assert expected[0] > 0.0
+
+
+def test_tests_tell_other_laws_from_the_normal():
+    random = np.random.default_rng(4)
+    for draws in (random.laplace(size=(400, 300)), random.uniform(size=(400, 300))):
+        assert (measurement.chi_squared(draws, 10).p_value < 0.05).mean() > 0.95
+        assert (measurement.anderson_darling(draws).p_value < 0.05).mean() > 0.95
+
+
+def test_intervals_hold_what_they_promise():
+    random = np.random.default_rng(6)
+    held, covered = [], []
+    for seed in range(300):
+        readings = read(seed=seed, samples=100, noise=0.5 * DEG)
+        result = esc.measure(readings, PRIKHODKO, zeros=(0.0, 0.0), confidence=0.9)
+        low, high = result.interval
+        new = 0.5 * DEG * random.standard_normal(100)
+        held.append(((new > low) & (new < high)).mean())
+        low, high = result.mean_interval
+        covered.append(low < 0.0 < high)
+    assert np.mean(held) == pytest.approx(0.9, abs=0.015)
+    assert np.mean(covered) == pytest.approx(0.9, abs=3 * math.sqrt(0.09 / 300))
+
+
+def test_interval_is_the_paper_s():
+    result = esc.measure(read(noise=DEG), PRIKHODKO, zeros=(0.0, 0.0))
+    half = stats.norm.ppf(0.995) * result.standard_deviation
+    assert result.interval == pytest.approx((result.mean - half, result.mean + half))
+
+
+@pytest.mark.parametrize(
+    ("rule", "count"),
+    [("sturges", 11), ("square-root", 32), ("scott", None), ("freedman-diaconis", None), (17, 17)],
+)
+def test_numbers_of_classes(rule, count):
+    errors = np.random.default_rng(0).standard_normal(1000)
+    found = measurement.class_count(errors, rule)
+    if count is None:
+        named = {"scott": "scott", "freedman-diaconis": "fd"}[rule]
+        count = len(np.histogram_bin_edges(errors, named)) - 1
+    assert abs(found - count) <= (0 if rule in ("sturges", "square-root", 17) else 1)
+    result = measurement.histogram(errors, found)
+    assert result.observed.sum() == 1000
+    assert result.edges[[0, -1]] == pytest.approx([errors.min(), errors.max()])

@@ -1,0 +1,125 @@
+"""Labels, style, and figure files that are written whole or not at all."""
+
+import errno
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from escapement import plots
+from escapement.errors import CannotCreate, StorageError
+from escapement.plots import _style
+from escapement.plots._labels import label, number, print_unit, scaled
+
+
+@pytest.mark.parametrize(
+    ("udunits", "printed"),
+    [
+        ("rad s-1", "rad/s"),
+        ("rad s-2", "rad/s²"),
+        ("in lbf", "in lbf"),
+        ("in lbf s2", "in lbf s²"),
+        ("kg m2", "kg m²"),
+        ("N m", "N m"),
+        ("s-1", "1/s"),
+        ("1", ""),
+        ("", ""),
+    ],
+)
+def test_units_are_printed_as_is_customary(udunits, printed):
+    assert print_unit(udunits) == printed
+
+
+def test_prefixes_keep_numbers_readable():
+    assert scaled("s", [0.04, np.nan]) == (1e3, "ms")
+    assert scaled("s", [1.0]) == (1.0, "s")
+    assert scaled("s", [3e-5]) == (1e6, "µs")
+    assert scaled("N m", [-0.2]) == (1e3, "mN m")
+    assert scaled("s", [np.nan]) == (1.0, "s")
+    assert scaled("rad s-1", [1e-4]) == (1.0, "rad/s")
+    assert number(5.65e-6) == "5.65×10⁻⁶"
+    assert label("moment of inertia of the driving wheel", "in lbf s²").count("\n") == 1
+
+
+def test_palette_is_distinct_in_grey_print():
+    assert len({look.marker for look in _style.LOOKS}) == len(_style.LOOKS)
+    assert len({str(look.linestyle) for look in _style.LOOKS}) == len(_style.LOOKS)
+
+
+def test_nothing_imports_pyplot():
+    code = (
+        "import sys, escapement as esc\n"
+        "assert 'matplotlib' not in sys.modules\n"
+        "esc.plots.plot_mechanism(esc.Geneva(4)).figure.draw_without_rendering()\n"
+        "esc.plots.plot_configurations()\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+@pytest.fixture
+def figure():
+    ax = plots.new_axes()
+    ax.plot([0, 1], [0, 1])
+    return ax.figure
+
+
+@pytest.mark.parametrize(
+    ("suffix", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("SVG", b"<?xml")]
+)
+def test_files_are_complete_and_reproducible(figure, tmp_path, suffix, magic):
+    first, second = tmp_path / f"a.{suffix}", tmp_path / f"b.{suffix}"
+    plots.save(figure, first)
+    plots.save(figure, str(second))
+    plots.save(figure, second)
+    assert first.read_bytes() == second.read_bytes()
+    assert first.read_bytes().startswith(magic)
+    assert sorted(os.listdir(tmp_path)) == sorted([first.name, second.name])
+
+
+def test_impossible_outputs_are_refused_in_one_line(figure, tmp_path):
+    file = tmp_path / "file"
+    file.write_text("kept")
+    (tmp_path / "dir.png").mkdir()
+    cases = {
+        tmp_path / "x.bmp": "change the suffix",
+        tmp_path / "x": "change the suffix",
+        tmp_path / "none" / "x.png": "create",
+        tmp_path / "dir.png": "directory",
+        file / "x.png": "another folder",
+        tmp_path / ("x" * 300 + ".png"): "another folder or name",
+    }
+    for path, remedy in cases.items():
+        with pytest.raises(CannotCreate) as error:
+            plots.save(figure, path)
+        text = str(error.value)
+        assert text.startswith("output ")
+        assert remedy in text
+        assert str(path) in text
+        assert "\n" not in text
+    assert sorted(os.listdir(tmp_path)) == ["dir.png", "file"]
+    assert file.read_text() == "kept"
+
+
+def test_unwritable_place_is_refused(figure, tmp_path, monkeypatch):
+    def denied(*_args, **_options):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr("builtins.open", denied)
+    with pytest.raises(CannotCreate, match="Permission denied"):
+        plots.save(figure, tmp_path / "x.png")
+
+
+def test_full_disk_keeps_the_old_file(figure, tmp_path, monkeypatch):
+    def full(_descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    target = tmp_path / "x.png"
+    target.write_bytes(b"old")
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(StorageError, match="No space left"):
+        plots.save(figure, target)
+    assert target.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["x.png"]

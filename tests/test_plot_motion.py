@@ -1,0 +1,100 @@
+"""Figures of a motion: curves reach every event, and jumps are gaps."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import escapement as esc
+from escapement import plots
+from escapement.errors import InvalidValue
+from figure_tools import legend_of
+
+
+def timer(pins=None, friction=0.35, driver=3.39e-7) -> esc.Escapement:
+    return esc.Escapement(
+        mechanism=esc.Geneva(slots=4, pins=pins),
+        inertia=esc.Inertia(driver=driver, follower=5.65e-6),
+        friction=friction,
+        torque=0.0113,
+    )
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return esc.simulate(timer(), engagements=4, rtol=1e-8)
+
+
+@pytest.fixture(scope="module")
+def dwelling():
+    return esc.simulate(timer(pins=1, friction=0.2, driver=3e-6), engagements=3, rtol=1e-8)
+
+
+def test_velocities_reach_every_extremum(motion):
+    ax = plots.plot_velocities(motion)
+    driver, follower = ax.lines[:2]
+    assert ax.get_xlabel() == "Time (ms)"
+    assert ax.get_ylabel() == "Angular velocity (rad/s)"
+    assert legend_of(ax) == ["driver", "follower", "pin reversal", "handoff"]
+    assert driver.get_ydata().max() == pytest.approx(motion.extrema.theta_dot.max(), rel=1e-12)
+    assert driver.get_xdata()[-1] == pytest.approx(1e3 * motion.end_time)
+    assert follower.get_ydata().min() >= -1e-9
+
+
+def test_time_axis_changes_to_seconds():
+    motion = esc.simulate(timer(), engagements=30, rtol=1e-6)
+    assert plots.plot_velocities(motion).get_xlabel() == "Time (s)"
+
+
+def test_phase_portrait_stays_within_the_cell(motion):
+    ax = plots.plot_phase_portrait(motion)
+    curves = [line for line in ax.lines if line.get_xdata().__len__() > 10]
+    assert len(curves) == 4
+    for line in curves:
+        assert line.get_xdata().min() == pytest.approx(-45.0, abs=1e-6)
+        assert line.get_xdata().max() == pytest.approx(45.0, abs=1e-6)
+    assert ax.get_xlabel() == "Driver angle from dead centre (°)"
+    assert legend_of(ax) == ["transient", "terminal cycle", "pin reversal"]
+
+
+def test_phase_portrait_shades_the_dwell(dwelling):
+    ax = plots.plot_phase_portrait(dwelling)
+    assert legend_of(ax) == ["dwell", "transient", "last engagement", "pin reversal"]
+    (dwell,) = [patch for patch in ax.patches if patch.get_label() == "dwell"]
+    assert dwell.get_x() == pytest.approx(45.0)
+    assert dwell.get_width() == pytest.approx(270.0)
+
+
+def test_contact_moment_jumps_are_gaps(motion, dwelling):
+    for case in (motion, dwelling):
+        ax = plots.plot_contact_moment(case)
+        assert ax.get_ylabel() == "Moment on the follower (mN m)"
+        (line,) = [line for line in ax.lines if line.get_label() == "contact moment"]
+        x, y = line.get_xdata() / 1e3, line.get_ydata()
+        gaps = np.flatnonzero(np.isnan(y))[1:-1]
+        for handoff in case.handoff_times[:-1]:
+            (gap,) = [i for i in gaps if abs(x[i + 1] / handoff - 1.0) < 1e-12]
+            assert y[gap + 1] > 0.0 > y[gap - 1]
+            in_dwell = x[gap + 1] - x[gap - 1]
+            assert (in_dwell > 1e-3) if case is dwelling else (in_dwell == 0.0)
+
+
+def test_figures_of_a_motion_without_length_are_refused():
+    halted = esc.simulate(timer(friction=2.0), engagements=2)
+    for plot in (plots.plot_velocities, plots.plot_phase_portrait, plots.plot_contact_moment):
+        with pytest.raises(InvalidValue, match="motion must have a length"):
+            plot(halted)
+
+
+def test_given_axes_are_used_and_left_in_their_style(motion):
+    ax = Figure().add_subplot()
+    size = ax.xaxis.label.get_fontsize()
+    assert plots.plot_velocities(motion, ax) is ax
+    assert ax.xaxis.label.get_fontsize() == size
+
+
+def test_legends_cover_no_data(motion):
+    for plot in (plots.plot_velocities, plots.plot_phase_portrait, plots.plot_contact_moment):
+        ax = plot(motion)
+        ax.figure.draw_without_rendering()
+        assert ax.get_legend().get_window_extent().y0 >= ax.get_window_extent().y1 - 1.0
+        assert ax.get_legend().get_window_extent().y1 <= ax.figure.bbox.y1 + 1.0

@@ -1,0 +1,156 @@
+"""Disks that fail, and files that cannot be read: one clean error each."""
+
+import errno
+import os
+import subprocess
+import sys
+
+import h5py
+import pytest
+
+from escapement import _whole_file
+from escapement.errors import InputFileError, MissingInput, StorageError
+from escapement.store import (
+    SCHEMA_VERSION,
+    _image,
+    read_study,
+    write_study,
+)
+from study_tools import a_file, assert_same, study
+
+
+class FailingFile:
+    """A file whose writes fail from one call on, after doing them by halves."""
+
+    def __init__(self, file, failing_call, code):
+        self._file, self._left, self._code = file, failing_call, code
+
+    def __getattr__(self, name):
+        return getattr(self._file, name)
+
+    def _spend(self):
+        self._left -= 1
+        if self._left < 0:
+            raise OSError(self._code, os.strerror(self._code))
+
+    def write(self, data):
+        self._spend()
+        return self._file.write(data[: max(1, len(data) // 2)])
+
+    def truncate(self, size):
+        self._spend()
+        return self._file.truncate(size)
+
+    def fileno(self):
+        self._spend()
+        return self._file.fileno()
+
+
+def write_to_failing_disk(path, failing_call, code, monkeypatch):
+    """Message of the storage error, None where nothing failed."""
+
+    class Failing(_whole_file.PendingFile):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            self.handle = FailingFile(self.handle, failing_call, code)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(_image, "PendingFile", Failing)
+        try:
+            write_study(study((2, 40_000)), path, force=True)
+        except StorageError as error:
+            return str(error)
+    return None
+
+
+def test_a_disk_that_fails_at_any_write_costs_one_clean_error(tmp_path, monkeypatch):
+    path = a_file(tmp_path)
+    codes = [errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT, errno.EPERM]
+    calls = [*range(0, 60), *range(60, 10_000, 29)]
+    for call in calls:
+        code = codes[call % len(codes)]
+        message = write_to_failing_disk(path, call, code, monkeypatch)
+        if message is None:
+            break
+        assert message.startswith(f"writing {path} failed: {os.strerror(code)}; ")
+        assert path.read_text() == "precious"
+        assert list(tmp_path.iterdir()) == [path]
+    assert call > 100
+    assert_same(read_study(path), study((2, 40_000)))
+
+
+SMALL_DISK = """
+import resource, sys
+sys.path.insert(0, {folder!r})
+from study_tools import study
+from escapement.errors import EscapementError
+from escapement.store import write_study
+resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+try:
+    write_study(study((3, 70_000)), {path!r})
+except EscapementError as error:
+    print(error)
+    sys.exit(error.exit_code)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no resource limits")
+@pytest.mark.parametrize("limit", [100, 5_000, 300_000, 3_000_000])
+def test_a_full_disk_ends_the_process_in_peace(tmp_path, limit):
+    path = str(tmp_path / "a.h5")
+    code = SMALL_DISK.format(folder=os.path.dirname(__file__), limit=limit, path=path)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (74, "")
+    assert done.stdout.startswith(f"writing {path} failed: File too large; nothing was left")
+    assert done.stdout.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def not_ours(path, **attributes):
+    with h5py.File(path, "w") as file:
+        file.attrs.update(attributes)
+
+
+def newer(path):
+    write_study(study(), path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["schema_version"] = SCHEMA_VERSION + 1
+
+
+def cut_short(path):
+    write_study(study(), path)
+    os.truncate(path, path.stat().st_size // 2)
+
+
+def flipped(path):
+    """One bit of a chunk of results is wrong."""
+    write_study(study((200, 50)), path)
+    with h5py.File(path) as file:
+        chunk = file["period"].id.get_chunk_info(0)
+    data = bytearray(path.read_bytes())
+    data[chunk.byte_offset + chunk.size // 2] ^= 1
+    path.write_bytes(data)
+
+
+INPUTS = [
+    (lambda path: None, MissingInput, 66, "does not exist"),
+    (lambda path: path.mkdir(), InputFileError, 65, "must be an ordinary file"),
+    (lambda path: path.write_text("a,b\n1,2\n"), InputFileError, 65, "must be an HDF5 file"),
+    (lambda path: path.write_bytes(b""), InputFileError, 65, "must be an HDF5 file"),
+    (not_ours, InputFileError, 65, "must hold a study, and lacks configuration, velocity_max"),
+    (newer, InputFileError, 65, f"schema_version {SCHEMA_VERSION} or less, got"),
+    (cut_short, InputFileError, 65, "is damaged"),
+    (flipped, InputFileError, 65, "is damaged"),
+]
+
+
+@pytest.mark.parametrize(("make", "error", "code", "message"), INPUTS)
+def test_an_unreadable_study_is_refused_in_one_line(tmp_path, make, error, code, message):
+    path = tmp_path / "a.h5"
+    make(path)
+    with pytest.raises(error) as caught:
+        read_study(path)
+    assert message in str(caught.value)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert caught.value.exit_code == code

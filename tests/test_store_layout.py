@@ -1,0 +1,160 @@
+"""The result file: its layout, its bytes and its round trip."""
+
+import errno
+import io
+import os
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from escapement.status import Status
+from escapement.store import (
+    RESULTS,
+    _journal,
+    read_study,
+    write_study,
+)
+from escapement.store._chunks import encode, fletcher32, tiling
+from study_tools import ATTRIBUTES, assert_same, study, write_in_blocks
+
+
+@pytest.mark.parametrize("shape", [(1,), (7,), (3, 5), (3, 1, 4), (2, 70_001), (70_001, 2)])
+def test_what_is_written_is_read(tmp_path, shape):
+    whole = study(shape)
+    write_study(whole, tmp_path / "a.h5")
+    again = read_study(tmp_path / "a.h5")
+    assert_same(whole, again)
+    assert (again.units["torque"] if len(shape) > 1 else "in lbf") == "in lbf"
+    assert again.failed == np.isin(whole.results["status"], [2, 3, 4, 5]).sum()
+
+
+def test_layout(tmp_path):
+    whole = study((3, 5, 2))
+    write_study(whole, tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert dict(file.attrs) == ATTRIBUTES
+        assert set(file) == {*whole.axes, *RESULTS, "configuration"}
+        for name, dataset in file.items():
+            assert dataset.attrs["units"]
+            assert dataset.attrs["long_name"]
+            if name == "configuration":
+                assert dataset.shape == ()
+                assert h5py.check_string_dtype(dataset.dtype).encoding == "utf-8"
+                continue
+            assert dataset.dtype.str == {"status": "|u1", "slots": "<i8"}.get(name, "<f8")
+            assert (dataset.compression, dataset.shuffle, dataset.fletcher32) == (
+                "gzip",
+                True,
+                True,
+            )
+            if name in whole.axes:
+                assert dataset.is_scale
+            else:
+                assert [dimension[0].name for dimension in dataset.dims] == [
+                    "/friction",
+                    "/torque",
+                    "/slots",
+                ]
+        status = file["status"].attrs
+        assert status["flag_values"].dtype == np.uint8
+        assert list(status["flag_values"]) == [member.value for member in Status]
+        assert status["flag_meanings"].split() == [member.label for member in Status]
+
+
+def test_xarray_opens_it_without_this_package(tmp_path):
+    whole = study()
+    write_study(whole, tmp_path / "a.h5")
+    with xarray.open_dataset(tmp_path / "a.h5", engine="h5netcdf") as dataset:
+        assert dataset.period.dims == ("friction", "torque")
+        assert dataset.torque.attrs["units"] == "in lbf"
+        assert dataset.attrs["title"] == ATTRIBUTES["title"]
+        for name in RESULTS:
+            np.testing.assert_array_equal(dataset[name], whole.results[name])
+        picked = dataset.period.sel(friction=0.25, method="nearest")
+        np.testing.assert_array_equal(picked, whole.results["period"][1])
+
+
+def test_bytes_do_not_depend_on_the_order_of_the_blocks(tmp_path):
+    whole = study((3, 30_000))
+    write_study(whole, tmp_path / "a.h5")
+    files = {(tmp_path / "a.h5").read_bytes()}
+    for name, order in {"b": list, "c": reversed, "d": lambda n: [*n[1::2], *n[::2]]}.items():
+        write_in_blocks(tmp_path / f"{name}.h5", whole, order)
+        files.add((tmp_path / f"{name}.h5").read_bytes())
+    assert len(files) == 1
+    assert len(list(tmp_path.iterdir())) == 4
+
+
+@pytest.mark.parametrize("kept", [0, 2])
+def test_blocks_that_memory_no_longer_holds_are_read_back(tmp_path, monkeypatch, kept):
+    monkeypatch.setattr(_journal, "_RECENT", kept)
+    whole = study((3, 30_000))
+    write_study(whole, tmp_path / "a.h5")
+    write_in_blocks(tmp_path / "b.h5", whole, reversed)
+    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+
+
+@pytest.mark.parametrize("advice", [None, OSError])
+def test_the_systems_memory_is_left_where_it_can_be(tmp_path, monkeypatch, advice):
+    def refuse(*_):
+        raise advice(errno.EINVAL, "no")
+
+    monkeypatch.setattr(_journal, "SYNC_EVERY", 0.0)
+    if advice is None:
+        monkeypatch.delattr(os, "posix_fadvise", raising=False)
+    else:
+        monkeypatch.setattr(os, "posix_fadvise", refuse, raising=False)
+    write_in_blocks(tmp_path / "a.h5", study(), list)
+    assert_same(read_study(tmp_path / "a.h5"), study())
+
+
+@settings(deadline=None)
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(1, 40))
+def test_chunks_hold_every_case_once_in_order(shape, cells):
+    cut = tiling(tuple(shape), cells)
+    numbers = np.arange(np.prod(shape)).reshape(shape)
+    assert cut.cells < 2 * max(cells, 2)
+    position = 0
+    for chunk in range(len(cut)):
+        start, stop = cut.span(chunk)
+        box = tuple(slice(o, o + n) for o, n in zip(cut.offset(chunk), cut.tile, strict=True))
+        assert start == position
+        assert numbers[box].ravel().tolist() == list(range(start, stop))
+        position = stop
+    assert position == numbers.size
+
+
+@settings(deadline=None)
+@given(st.binary(max_size=2000))
+def test_checksum_is_the_published_algorithm(data):
+    first = second = 0
+    for i in range(0, len(data) - len(data) % 2, 2):
+        first = (first + (data[i] << 8 | data[i + 1])) % 65535
+        second = (second + first) % 65535
+    if len(data) % 2:
+        first = (first + (data[-1] << 8)) % 65535
+        second = (second + first) % 65535
+    value = fletcher32(data)
+    assert (value & 0xFFFF) % 65535 == first
+    assert (value >> 16) % 65535 == second
+    assert (value == 0) == (not any(data))
+
+
+@pytest.mark.parametrize("values", [np.zeros(9), np.full(9, np.nan), np.arange(9.0)])
+def test_chunks_are_what_hdf5_itself_decodes(values):
+    with h5py.File(io.BytesIO(), "w") as file:
+        dataset = file.create_dataset(
+            "x", (9,), "<f8", chunks=(9,), compression="gzip", shuffle=True, fletcher32=True
+        )
+        dataset.id.write_direct_chunk((0,), encode(values, 9))
+        np.testing.assert_array_equal(dataset[()], values)
+
+
+def test_permissions_are_those_of_any_new_file(tmp_path):
+    (tmp_path / "plain").touch()
+    write_study(study(), tmp_path / "a.h5")
+    assert (tmp_path / "a.h5").stat().st_mode == (tmp_path / "plain").stat().st_mode

@@ -1,0 +1,120 @@
+"""Where a result file may go, and what becomes of one that is there."""
+
+import errno
+import os
+import shutil
+
+import pytest
+
+from escapement import _whole_file
+from escapement._whole_file import check_target
+from escapement.errors import CannotCreate, StorageError
+from escapement.store import (
+    StudyWriter,
+    partial_path,
+    read_study,
+    write_study,
+)
+from study_tools import a_file, assert_same, block, study, write_in_blocks
+
+OUTPUTS = [
+    (a_file, "must not exist yet, got an existing file; choose another name or give --force"),
+    (lambda path: path, "must be a file, got a directory"),
+    (lambda path: path / "no" / "a.h5", "must be in an existing folder"),
+    (lambda path: a_file(path) / "a.h5", "Not a directory"),
+    (lambda path: path / ("a" * 300), "File name too long"),
+    (lambda path: "/dev/null", "must be an ordinary file"),
+]
+
+
+@pytest.mark.parametrize(("output", "message"), OUTPUTS, ids=[message for _, message in OUTPUTS])
+def test_an_output_in_the_way_is_refused_before_any_work(tmp_path, output, message):
+    path = output(tmp_path)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(CannotCreate) as caught:
+        StudyWriter(path, study()).__enter__()
+    assert message in str(caught.value)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert caught.value.exit_code == 73
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_an_unwritable_folder_is_refused(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(CannotCreate, match="Permission denied"):
+        StudyWriter(tmp_path / "a.h5", study()).__enter__()
+
+
+@pytest.mark.parametrize(
+    ("code", "error"),
+    [
+        (errno.EACCES, CannotCreate),
+        (errno.EROFS, CannotCreate),
+        (errno.EMFILE, CannotCreate),
+        (errno.ENOSPC, StorageError),
+        (errno.EIO, StorageError),
+    ],
+)
+def test_a_file_that_cannot_be_opened(tmp_path, monkeypatch, code, error):
+    def refuse(*_, **__):
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(_whole_file, "open", refuse, raising=False)
+    with pytest.raises(error, match=os.strerror(code)):
+        write_study(study(), tmp_path / "a.h5")
+
+
+def write_then(path, action, force=True):
+    """Write everything, and act before the file is put in place."""
+    with StudyWriter(path, study(), force=force) as writer:
+        for number in writer.missing:
+            writer.add(block(study(), number))
+        action()
+
+
+def test_force_replaces_a_file_only_by_a_complete_one(tmp_path):
+    path = a_file(tmp_path)
+    with pytest.raises(ZeroDivisionError):
+        write_then(path, lambda: path.read_text() == "precious" and 1 / 0)
+    assert path.read_text() == "precious"
+    assert partial_path(path).exists()
+    write_study(study(), path, force=True)
+    assert_same(read_study(path), study())
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "real.h5")
+    write_study(study(), tmp_path / "link")
+    assert (tmp_path / "link").is_symlink()
+    assert_same(read_study(tmp_path / "real.h5"), study())
+
+
+def test_a_file_that_appears_meanwhile_is_not_overwritten(tmp_path):
+    path = tmp_path / "a.h5"
+    with pytest.raises(CannotCreate, match="existing"):
+        write_then(path, lambda: path.write_text("precious"), force=False)
+    assert path.read_text() == "precious"
+    path.unlink()
+    assert write_in_blocks(path, study(), list, resume=True) == []
+    assert_same(read_study(path), study())
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_vanishes(tmp_path):
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    with pytest.raises(StorageError, match="were removed"):
+        write_then(folder / "a.h5", lambda: shutil.rmtree(folder))
+
+
+def test_too_few_blocks_are_caught(tmp_path):
+    with pytest.raises(ValueError, match="lacks 1 blocks"), StudyWriter(tmp_path / "a.h5", study()):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_target_is_checked_without_being_made(tmp_path):
+    assert check_target(tmp_path / "a.h5") == (tmp_path / "a.h5").resolve()
+    assert list(tmp_path.iterdir()) == []

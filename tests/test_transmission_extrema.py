@@ -1,0 +1,75 @@
+"""Extremes of transmission, acceleration and jerk by search and in fifty digits."""
+
+import mpmath
+import numpy as np
+import pytest
+
+import escapement as esc
+from any_path import each_wheel, plain
+from escapement.constant_speed import geneva, jerk_function
+from escapement.model import Mechanism
+
+
+@each_wheel
+def test_extrema_are_found_by_search_too(wheel):
+    found = esc.transmission_extrema(wheel)
+    theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 4001)
+    table = wheel.transmission(theta)
+    for values, top, bottom in (
+        (table.g, found.ratio_max, None),
+        (table.dg, found.acceleration_max, found.acceleration_min),
+        (jerk_function(wheel, theta), found.jerk_max, found.jerk_min),
+    ):
+        size = np.abs(values).max()
+        assert values.max() <= top.value + 1e-13 * size
+        assert top.value == pytest.approx(values.max(), abs=1e-4 * size)
+        if bottom is not None:
+            assert values.min() >= bottom.value - 1e-13 * size
+            assert bottom.value == pytest.approx(values.min(), abs=1e-4 * size)
+    for extremum, read in (
+        (found.ratio_max, lambda x: wheel.transmission(x).g),
+        (found.acceleration_max, lambda x: wheel.transmission(x).dg),
+        (found.jerk_min, lambda x: jerk_function(wheel, x)),
+    ):
+        assert float(read(extremum.angle)) == pytest.approx(extremum.value, rel=1e-13)
+
+
+@each_wheel
+def test_a_mechanism_of_unknown_kind_has_the_same_extrema(wheel):
+    closed, found = (esc.transmission_extrema(m) for m in (wheel, plain(wheel)))
+    assert isinstance(plain(wheel), Mechanism)
+    for name in ("ratio_max", "acceleration_max", "acceleration_min", "jerk_max", "jerk_min"):
+        assert getattr(found, name).value == pytest.approx(getattr(closed, name).value, rel=1e-9)
+    assert abs(found.acceleration_max.angle) == pytest.approx(
+        abs(closed.acceleration_max.angle), abs=1e-9
+    )
+    np.testing.assert_allclose(found.reversal_limits, closed.reversal_limits, rtol=1e-12)
+
+
+@each_wheel
+def test_jerk_is_the_slope_of_the_acceleration(wheel):
+    theta = np.linspace(0.95 * wheel.breaks[0], 0.95 * wheel.breaks[-1], 24)
+    step = 1e-4
+    rates = [wheel.transmission(theta + k * step).dg for k in (-2, -1, 1, 2)]
+    slope = (rates[0] - 8 * rates[1] + 8 * rates[2] - rates[3]) / (12 * step)
+    np.testing.assert_allclose(jerk_function(wheel, theta), slope, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(
+        jerk_function(plain(wheel), theta), jerk_function(wheel, theta), rtol=1e-8, atol=1e-8
+    )
+
+
+@pytest.mark.parametrize("slots", [3, 7, 100])
+def test_closed_forms_in_fifty_digits(slots):
+    with mpmath.workdps(50):
+        c = mpmath.sin(mpmath.pi / slots)
+
+        def rate(b):
+            return -c * (1 - c**2) * mpmath.sin(b) / (1 + c**2 - 2 * c * mpmath.cos(b)) ** 2
+
+        k = (1 + c**2) / (4 * c)
+        beta = mpmath.acos(-k + mpmath.sqrt(k**2 + 2))
+        assert float(geneva.acceleration_max_angle(slots)) == pytest.approx(float(beta), rel=1e-14)
+        assert float(geneva.acceleration_max(slots)) == pytest.approx(float(rate(-beta)), rel=1e-13)
+        assert float(geneva.reversal_limits(slots)[0]) == pytest.approx(
+            float(-1 / rate(beta)), rel=1e-13
+        )
