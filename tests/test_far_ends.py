@@ -77,3 +77,19 @@ def test_a_constant_ratio_speeds_up_without_end(engine, load):
     figures = esc.terminal(gears, engine=engine)
     assert figures.status is Status.NO_TERMINAL
     assert "a ratio that varies" in figures.message
+
+
+def test_a_motion_that_loses_at_every_speed_has_no_terminal_cycle():
+    """Fast it turns around in the slot, slow it does not: neither is what it settles to."""
+    heavy = esc.Escapement(
+        esc.Geneva(15, pins=2),
+        esc.Inertia(2697136.0225537354, 1.0),
+        torque=1.0,
+        friction=0.07568599921333452,
+        load_torque=7.261626849626713,
+    )
+    for speed in (0.04, 0.4, 3.75, 4.5, 8.0, 20.0):
+        motion = esc.simulate(heavy, 1, initial_speed=speed)
+        assert motion.handoff_velocities[0] < speed
+    status = esc.terminal(heavy, initial_speed=20.152993992877356, rtol=1e-5).status
+    assert status in (Status.STALL, Status.NOT_CONVERGED)

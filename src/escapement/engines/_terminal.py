@@ -99,7 +99,8 @@ def terminal_cycle(
         better, shrink, sound = closer(w, exit_w, exponent, source, rho, ends, turning)
         last_good = exit_w + ends[2]
         change = abs(better - w)
-        if near and change <= 0.2 * rtol * w:
+        # small changes of a motion that is only followed prove nothing
+        if near and sound and change <= 0.2 * rtol * w:
             break
         if not sound and is_table(path) and w < last_good < (1.0 + BOUNDLESS) * w:
             return NO_TERMINAL, count
