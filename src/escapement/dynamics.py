@@ -81,11 +81,12 @@ def side_at(g, dg, w, rho, load):
 
     At pin entry g is zero up to rounding, and at rest nothing else decides: there
     the side is that of the motion to come, by the sign of g'. Where that is zero as
-    well, at the stop of a mesh, the follower is about to be taken along.
+    well, at the stop of a mesh, the follower is about to be taken along; there g and
+    g' may be the rounding errors of a table.
     """
     value = contact(g, dg, w, rho, load)
-    if abs(value) <= 1e-15 * (1.0 + abs(rho * dg * w)):
-        value = dg if abs(dg) > 1e-12 else 1.0
+    if abs(value) <= 1e-12 * (1.0 + abs(rho * dg * w)):
+        value = dg if abs(dg) > 1e-9 else 1.0
     return 1.0 if value >= 0.0 else -1.0
 
 

@@ -12,33 +12,34 @@ import numpy as np
 from escapement._jit import jit
 from escapement.engines._gauss import POINTS, N
 from escapement.mechanisms._slotted import transmission_at, transmission_on
+from escapement.mechanisms._table import corners
 from escapement.model import FloatArray
 
-CELLS = 64
 AT_G, AT_ENDS = np.int64(0), np.int64(3 * N)
 _COLUMNS = AT_ENDS + 6
 
 
 @jit(allocates=True)
-def tabulate_cells(path, breaks):
+def tabulate_cells(path, breaks, levels):
     """Transmission at the points and ends of the first cells of every interval.
 
     Returns
     -------
-    ndarray, shape (intervals, 64, 54)
+    ndarray, shape (intervals, 2**levels, 54)
         g, |u| and g' at the 16 points, then the three at either end; row 0 is empty.
     """
-    table = np.empty((breaks.size - 1, CELLS, _COLUMNS))
-    edges = np.empty((CELLS, 2))
+    most = 2**levels
+    table = np.empty((breaks.size - 1, most, _COLUMNS))
+    edges = np.empty((most, 2))
     line = np.empty(_COLUMNS + N)
     for i in range(N):
         line[_COLUMNS + i] = POINTS[i]
     for interval in range(breaks.size - 1):
         edges[1, 0], edges[1, 1] = breaks[interval], breaks[interval + 1]
-        for cell in range(1, CELLS):
+        for cell in range(1, most):
             left, right = edges[cell, 0], edges[cell, 1]
             half = 0.5 * (right - left)
-            if 2 * cell < CELLS:
+            if 2 * cell < most:
                 edges[2 * cell, 0], edges[2 * cell, 1] = left, left + half
                 edges[2 * cell + 1, 0], edges[2 * cell + 1, 1] = left + half, right
             middle = 0.5 * (right + left)
@@ -53,22 +54,37 @@ def tabulate_cells(path, breaks):
     return table
 
 
-_known: dict[tuple[int, bytes], tuple[FloatArray, FloatArray]] = {}
+_known: dict[tuple[int, bytes], tuple[FloatArray, FloatArray, FloatArray]] = {}
 _MOST_KNOWN = 64
 
 
-def cells_of(scene: tuple[Any, ...]) -> FloatArray:
-    """Cells of a mechanism, by the first two of a scene's numbers: path and breaks.
+def with_cells(scene: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A scene's numbers for the kernels: cells, path, edges, and what follows.
 
+    `scene` begins with path and breaks. The edges are the breaks and, of a table, the
+    corners between: over those no rule for smooth functions keeps its accuracy.
     Mechanisms keep their path, so those last used are known by that array.
     """
-    path, breaks = scene[0], scene[1]
+    path, breaks, *rest = scene
     key = id(path), breaks.tobytes()
     known = _known.get(key)
-    if known is not None and known[0] is path:
-        return known[1]
-    cells: FloatArray = tabulate_cells(path, breaks)
-    if len(_known) >= _MOST_KNOWN:
-        _known.clear()
-    _known[key] = path, cells
-    return cells
+    if known is None or known[0] is not path:
+        edges = _apart(np.union1d(breaks, corners(path)))
+        if len(_known) >= _MOST_KNOWN:
+            _known.clear()
+        known = _known[key] = path, edges, tabulate_cells(path, edges, _levels(edges))
+    return known[2], path, known[1], *rest
+
+
+def _apart(edges: FloatArray) -> FloatArray:
+    """Edges without those that rounding alone tells from the one before, or the last."""
+    gap = 1e-9 * (edges[-1] - edges[0])
+    chosen = np.concatenate([[True], np.diff(edges) > gap])
+    chosen[:-1] &= edges[-1] - edges[:-1] > gap
+    chosen[-1] = True
+    return edges[chosen]
+
+
+def _levels(edges: FloatArray) -> int:
+    """How often an interval's cells are halved, the whole one included."""
+    return 6 if edges.size < 8 else 2

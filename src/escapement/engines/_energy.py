@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from escapement._validate import fail
-from escapement.engines._cells import cells_of
+from escapement.engines._cells import with_cells
 from escapement.engines._handoffs import handoffs
 from escapement.engines._march import BREAK, MAXIMUM, OK, PAINLEVE, REVERSAL, STALL
 from escapement.engines._pieces import events_of, states_in
@@ -47,8 +47,7 @@ class EnergyTrajectory:
         starts = np.concatenate([_START, self.times[: self.turns]]) / clock
         speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
         squares = (speeds * clock) ** 2
-        scene = self.escapement.scene
-        table = events_of(cells_of(scene), *scene, starts, squares, self.rtol)
+        table = events_of(*with_cells(self.escapement.scene), starts, squares, self.rtol)
         return table[table[:, 3] <= self.end_time / clock]
 
     @cached_property
@@ -89,7 +88,7 @@ class EnergyTrajectory:
     @cached_property
     def friction_loss(self) -> FloatArray:
         """Work lost in friction over each piece [J]."""
-        path, _breaks, _dwell, *losses = self.escapement.scene
+        _cells, path, edges, _dwell, *losses = with_cells(self.escapement.scene)
         lost = []
         end_time = self.end_time / self.escapement.time_unit
         for piece, (start, _, sign, angle, end, w) in enumerate(self._pieces.T):
@@ -99,7 +98,7 @@ class EnergyTrajectory:
             if piece + 1 == self._pieces.shape[1]:
                 end = self._solve(piece, np.array([end_time - start]))[0][0]
             none = (_NOWHERE, _NOWHERE, _NOWHERE)
-            lost.append(states_in(path, angle, end, w, sign, *losses, self.rtol, *none)[0])
+            lost.append(states_in(path, edges, angle, end, w, sign, *losses, self.rtol, *none)[0])
         return np.array(lost) * self.escapement.torque
 
     @cached_property
@@ -123,14 +122,14 @@ class EnergyTrajectory:
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angles and squared speeds at times since the piece's start."""
         _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
-        path, _breaks, _dwell, rho, mu, load = self.escapement.scene
+        _cells, path, edges, _dwell, rho, mu, load = with_cells(self.escapement.scene)
         theta, squares = np.empty_like(times), np.empty_like(times)
         if sign == 0.0:
             speed = np.sqrt(w)
             theta = angle + times * (speed + times / (2.0 * rho))
             return theta, (speed + times / rho) ** 2
         numbers = (w, sign, rho, mu, load, self.rtol)
-        states_in(path, angle, end, *numbers, times, theta, squares)
+        states_in(path, edges, angle, end, *numbers, times, theta, squares)
         return theta, squares
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -154,14 +153,13 @@ def simulate(
 
     A duration of more than `longest` engagements is refused.
     """
-    clock, scene = escapement.time_unit, escapement.scene
-    cells = cells_of(scene)
+    clock, scene = escapement.time_unit, with_cells(escapement.scene)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64
     while True:
         times, speeds = np.empty(size), np.empty(size)
-        code, done, angle = handoffs(cells, *scene, w, horizon, rtol, clock, times, speeds)
+        code, done, angle = handoffs(*scene, w, horizon, rtol, clock, times, speeds)
         if code != OK or duration is None or done < size or times[-1] >= duration:
             break
         if size >= longest:

@@ -4,7 +4,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, losses
-from escapement.engines._cells import cells_of
+from escapement.engines._cells import with_cells
 from escapement.engines._figures import FIGURES, figures, workspace
 from escapement.engines._march import OK, PAINLEVE
 from escapement.model import FloatArray, Mechanism, dwell_angle
@@ -60,5 +60,5 @@ def solve(
     status = np.empty(rho.size, dtype=np.uint8)
     breaks = np.array(mechanism.breaks)
     fixed = mechanism.path, breaks, dwell_angle(mechanism)
-    solve_scenes(cells_of(fixed), *fixed, rho, mu, load, w, rtol, table, status)
+    solve_scenes(*with_cells(fixed), rho, mu, load, w, rtol, table, status)
     return table, status

@@ -12,9 +12,10 @@ as the sums they are made for.
 import numpy as np
 
 from escapement._jit import jit
-from escapement.engines._cells import AT_ENDS, AT_G, CELLS
+from escapement.engines._cells import AT_ENDS, AT_G
 from escapement.engines._gauss import POINTS, N, tail_of
 from escapement.mechanisms._slotted import PLACES, transmission_at, transmission_on
+from escapement.mechanisms._table import is_table
 
 # scratch: what two sides of a reversal differ by; w, time by x, contact, acceleration and
 # energy at the points; a power series, or times since the left end; weights that interpolate
@@ -89,7 +90,7 @@ def survey(s, at, path, rho, left, right):
 def recall(s, at, path, cells, rho, left, right):
     """Fill a panel's geometry from the mechanism's cells where they have it."""
     at &= PLACES
-    if s[at + CELL] >= CELLS:
+    if s[at + CELL] >= cells.shape[1]:
         at_gauss_points(s)
         survey(s, at, path, rho, left, right)
         return
@@ -154,7 +155,8 @@ def lay_out(s, path, breaks, cells, rho, loose):
     for k in range(intervals):
         at = place_of(k)
         s[at + NEXT] = k + 1.0 if k + 1 < intervals else -1.0
-        s[at + KINK] = 1.0 if k > 0 else 0.0
+        # a corner of a table is none of the friction in a slot
+        s[at + KINK] = 1.0 if k > 0 and not is_table(path) else 0.0
         s[at + INTERVAL], s[at + CELL] = k, 1.0
         recall(s, at, path, cells, rho, breaks[k], breaks[k + 1])
     count = intervals
@@ -174,7 +176,7 @@ def tidy(s, count, path, breaks, cells, rho, loose):
 
     Laid out anew where the events of many earlier ones, each elsewhere, left too many.
     """
-    return lay_out(s, path, breaks, cells, rho, loose) if count > MANY else count
+    return lay_out(s, path, breaks, cells, rho, loose) if count > MANY + 2 * breaks.size else count
 
 
 @jit

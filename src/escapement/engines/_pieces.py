@@ -110,11 +110,12 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
 
 
 @jit(allocates=True)
-def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squares):
+def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta, squares):
     """Angles and squared speeds at times since the start of one piece.
 
     Parameters
     ----------
+    edges : driver angles that no panel passes over.
     left, end : driver angle where the piece starts and ends.
     w, side : squared speed at its start, side of the slot.
     times : since the start; clipped to the piece.
@@ -130,7 +131,7 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
     to = solution_of(at, side)
     ends = np.empty(80)
     waiting = 0
-    right = end
+    right = _next(edges, left, end)
     loss = 0.0
     now = 0.0
     for j in range(times.size):
@@ -180,10 +181,20 @@ def states_in(path, left, end, w, side, rho, mu, load, rtol, times, theta, squar
                 if times[j] >= now:
                     theta[j], squares[j] = left, 0.0
             break
+        right = _next(edges, left, end)
         if waiting > 0:
             waiting -= 1
             right = ends[waiting]
     return loss, now
+
+
+@jit
+def _next(edges, left, end):
+    """The first edge behind `left`, if it comes before the end."""
+    for i in range(edges.size):
+        if edges[i] > left:
+            return min(edges[i], end)
+    return end
 
 
 @jit

@@ -35,7 +35,7 @@ from escapement.engines._panels import (
 )
 from escapement.mechanisms._slotted import PLACES
 
-LEAST = 1e-4  # of that scale: a ratio that hardly varies is known to rounding of its table
+LEAST = 1e-9  # of |u| g' by angle: less is lost next to a stop, or is a table's rounding
 
 
 @jit
@@ -72,16 +72,6 @@ def _decay(s):
 
 
 @jit
-def _scale_of_loss(s, at, loss, rho):
-    """What the integral of B would be, did g change as much as it is, by its middle point."""
-    at &= PLACES
-    k = N // 2
-    inverse = s[at + INVERSE + k]
-    width = 2.0 * s[at + STEP + k]
-    return abs(width * loss * rho * s[at + U + k] * s[at + G + k]) * inverse * inverse
-
-
-@jit
 def solve_side(s, at, side, rho, mu, load):
     """Solve the energy equation on a panel for one side of the slot."""
     at &= PLACES
@@ -108,7 +98,7 @@ def solve_side(s, at, side, rho, mu, load):
     alpha = _exponentials(total)[0] if abs(total) <= 0.7 else np.exp(-total)
     # next to a cycle that hardly loses, what is lost has to be accurate by itself
     lost = max(abs(total), max(abs(s[SOLVED + B + N // 2]), abs(s[SOLVED + B + N - 1])))
-    lost = max(lost, LEAST * _scale_of_loss(s, at, loss, rho))
+    lost = max(lost, LEAST * abs(loss) * rho * s[at + INVERSE + N // 2] ** 2)
     tail = tail_of(s, SOLVED + B) / max(lost, 1e-300)
     tail = max(tail, tail_of(s, SOLVED + ALPHA) / max(1.0, alpha))
     tail = max(tail, tail_of(s, SOLVED + BETA) / max(largest, 1e-300))

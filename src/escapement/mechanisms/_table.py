@@ -51,6 +51,26 @@ def ratio_at(path, theta):
     return path[first] + x * b1 - b2, scale * (b1 + x * d1 - d2)
 
 
+def corners(path: FloatArray) -> FloatArray:
+    """Driver angles at which a table is not smooth [rad]: none for a pin path.
+
+    The knots of a spline; series of full order are cut for accuracy alone. And where
+    the follower turns back, g changing its sign: the loss goes with its size.
+    """
+    if not is_table(path):
+        return path[:0]
+    pieces, order = int(path[1]), int(path[2])
+    edges = path[3 : 4 + pieces]
+    series = path[4 + pieces :].reshape(pieces, order)
+    found = [edges[1:-1]] if order < ORDER else []
+    # the values of a series lie within the sum of its coefficients about the first
+    for k in np.nonzero(series[:, 0] <= np.abs(series[:, 1:]).sum(axis=1))[0]:
+        x = np.polynomial.chebyshev.chebroots(np.trim_zeros(series[k], "b"))
+        x = x.real[(np.abs(x.imag) < 1e-6) & (np.abs(x.real) < 1.0)]
+        found.append(edges[k] + 0.5 * (edges[k + 1] - edges[k]) * (1.0 + x))
+    return np.concatenate(found) if found else path[:0]
+
+
 def chebyshev_table(
     function: Callable[[FloatArray], FloatArray], edges: Sequence[float], order: int = ORDER
 ) -> FloatArray:

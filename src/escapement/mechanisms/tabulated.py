@@ -170,8 +170,8 @@ class Tabulated:
 
         Those of the table; where its rows are of any cells, the cell about zero that
         begins where the follower is slowest. Between them the third derivative of g
-        has a step at each knot. It costs an engine a few digits of its tolerance,
-        less than any table is worth.
+        has a step at each knot. Engine "energy" goes from knot to knot; "ivp" steps
+        over them, which costs it a digit or two of its tolerance.
         """
         first = float(self.spline.knots[0])
         if self._is_one_cell:
