@@ -33,6 +33,8 @@ MESSAGES = {
     ),
     Status.STALL: "the drive cannot carry the load and the mechanism stops",
     Status.PAINLEVE: "friction is at or above the Painleve limit: no unique rigid motion exists",
-    Status.NOT_CONVERGED: "the iteration did not converge within its limit",
+    Status.NOT_CONVERGED: (
+        "the iteration did not converge within its limit; try the other engine, or a larger rtol"
+    ),
     Status.INVALID: "the parameters of this case break a rule",
 }
