@@ -56,14 +56,65 @@ def test_defaults():
 
 
 @pytest.mark.parametrize("engine", BOTH)
-def test_the_default_grid_is_even_between_handoffs(engine):
+def test_the_default_grid_is_even_between_handoffs_with_all_events(engine):
     motion = esc.simulate(drive(5, 1), 3, engine=engine)
     assert motion.t[0] == 0.0
     assert motion.t[-1] == motion.end_time
-    assert set(motion.handoff_times) <= set(motion.t)
-    steps = np.diff(motion.t).reshape(3, -1)
+    events = {*motion.handoff_times, *motion.reversals.time, *motion.extrema.time}
+    assert events <= set(motion.t)
+    even = np.sort([*set(motion.t) - events, *motion.handoff_times])
+    steps = np.diff(even).reshape(3, -1)
     np.testing.assert_allclose(steps, steps[:, :1] + 0.0 * steps, rtol=1e-11)
     np.testing.assert_array_equal(motion.theta_dot, motion.at(motion.t).theta_dot)
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_the_default_grid_cuts_no_peak(engine):
+    scene = drive(3, 6, 3e-6 / 50e-6, 0.2)
+    motion = esc.simulate(scene, 3, engine=engine)
+    assert motion.theta_dot.max() == pytest.approx(motion.extrema.theta_dot.max(), rel=1e-9)
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_pieces_may_be_given_one_by_one_or_together(engine):
+    motion = esc.simulate(drive(5, 1, crank_radius=0.02, mu=0.1), 3, engine=engine)
+    bounds = np.append(motion.trajectory.start, motion.end_time)
+    grid = np.linspace(bounds[:-1], bounds[1:], 7, axis=-1)
+    pieces = np.arange(bounds.size - 1)
+    together = motion.within(pieces[::-1, None], grid[::-1])
+    for piece, times in enumerate(grid):
+        alone = motion.within(piece, times)
+        for name in ("t", "theta", "theta_dot", "theta_ddot", "phi_ddot", "contact_force"):
+            row = getattr(together, name)[pieces.size - 1 - piece]
+            np.testing.assert_array_equal(row, getattr(alone, name))
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_states_ask_the_engine_once_for_each_piece(engine):
+    motion = esc.simulate(drive(), 30, engine=engine)
+    asked = []
+    state = motion.trajectory.state
+
+    class Counted:
+        def __getattr__(self, name):
+            return getattr(motion.trajectory, name)
+
+        def state(self, piece, t):
+            asked.append(piece)
+            return state(piece, t)
+
+    times = np.random.default_rng(1).permutation(np.linspace(0.0, motion.end_time, 3000))
+    counted = replace(motion, trajectory=Counted())
+    np.testing.assert_array_equal(counted.at(times).theta, motion.at(times).theta)
+    assert sorted(asked) == list(range(motion.trajectory.start.size))
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_the_default_grid_has_a_force_with_a_crank_radius(engine):
+    assert esc.simulate(drive(), 1, engine=engine).contact_force is None
+    motion = esc.simulate(drive(crank_radius=0.02), 1, engine=engine)
+    np.testing.assert_array_equal(motion.contact_force, motion.at(motion.t).contact_force)
+    assert np.isfinite(motion.contact_force).all()
 
 
 @pytest.mark.parametrize("engine", BOTH)

@@ -5,8 +5,8 @@ time compare the extrema of the motion from its start with that cycle.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -85,19 +85,22 @@ def read_cycle(cycle: Motion, base: Figures) -> Figures:
     speeds = np.concatenate([cycle.extrema.theta_dot, cycle.at([0.0, cycle.end_time]).theta_dot])
     mechanism = cycle.escapement.mechanism
     cell = mechanism.cell_angle
-    crank = getattr(mechanism, "crank_radius", None)
+    names = ["theta_ddot", "phi_ddot", "contact_moment"]
+    if getattr(mechanism, "crank_radius", None) is not None:
+        names.append("contact_force")
+    acceleration, follower_acceleration, moment, *force = _peaks(cycle, names)
     turned = cycle.reversals.theta - cycle.reversals.engagement * cell
     return replace(
         base,
         velocity_max=float(speeds.max()),
         velocity_min=float(speeds.min()),
-        velocity_mean=cell / cycle.end_time,
-        period=cycle.end_time,
+        velocity_mean=float(cell / cycle.end_time),
+        period=float(cycle.end_time),
         handoff_velocity=float(cycle.handoff_velocities[0]),
-        acceleration_max=_peak(cycle, "theta_ddot"),
-        follower_acceleration_max=_peak(cycle, "phi_ddot"),
-        contact_moment_max=_peak(cycle, "contact_moment"),
-        contact_force_max=NAN if crank is None else _peak(cycle, "contact_force"),
+        acceleration_max=acceleration,
+        follower_acceleration_max=follower_acceleration,
+        contact_moment_max=moment,
+        contact_force_max=force[0] if force else NAN,
         energy_residual=cycle.ledger.residual,
         reversal_angles=tuple(turned.tolist()),
     )
@@ -136,23 +139,29 @@ def _leading(extrema: Extrema) -> np.ndarray:
     return np.array(sorted(chosen), dtype=int)
 
 
-def _peak(motion: Motion, name: str) -> float:
-    """Greatest magnitude of a quantity over all pieces, one-sided at boundaries.
+def _peaks(motion: Motion, names: Sequence[str]) -> list[float]:
+    """Greatest magnitudes of quantities over all pieces, one-sided at boundaries.
 
     Each grid zooms in on the best point of the one before; a parabola through the
     last three, 5e-6 of a piece apart, gives what lies between them.
     """
-    starts = motion.trajectory.start
-    best = 0.0
-    for piece, (a, b) in enumerate(pairwise([*starts, motion.end_time])):
-        low, high = a, b
-        for size in (129, 33, 33, 33):
-            grid = np.linspace(low, high, size)
-            values = np.abs(getattr(motion.within(piece, grid), name))
-            i = int(values.argmax())
-            low, high = grid[max(i - 1, 0)], grid[min(i + 1, size - 1)]
-        best = max(best, _summit(values[max(i - 1, 0) : i + 2]))
-    return best
+    bounds = np.append(motion.trajectory.start, motion.end_time)
+    pieces = np.arange(bounds.size - 1)[:, None]
+    # a row for all quantities at first, then one for each
+    low, high = bounds[None, :-1], bounds[None, 1:]
+    for size in (129, 33, 33, 33):
+        grid = np.linspace(low, high, size, axis=-1)
+        state = motion.within(pieces, grid)
+        columns = [getattr(state, name) for name in names]
+        values = np.abs([column[min(row, low.shape[0] - 1)] for row, column in enumerate(columns)])
+        best = values.argmax(axis=-1, keepdims=True)
+        grid = np.broadcast_to(grid, values.shape)
+        low = np.take_along_axis(grid, np.maximum(best - 1, 0), axis=-1)[..., 0]
+        high = np.take_along_axis(grid, np.minimum(best + 1, size - 1), axis=-1)[..., 0]
+    return [
+        max(_summit(line[max(i - 1, 0) : i + 2]) for line, (i,) in zip(lines, places, strict=True))
+        for lines, places in zip(values, best, strict=True)
+    ]
 
 
 def _summit(values: np.ndarray) -> float:

@@ -166,59 +166,76 @@ class Motion:
                 f"t must be between 0 and the end of the motion, {self.end_time!r} s, got "
                 f"{float(times[outside].flat[0])!r}; simulate a longer motion or drop the time"
             )
-        flat = times.reshape(-1)
-        pieces = np.searchsorted(self.trajectory.start, flat, side="right") - 1
-        columns = np.empty((8, flat.size))
-        for piece in np.unique(pieces):
-            chosen = pieces == piece
-            columns[:, chosen] = self._columns(piece, flat[chosen])
-        return self._state(times, columns)
+        pieces = np.searchsorted(self.trajectory.start, times, side="right") - 1
+        return self._state(pieces, times)
 
-    def within(self, piece: int, t: ArrayLike) -> State:
-        """State at times within one piece, one-sided at its boundaries."""
+    def within(self, piece: ArrayLike, t: ArrayLike) -> State:
+        """State at times within pieces, one-sided at their boundaries.
+
+        Parameters
+        ----------
+        piece : int or array_like of int
+            Index of the piece of each time, of a shape that broadcasts to that of `t`.
+        t : array_like
+            Times within those pieces [s].
+        """
         times = np.asarray(t, dtype=float)
-        return self._state(times, self._columns(piece, times.reshape(-1)))
+        return self._state(np.broadcast_to(np.asarray(piece), times.shape), times)
 
-    def _columns(self, piece: int, t: FloatArray) -> FloatArray:
-        """theta, theta_dot, theta_ddot, phi, phi_dot, phi_ddot, moment, R/r; shape (8, t)."""
-        scene = self.escapement
-        mechanism, clock = scene.mechanism, scene.time_unit
-        engagement, sign = self.trajectory.engagement[piece], self.trajectory.sign[piece]
-        theta, speed = self.trajectory.state(piece, t)
-        turned = engagement * mechanism.cell_angle
-        indexed = engagement * mechanism.follower_step
-        if sign == 0.0:
-            zero = np.zeros_like(t)
-            free = zero + scene.torque / scene.inertia.driver
-            locked = indexed + mechanism.follower_angle(zero + mechanism.breaks[-1])
-            return np.array([theta + turned, speed, free, locked, zero, zero, zero, zero + np.nan])
-        numbers = (sign, scene.inertia_ratio, scene.loss, scene.load_ratio)
-        table = np.empty((4, t.size))
-        tabulate(mechanism.path, theta, (speed * clock) ** 2, *numbers, table)
-        g, dg, driver, moment = table
-        driver = driver / clock**2
-        follower = g * driver + dg * speed**2
-        phi = indexed + mechanism.follower_angle(theta)
-        arm = radius(mechanism.path, theta)
-        return np.array(
-            [theta + turned, speed, driver, phi, g * speed, follower, moment * scene.torque, arm]
-        )
+    def _state(self, pieces: np.ndarray, times: FloatArray) -> State:
+        """State at `times`, each within the piece of that index."""
+        scene, clock = self.escapement, self.escapement.time_unit
+        mechanism, owners = scene.mechanism, pieces.reshape(-1)
+        theta, speed = self._driver(owners, times.reshape(-1))
+        engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
+        # a locked follower takes no part, g = g' = 0, and the driver turns free
+        g, dg, moment = np.zeros((3, theta.size))
+        rate = np.full(theta.size, scene.torque / scene.inertia.driver)
+        for side in (1.0, -1.0):
+            held = sign == side
+            angles = theta[held]
+            table = np.empty((4, angles.size))
+            numbers = (side, scene.inertia_ratio, scene.loss, scene.load_ratio)
+            tabulate(mechanism.path, angles, (speed[held] * clock) ** 2, *numbers, table)
+            g[held], dg[held], moment[held] = table[0], table[1], table[3] * scene.torque
+            rate[held] = table[2] / clock**2
+        engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)
+        crank = getattr(mechanism, "crank_radius", None)
+        force = None if crank is None else moment / (crank * radius(mechanism.path, engaged))
+        columns = {
+            "theta": theta + engagement * mechanism.cell_angle,
+            "theta_dot": speed,
+            "theta_ddot": rate,
+            "phi": engagement * mechanism.follower_step + mechanism.follower_angle(engaged),
+            "phi_dot": g * speed,
+            "phi_ddot": g * rate + dg * speed**2,
+            "contact_moment": moment,
+        }
+        shaped = {name: column.reshape(times.shape) for name, column in columns.items()}
+        forces = None if force is None else force.reshape(times.shape)
+        return State(t=times, **shaped, contact_force=forces)
 
-    def _state(self, times: FloatArray, columns: FloatArray) -> State:
-        values = [column.reshape(times.shape) for column in columns]
-        crank = getattr(self.escapement.mechanism, "crank_radius", None)
-        force = None
-        if crank is not None:
-            force = np.where(np.isnan(values[7]), 0.0, values[6] / (crank * values[7]))
-        theta, speed, rate, phi, phi_speed, phi_rate, moment = values[:7]
-        return State(times, theta, speed, rate, phi, phi_speed, phi_rate, moment, force)
+    def _driver(self, pieces: np.ndarray, t: FloatArray) -> FloatArray:
+        """Driver angle in the cell [rad] and speed [rad/s]; shape (2, t)."""
+        found = np.empty((2, t.size))
+        order = np.argsort(pieces, kind="stable")
+        firsts = np.flatnonzero(np.diff(pieces[order], prepend=-1))
+        for first, last in pairwise([*firsts.tolist(), t.size]):
+            chosen = order[first:last]
+            found[:, chosen] = self.trajectory.state(pieces[chosen[0]], t[chosen])
+        return found
 
     @cached_property
     def t(self) -> FloatArray:
-        """Default grid of times [s]: even within each engagement, handoffs included."""
+        """Default grid of times [s]: a hundred even ones an engagement, and all events.
+
+        Handoffs, reversals and extrema of the driver speed are among them at their
+        exact times, so that no peak of `theta_dot` is cut.
+        """
         ends = np.concatenate([[0.0], self.handoff_times, [self.end_time]])
-        spans = [np.linspace(a, b, _SAMPLES, endpoint=False) for a, b in pairwise(ends) if b > a]
-        return np.concatenate([*spans, [self.end_time]]) if spans else np.empty(0)
+        even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
+        times = np.concatenate([even, self.reversals.time, self.extrema.time, ends[-1:]])
+        return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
 
     @cached_property
     def samples(self) -> State:
@@ -259,6 +276,11 @@ class Motion:
     def contact_moment(self) -> FloatArray:
         """Moment N R on the follower on the default grid [N m]."""
         return self.samples.contact_moment
+
+    @property
+    def contact_force(self) -> FloatArray | None:
+        """Force on the pin on the default grid [N]; None without a crank radius."""
+        return self.samples.contact_force
 
     @cached_property
     def ledger(self) -> Ledger:

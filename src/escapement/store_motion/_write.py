@@ -30,7 +30,7 @@ def write_motion(
     ----------
     motion : Motion
         What `escapement.simulate` returns. The times written are its default
-        grid, its extrema and the starts of its pieces.
+        grid and the starts of its pieces.
     path : path
         File to create.
     units : str
@@ -112,7 +112,7 @@ def _write_samples(hdf5: Any, motion: Motion, units: str) -> None:
 
 
 def _sample_times(motion: Motion) -> FloatArray:
-    times = np.concatenate([motion.t, motion.extrema.time, motion.trajectory.start])
+    times = np.concatenate([motion.t, motion.trajectory.start])
     return np.unique(times[(times >= 0.0) & (times <= motion.end_time)])
 
 
