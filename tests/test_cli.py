@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from escapement.cli._tables import spread
 from escapement.solver import DEFAULT_RTOL, ENGINES, METHODS
 from escapement.store import read_study
 from escapement.store_motion import read_motion
-from escapement.units import INCH_POUND
+from escapement.units import INCH, INCH_POUND, POUND_FORCE
 
 MEYER = [
     *("--torque", ".10", "--driver-inertia", "3e-6", "--follower-inertia", "50e-6"),
@@ -85,6 +86,30 @@ def test_run_json_is_one_object_with_the_promised_keys(command):
         assert record[name] == pytest.approx([float(x) for x in REFERENCE[name]], rel=1e-9)
     assert abs(record["energy_residual"]) < 1e-9
     assert (record["status"], record["engine"]) == ("ok", "energy")
+
+
+def test_run_reports_the_force_where_there_is_a_crank_radius(command):
+    options = ["run", "--friction", ".35", *MEYER, "--crank-radius", ".2"]
+    record = json.loads(command(*options, "--json")[1])
+    assert set(record) == RUN_KEYS | {"contact_force_max"}
+    wheel = esc.Geneva(4, crank_radius=0.2 * INCH)
+    force = esc.terminal(replace(TIMER, mechanism=wheel)).contact_force_max / POUND_FORCE
+    assert record["contact_force_max"] == pytest.approx(force, rel=1e-12)
+    rows = dict(line.split("  ", 1) for line in command(*options)[1].splitlines())
+    assert rows["contact force max"].split() == [f"{force:.6g}", "lbf"]
+
+
+def test_run_says_why_a_mesh_has_no_critical_friction(command):
+    lengths = ["--sun-radius", ".6", "--planet-radius", ".3"]
+    options = ["run", "elliptical-planetary", *lengths, *MEYER, "--json"]
+    code, out, _ = command(*options, "--efficiency", ".9")
+    record = json.loads(out)
+    assert (code, record["status"], record["critical_friction"]) == (0, "ok", None)
+    assert record["message"] == "critical_friction is not given: a mesh has no Painleve limit"
+    record = json.loads(command(*options)[1])
+    assert (record["status"], record["velocity_max"]) == ("no_terminal", None)
+    assert "no terminal velocity" in record["message"]
+    assert record["message"].endswith("a mesh has no Painleve limit")
 
 
 def test_run_gives_the_same_motion_in_either_system(command):

@@ -51,6 +51,7 @@ LIMIT_ANGLES = [3.620, 8.484, 12.649, 16.065, 18.874, 21.209, 23.174, 24.848]
 KEYS = {
     *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max"),
     *("torque_max_deg", "torque_mean", "power_max"),
+    *("torque_max_over_mean", "greatest_speed", "greatest_follower_inertia", "least_load_torque"),
 }
 
 
@@ -215,6 +216,11 @@ def test_drive_torque_json(command):
     assert record["zone"] == 2
     assert record["torque_max"] == result.torque_max
     assert record["power_max"] == pytest.approx(10.0 * result.torque_max)
+    assert record["torque_max_over_mean"] == result.peak_to_mean
+    assert record["greatest_speed"] == esc.greatest_speed(result.mechanism, 1.0, 0.019)
+    inertia = esc.greatest_follower_inertia(result.mechanism, 10.0, 1.0)
+    assert record["greatest_follower_inertia"] == inertia
+    assert record["least_load_torque"] == esc.least_load_torque(result.mechanism, 10.0, 0.019)
 
 
 def test_drive_torque_in_inches(command):
@@ -224,8 +230,11 @@ def test_drive_torque_in_inches(command):
         json.loads(command("drive-torque", "--speed", 9, "--friction", ".2", *words, "--json")[1])
         for words in (si, inches)
     )
-    for name in ("torque_max", "torque_mean", "power_max"):
+    scaled = ("torque_max", "torque_mean", "power_max", "greatest_follower_inertia")
+    for name in (*scaled, "least_load_torque"):
         assert one[name] == pytest.approx(other[name] * INCH_POUND)
+    for name in ("torque_max_over_mean", "greatest_speed"):
+        assert one[name] == pytest.approx(other[name])
     assert one["reversals_deg"] == pytest.approx(other["reversals_deg"])
 
 

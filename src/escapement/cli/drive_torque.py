@@ -1,6 +1,7 @@
 """`escapement drive-torque`: torque and pin reversals at constant driver speed."""
 
 import argparse
+import math
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
@@ -61,7 +62,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.json:
         _output.print_json(record)
     else:
-        _print_table(result, record, args.units)
+        _print_table(record, args.units)
     if "message" in record:
         _output.note(record["message"])
     return 0
@@ -73,8 +74,6 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
     What does not exist is NaN or infinite here and null in JSON; only then there
     is a `message`, which says why.
     """
-    import math
-
     from escapement.errors import InvalidValue
 
     reasons = []
@@ -88,6 +87,14 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
             "reversal_limits: the follower's deceleration ends at zero, so no inertia ratio "
             "lets it drive up to the end"
         )
+    if math.isnan(result.peak_to_mean):
+        reasons.append("torque_max_over_mean: the mean torque is not above zero")
+    free = _limits(result, units)
+    reasons += [
+        f"{key}: no finite value makes the pin reverse"
+        for key, value in free.items()
+        if not math.isfinite(value)
+    ]
     record = {
         "inertia_ratio": ratio,
         "reversal_limits": list(result.reversal_limits),
@@ -96,31 +103,39 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
         "torque_max": _output.in_units(result.torque_max, "torque", units),
         "torque_max_deg": math.degrees(result.torque_max_angle),
         "torque_mean": _output.in_units(result.torque_mean, "torque", units),
+        "torque_max_over_mean": result.peak_to_mean,
         "power_max": _output.in_units(result.power_max, "torque", units),
+        **free,
     }
     return record | ({"message": "; ".join(reasons)} if reasons else {})
 
 
-def _print_table(result: "DriveTorque", record: dict[str, Any], units: str) -> None:
+def _limits(result: "DriveTorque", units: str) -> dict[str, float]:
+    """How far the drive may go without a pin reversal, one quantity changed at a time."""
     from escapement.constant_speed import (
         greatest_follower_inertia,
         greatest_speed,
         least_load_torque,
     )
 
+    mechanism, load = result.mechanism, result.load_torque
+    speed, inertia = result.speed, result.follower_inertia
+    assert not callable(load)  # the command line gives numbers only
+    most, least = greatest_follower_inertia, least_load_torque
+    return {
+        "greatest_speed": greatest_speed(mechanism, load, inertia),
+        "greatest_follower_inertia": _output.in_units(
+            most(mechanism, speed, load), "inertia", units
+        ),
+        "least_load_torque": _output.in_units(least(mechanism, speed, inertia), "torque", units),
+    }
+
+
+def _print_table(record: dict[str, Any], units: str) -> None:
     torque, inertia = unit_name("torque", units), unit_name("inertia", units)
     power = f"{torque} s-1" if units != "SI" else "W"
     reversals = ", ".join(f"{angle:.6g}" for angle in record["reversals_deg"])
     limit_12, limit_23 = record["reversal_limits"]
-    mechanism, load = result.mechanism, result.load_torque
-    assert not callable(load)  # the command line gives numbers only
-    given = {"speed": result.speed, "load_torque": load, "inertia": result.follower_inertia}
-    free = {
-        "speed": greatest_speed(mechanism, given["load_torque"], given["inertia"]),
-        "inertia": greatest_follower_inertia(mechanism, given["speed"], given["load_torque"]),
-        "torque": least_load_torque(mechanism, given["speed"], given["inertia"]),
-    }
-    free = {kind: _output.in_units(value, kind, units) for kind, value in free.items()}
     _output.print_values(
         [
             ("inertia ratio F", record["inertia_ratio"], ""),
@@ -131,10 +146,14 @@ def _print_table(result: "DriveTorque", record: dict[str, Any], units: str) -> N
             ("torque max", record["torque_max"], torque),
             ("torque max at", record["torque_max_deg"], "deg"),
             ("torque mean", record["torque_mean"], torque),
-            ("torque max over mean", result.peak_to_mean, ""),
+            ("torque max over mean", record["torque_max_over_mean"], ""),
             ("power max", record["power_max"], power),
-            ("greatest speed without reversal", free["speed"], "rad s-1"),
-            ("greatest follower inertia without reversal", free["inertia"], inertia),
-            ("least load torque without reversal", free["torque"], torque),
+            ("greatest speed without reversal", record["greatest_speed"], "rad s-1"),
+            (
+                "greatest follower inertia without reversal",
+                record["greatest_follower_inertia"],
+                inertia,
+            ),
+            ("least load torque without reversal", record["least_load_torque"], torque),
         ]
     )

@@ -1,12 +1,14 @@
 """`escapement run`: one motion and its figures of merit."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import _validate
 from escapement.cli import SOME_FAILED, _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, UsageError, number, option, whole
+from escapement.status import MESSAGES, Status
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -28,12 +30,14 @@ FIGURES = {
     "acceleration_max": "acceleration",
     "follower_acceleration_max": "acceleration",
     "contact_moment_max": "torque",
+    "contact_force_max": "force",
 }
-"""Figures of merit as printed, with the kind of unit of each."""
+"""Figures of merit as printed, with the kind of unit of each; the force with a crank radius."""
 
 
 REQUIRED = ("torque", "driver_inertia", "follower_inertia")
 """What an escapement needs, unless it comes from a study."""
+_DONE = MESSAGES[Status.OK]
 _SOLVER = ("engine", "rtol", "atol", "method", "max_step")
 
 
@@ -108,7 +112,7 @@ def execute(args: argparse.Namespace) -> int:
     else:
         _print_table(record, args.units)
     outcome = motion if motion.status.failed else figures
-    if record["message"] != "done":
+    if record["message"] != _DONE:
         _output.note(record["message"])
     return SOME_FAILED if outcome.status.failed else 0
 
@@ -150,15 +154,29 @@ def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any
     """What `run` reports, by JSON key, in the user's units."""
     outcome = motion if motion.status.failed else figures
     values = figures.as_dict()
+    if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
+        del values["contact_force_max"]
     return {
-        **{key: _output.in_units(values[key], kind, units) for key, kind in FIGURES.items()},
+        **{
+            key: _output.in_units(values[key], kind, units)
+            for key, kind in FIGURES.items()
+            if key in values
+        },
         "handoff_times": motion.handoff_times,
         "handoff_velocities": motion.handoff_velocities,
         "energy_residual": motion.ledger.residual,
         "status": outcome.status.label,
-        "message": outcome.message,
+        "message": _message(outcome.message, figures.critical_friction),
         "engine": motion.engine,
     }
+
+
+def _message(message: str, critical_friction: float) -> str:
+    """What became of the run, and why it names no critical friction where there is none."""
+    if math.isfinite(critical_friction):
+        return message
+    reason = "critical_friction is not given: a mesh has no Painleve limit"
+    return reason if message == _DONE else f"{message}; {reason}"
 
 
 def _write(motion: "Motion", args: argparse.Namespace) -> None:
@@ -175,7 +193,11 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
 
 
 def _print_table(record: dict[str, Any], units: str) -> None:
-    rows = [(_output.words(key), record[key], unit_name(FIGURES[key], units)) for key in FIGURES]
+    rows = [
+        (_output.words(key), record[key], unit_name(kind, units))
+        for key, kind in FIGURES.items()
+        if key in record
+    ]
     times, speeds = record["handoff_times"], record["handoff_velocities"]
     rows.append(("handoffs", len(times), ""))
     if len(times):
