@@ -112,6 +112,21 @@ def test_run_says_why_a_mesh_has_no_critical_friction(command):
     assert record["message"].endswith("a mesh has no Painleve limit")
 
 
+def test_run_refuses_a_figure_of_very_many_engagements(command, tmp_path):
+    options = ["--friction", ".35", *MEYER, "--engagements", "10001", "--plot", "m.png"]
+    code, out, err = command("run", *options)
+    assert (code, out) == (2, "")
+    assert "--plot must come with at most 10000 engagements, got 10001" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_run_shows_how_far_a_long_motion_is_written(command, monkeypatch):
+    options = ["run", "--friction", ".35", *MEYER, "--engagements", "2", "-o"]
+    assert command(*options, "short.h5")[2] == ""
+    monkeypatch.setattr("escapement.cli.run._LONG", 2)
+    assert "samples" in command(*options, "long.h5")[2]
+
+
 def test_run_gives_the_same_motion_in_either_system(command):
     inches = json.loads(command("run", "--friction", ".3", *MEYER, "--json")[1])
     options = {"--torque": 0.1, "--driver-inertia": 3e-6, "--follower-inertia": 50e-6}

@@ -25,6 +25,8 @@ class Progress:
         Show nothing.
     before : int
         Cases that were done already: the rate leaves them out.
+    what : str
+        What is counted.
     clock : callable
         Seconds that only grow.
     """
@@ -35,11 +37,12 @@ class Progress:
         *,
         quiet: bool = False,
         before: int = 0,
+        what: str = "cases",
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._terminal = self._stream.isatty()
-        self._quiet, self._before, self._clock = quiet, before, clock
+        self._quiet, self._before, self._what, self._clock = quiet, before, what, clock
         self._start = clock()
         self._shown = -math.inf if self._terminal else self._start
         self._counts = (0, 0, 0)
@@ -65,7 +68,7 @@ class Progress:
         if self._quiet or total == 0:
             return
         elapsed = self._clock() - self._start
-        text = describe(done, total, failed, elapsed, self._before)
+        text = describe(done, total, failed, elapsed, self._before, self._what)
         if not self._terminal:
             self._write(text + "\n")
             return
@@ -83,7 +86,9 @@ class Progress:
             self._quiet = True  # nobody is listening any more: the work goes on
 
 
-def describe(done: int, total: int, failed: int, elapsed: float, before: int = 0) -> str:
+def describe(
+    done: int, total: int, failed: int, elapsed: float, before: int = 0, what: str = "cases"
+) -> str:
     """One line: share done, counts, rate, time left or taken, failures."""
     rate = (done - before) / elapsed if elapsed > 0.0 else 0.0
     if done >= total:
@@ -94,7 +99,7 @@ def describe(done: int, total: int, failed: int, elapsed: float, before: int = 0
         time_text = "starting"
     share = math.floor(100 * done / total)
     failures = f", {failed} failed" if failed else ""
-    return f"{share:3d} % {done} of {total} cases, {rate:.3g}/s, {time_text}{failures}"
+    return f"{share:3d} % {done} of {total} {what}, {rate:.3g}/s, {time_text}{failures}"
 
 
 def duration(seconds: float) -> str:

@@ -38,6 +38,8 @@ FIGURES = {
 REQUIRED = ("torque", "driver_inertia", "follower_inertia")
 """What an escapement needs, unless it comes from a study."""
 _DONE = MESSAGES[Status.OK]
+_LONG = 10_000  # engagements from which writing them takes seconds, and shows its progress
+_LONGEST_PLOT = 10_000  # engagements: a gigabyte of points
 _SOLVER = ("engine", "rtol", "atol", "method", "max_step")
 
 
@@ -104,6 +106,7 @@ def execute(args: argparse.Namespace) -> int:
     from escapement.simulation import simulate, terminal
 
     motion = simulate(escapement, args.engagements, duration=args.duration, **settings)
+    _check_plot(motion, args)
     figures = terminal(escapement, **settings)
     _write(motion, args)
     record = summarise(motion, figures, args.units)
@@ -179,13 +182,27 @@ def _message(message: str, critical_friction: float) -> str:
     return reason if message == _DONE else f"{message}; {reason}"
 
 
+def _check_plot(motion: "Motion", args: argparse.Namespace) -> None:
+    """Refuse a figure that takes minutes, and in which nothing could be told apart."""
+    count = motion.handoff_times.size
+    if args.plot is not None and count > _LONGEST_PLOT:
+        raise UsageError(
+            f"--plot must come with at most {_LONGEST_PLOT} engagements, got {count}; "
+            "run fewer, or write the motion with --output"
+        )
+
+
 def _write(motion: "Motion", args: argparse.Namespace) -> None:
     if motion.end_time == 0.0:
         return  # nothing moved, and the message says why
     if args.output is not None:
+        from escapement.progress import Progress
         from escapement.store_motion import write_motion
 
-        write_motion(motion, args.output, units=args.units, force=args.force)
+        short = motion.handoff_times.size < _LONG
+        with Progress(quiet=short, what="samples") as progress:
+            options = {"units": args.units, "force": args.force, "progress": progress}
+            write_motion(motion, args.output, **options)
     if args.plot is not None:
         from escapement.plots import plot_velocities
 

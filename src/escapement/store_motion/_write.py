@@ -1,6 +1,7 @@
 """Writing a motion: complete under its name, or not at all."""
 
 import json
+from collections.abc import Callable
 from datetime import UTC, datetime
 from os import PathLike
 from typing import Any
@@ -22,7 +23,12 @@ _TYPES = {"f": "<f8", "i": "<i8", "b": "u1"}
 
 
 def write_motion(
-    motion: Motion, path: str | PathLike[str], *, units: str = "SI", force: bool = False
+    motion: Motion,
+    path: str | PathLike[str],
+    *,
+    units: str = "SI",
+    force: bool = False,
+    progress: Callable[[int, int, int], None] | None = None,
 ) -> None:
     """Write a motion to HDF5.
 
@@ -37,6 +43,8 @@ def write_motion(
         Unit system of torque and force in the file, "SI" or "in-lbf-s".
     force : bool
         Replace an existing file, once the new one is complete.
+    progress : callable, optional
+        Called with the samples written, their number and 0, block by block.
 
     Raises
     ------
@@ -54,7 +62,7 @@ def write_motion(
         steady = SteadyFile(pending.handle)
         with h5py.File(steady, "w") as hdf5:
             _write_root(hdf5, motion)
-            _write_samples(hdf5, motion, units)
+            _write_samples(hdf5, motion, units, progress or _silent)
             for columns in event_groups(motion).values():
                 _write_group(hdf5, columns)
         if steady.error is not None:
@@ -96,7 +104,13 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
     configuration.attrs.update(units="1", long_name="the escapement as a study of one case, JSON")
 
 
-def _write_samples(hdf5: Any, motion: Motion, units: str) -> None:
+def _silent(done: int, total: int, failed: int) -> None:
+    """Nobody watches."""
+
+
+def _write_samples(
+    hdf5: Any, motion: Motion, units: str, progress: Callable[[int, int, int], None]
+) -> None:
     """Columns over `t` in blocks, so that memory does not grow with the motion."""
     times = _sample_times(motion)
     forced = getattr(motion.escapement.mechanism, "crank_radius", None) is not None
@@ -108,6 +122,7 @@ def _write_samples(hdf5: Any, motion: Motion, units: str) -> None:
         for name in names:
             scale = factor(SAMPLES[name].quantity, units)
             hdf5[name][start : start + _BLOCK] = getattr(state, name) / scale
+        progress(min(start + _BLOCK, times.size), times.size, 0)
     _attach(hdf5, names)
 
 
