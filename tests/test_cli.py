@@ -143,8 +143,9 @@ def test_run_without_a_terminal_cycle(command, extra, code, status, said):
 
 
 def test_painleve_leaves_no_files(command, tmp_path):
-    command("run", *MEYER, "--friction", ".5", "-o", "m.h5", "--plot", "m.png")
+    _, _, err = command("run", *MEYER, "--friction", ".5", "-o", "m.h5", "--plot", "m.png")
     assert list(tmp_path.iterdir()) == []
+    assert "no m.h5 and no m.png was made" in err.splitlines()[0]
 
 
 def test_run_writes_the_motion(command):

@@ -129,8 +129,9 @@ def _read_zeros(args: argparse.Namespace) -> tuple[float, float] | None:
     given = {"--phase": args.phase, "--offset": args.offset}
     missing = [name for name, value in given.items() if value is None]
     if len(missing) == 1:
+        (other,) = given.keys() - missing
         raise UsageError(
-            f"{missing[0]} must be given beside the other zero, got neither; give both or none"
+            f"{missing[0]} must be given beside {other}, got that alone; give both or none"
         )
     return None if missing else (math.radians(args.phase), math.radians(args.offset))
 
