@@ -41,6 +41,8 @@ def folder(tmp_path):
     """A folder with a good study, bad ones, and things that are no study."""
     (tmp_path / "good.toml").write_text(STUDY)
     (tmp_path / "broken.toml").write_text("units = \n")
+    (tmp_path / "point.toml").write_text("torque = 0.1\nfriction = [0.1, .2]  # .3\n")
+    (tmp_path / "end.toml").write_text("torque = 2.\n")
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
     (tmp_path / "text.h5").write_text("no HDF5")
     (tmp_path / "there.h5").write_text("mine")
@@ -72,7 +74,10 @@ USAGE = {
     "misspelt option": (run("--frictoin", ".3"), "'--frictoin'", "did you mean '--friction'?"),
     "abbreviated option": (run("--fric", ".3"), "'--fric'", "did you mean '--friction'?"),
     "misspelt before missing": (["run", "--torqe", "1"], "did you mean '--torque'?"),
-    "unknown short option": (run("-x"), "unknown option '-x'"),
+    "unknown short option": (run("-x"), "unknown option '-x'; see 'escapement run --help'"),
+    "unlike any option": (run("--bogus"), "'--bogus'; see 'escapement run --help'"),
+    "unlike a short option": (["bench", "--foo"], "'--foo'; see 'escapement bench --help'"),
+    "dash for a file": (run("-o", "-"), "unknown option '-'; a file of that name is './-'"),
     "missing torque": (run(without=["--torque"]), "required: --torque", "run --help"),
     "missing inertia": (run(without=["--driver-inertia"]), "required: --driver-inertia"),
     "option without value": (["run", "--torque"], "--torque", "expected one argument"),
@@ -83,13 +88,18 @@ USAGE = {
     "unknown engine": (run("--engine", "ivpp"), "engine", "'ivpp'", "did you mean 'ivp'?"),
     "unknown method": (run("--engine", "ivp", "--method", "RK54"), "method", "'RK45'?"),
     "method of another engine": (run("--method", "RK45"), "method", "'RK45'", "ivp"),
-    "step of another engine": (run("--max-step", "1e-3"), "max_step", "ivp"),
+    "step of another engine": (run("--max-step", "1e-3"), "--max-step must", "ivp"),
+    "too many engagements": (
+        run("--engagements", "1000000000"),
+        "--engagements must",
+        "figures of merit need no long motion",
+    ),
     "two slots": (run("--slots", "2"), "--slots", "at least 3", "got 2"),
     "half a slot": (run("--slots", "4.5"), "--slots", "whole number", "'4.5'"),
     "slots in words": (run("--slots", "four"), "--slots", "whole number", "'four'"),
     "negative slots": (run("--slots", "-4"), "--slots", "got -4"),
     "no pin": (run("--pins", "0"), "--pins", "at least 1", "got 0"),
-    "too many pins": (run("--slots", "4", "--pins", "5"), "pins", "at most 4", "got 5"),
+    "too many pins": (run("--slots", "4", "--pins", "5"), "--pins must", "at most 4", "got 5"),
     "internal pins": (run("--internal", "--pins", "2"), "pins", "at most 1", "internal"),
     "no torque": (run("--torque", "0"), "--torque", "greater than 0", "got 0.0"),
     "no inertia": (run("--driver-inertia", "0"), "--driver-inertia", "greater than 0"),
@@ -97,12 +107,17 @@ USAGE = {
     "no duration": (run("--duration", "0"), "--duration", "greater than 0"),
     "no engagement": (run("--engagements", "0"), "--engagements", "at least 1", "got 0"),
     "part of an engagement": (run("--engagements", "1e3"), "--engagements", "'1e3'"),
-    "two lengths": (run("--engagements", "3", "--duration", "1"), "both", "3", "1.0"),
-    "rtol 0": (run("--rtol", "0"), "rtol", "1e-13", "got 0.0"),
+    "two lengths": (
+        run("--engagements", "3", "--duration", "1"),
+        "--engagements and --duration must",
+        "3",
+        "1.0",
+    ),
+    "rtol 0": (run("--rtol", "0"), "--rtol must", "1e-13", "got 0.0"),
     "rtol 1": (run("--rtol", "1"), "rtol", "below 1", "got 1.0"),
     "rtol too small": (run("--rtol", "1e-14"), "rtol", "1e-13", "got 1e-14"),
     "force without output": (run("--force"), "--force", "--output"),
-    "ratio out of range": (run("--torque", "1e-320"), "follower_inertia / torque", "between"),
+    "ratio out of range": (run("--torque", "1e-320"), "--follower-inertia / --torque", "between"),
     "one inertia": (
         ["mechanism", "--driver-inertia", "1"],
         "--follower-inertia",
@@ -130,11 +145,19 @@ FILES = {
     "missing study": (["sweep", "none.toml"], 66, "none.toml", "does not exist"),
     "study is a folder": (["sweep", "folder.h5"], 65, "folder.h5", "directory"),
     "study is not TOML": (["sweep", "broken.toml"], 65, "broken.toml", "line 1"),
+    "a point without a digit": (["sweep", "point.toml"], 65, "at line 2", "write 0.2, not .2"),
+    "a point at the end": (["sweep", "end.toml"], 65, "at line 1", "write 2.0, not 2."),
     "study is not text": (["sweep", "binary.toml"], 65, "binary.toml", "UTF-8"),
     "missing result": (["plot", "none.h5"], 66, "none.h5", "does not exist"),
     "result is a folder": (["plot", "folder.h5", "-o", "x.png"], 65, "folder.h5", "not a folder"),
     "result is not HDF5": (["plot", "text.h5"], 65, "text.h5", "HDF5"),
-    "motion there": (run("-o", "there.h5"), 73, "there.h5", "existing", "--force"),
+    "motion there": (
+        run("-o", "there.h5"),
+        73,
+        "there.h5",
+        "existing",
+        "or give --force to replace",
+    ),
     "motion into a folder": (run("-o", "folder.h5"), 73, "folder.h5", "directory"),
     "motion nowhere": (run("-o", "none/m.h5"), 73, "none", "create it first"),
     "motion under a file": (run("-o", "text.h5/m.h5"), 73, "text.h5"),

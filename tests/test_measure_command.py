@@ -139,7 +139,7 @@ WRONG = {
     "unknown kind": (["geneva.csv", "genva"], 2, "did you mean 'geneva'?"),
     "unknown column": (["geneva.csv", "--input-column", "x"], 2, "input column", "'x'"),
     "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
-    "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase, got that"),
+    "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase,"),
     "words": (["geneva.csv", "--offset", "x"], 2, "--offset", "finite number"),
     "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),
     "few bins": (["geneva.csv", "--bins", "3"], 2, "bins", "at least 4", "got 3"),

@@ -137,7 +137,9 @@ def test_a_newer_version_with_the_same_numbers_goes_on(tmp_path, solved, monkeyp
 def test_partial_results_are_not_dropped_unless_forced(tmp_path):
     path = tmp_path / "a.h5"
     interrupted(path)
-    with pytest.raises(CannotCreate, match=r"continue with --resume .* or start over with --force"):
+    with pytest.raises(
+        CannotCreate, match="continue with resume=True or start over with force=True"
+    ):
         write_plan(plan(), path)
     assert write_plan(plan(), path, force=True).resumed == 0
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]

@@ -37,7 +37,7 @@ def check_same(path: Any, there: dict[str, Any], here: dict[str, Any]) -> None:
         raise CannotCreate(
             f"output {path} must be resumed by the version that began it, {versions[0]}, got "
             f"{versions[1]}, whose results may differ; install that one, or start over with "
-            "--force (force=True)"
+            "force=True"
         )
     pairs = ("configuration", "attributes")
     difference = next(
@@ -46,7 +46,7 @@ def check_same(path: Any, there: dict[str, Any], here: dict[str, Any]) -> None:
     )
     raise CannotCreate(
         f"output {path} must be resumed with the configuration it was begun with, got another: "
-        f"{difference}; use that one, name another output, or start over with --force (force=True)"
+        f"{difference}; use that one, name another output, or start over with force=True"
     )
 
 
