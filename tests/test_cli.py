@@ -178,6 +178,24 @@ def test_motion_file_reads_back_as_the_motion(command):
     assert found.ledger.residual == pytest.approx(motion.ledger.residual, abs=1e-12)
 
 
+def test_a_motion_is_drawn_in_si(command):
+    command("run", "--friction", ".35", *MEYER, "--engagements", "2", "-o", "m.h5")
+    code, out, err = command("plot", "m.h5", "--units", "in-lbf-s")
+    assert (code, out) == (2, "")
+    assert "--units must be SI for a motion, got 'in-lbf-s'; leave it out" in err
+    assert command("plot", "m.h5", "--units", "SI")[0] == 0
+
+
+def test_a_geometry_without_dynamics_is_reported_with_a_warning(command):
+    options = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
+    code, out, err = command("mechanism", "gear-driven", *options, "--json")
+    assert (code, json.loads(out)["closest_radius_over_fixed"]) == (0, 0.0)
+    assert err.startswith("escapement: warning: stations 4, lobes 0, curve 'hypocycloid': the pin ")
+    assert err.count("\n") == 1
+    err = command("mechanism", "gear-driven", *options, "--pins", "9")[2]
+    assert "--pins must be at most 1 for a ratio of times of 1 a pin, got 9; give 1: two" in err
+
+
 def test_existing_motion_is_kept_unless_forced(command, tmp_path):
     arguments = ["run", "--friction", ".35", *MEYER, "-o", "m.h5"]
     (tmp_path / "m.h5").write_text("mine")

@@ -17,7 +17,7 @@ from escapement.errors import EscapementError, InvalidValue, StorageError
 
 COMMANDS = {
     "run": "one motion and its figures of merit",
-    "sweep": "a study on a grid, to an HDF5 file",
+    "sweep": "a study on a grid or a sample, to an HDF5 file",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "drive-torque": "torque and pin reversals at constant driver speed",
