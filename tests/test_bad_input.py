@@ -64,7 +64,7 @@ COMMANDS = {
     ),
     "speed beyond doubles": (
         ["run", *MODEL, "--initial-speed", "1e300"],
-        "initial_speed",
+        "--initial-speed",
         "at most",
     ),
     "tolerance below rounding": (["run", *MODEL, "--rtol", "1e-14"], "rtol", "at least 1e-13"),

@@ -183,8 +183,9 @@ def test_run_without_a_terminal_cycle(command, extra, code, status, said):
 
 
 def test_painleve_leaves_no_files(command, tmp_path):
-    command("run", *MEYER, "--friction", ".5", "-o", "m.h5", "--plot", "m.png")
+    _, _, err = command("run", *MEYER, "--friction", ".5", "-o", "m.h5", "--plot", "m.png")
     assert list(tmp_path.iterdir()) == []
+    assert "no m.h5 and no m.png was made" in err.splitlines()[0]
 
 
 def test_run_writes_the_motion(command):
@@ -215,6 +216,24 @@ def test_motion_file_reads_back_as_the_motion(command):
         scale = np.abs(getattr(own, name)).max()
         np.testing.assert_allclose(getattr(mine, name), getattr(own, name), atol=2e-3 * scale)
     assert found.ledger.residual == pytest.approx(motion.ledger.residual, abs=1e-12)
+
+
+def test_a_motion_is_drawn_in_si(command):
+    command("run", "--friction", ".35", *MEYER, "--engagements", "2", "-o", "m.h5")
+    code, out, err = command("plot", "m.h5", "--units", "in-lbf-s")
+    assert (code, out) == (2, "")
+    assert "--units must be SI for a motion, got 'in-lbf-s'; leave it out" in err
+    assert command("plot", "m.h5", "--units", "SI")[0] == 0
+
+
+def test_a_geometry_without_dynamics_is_reported_with_a_warning(command):
+    options = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
+    code, out, err = command("mechanism", "gear-driven", *options, "--json")
+    assert (code, json.loads(out)["closest_radius_over_fixed"]) == (0, 0.0)
+    assert err.startswith("escapement: warning: stations 4, lobes 0, curve 'hypocycloid': the pin ")
+    assert err.count("\n") == 1
+    err = command("mechanism", "gear-driven", *options, "--pins", "9")[2]
+    assert "--pins must be at most 1 for a ratio of times of 1 a pin, got 9; give 1: two" in err
 
 
 def test_existing_motion_is_kept_unless_forced(command, tmp_path):

@@ -56,7 +56,8 @@ def test_output_that_cannot_be_written():
             arguments, stdout=full, stderr=subprocess.PIPE, env=ENVIRONMENT, text=True
         )
     assert done.returncode == 74
-    assert done.stderr.startswith("escapement: error: ")
+    assert done.stderr.startswith("escapement: error: standard output must ")
+    assert done.stderr.endswith("; free space, or send it elsewhere\n")
     assert done.stderr.count("\n") == 1
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from escapement import plots
-from escapement.errors import CannotCreate, StorageError
+from escapement.errors import CannotCreate, InvalidValue, StorageError
 from escapement.plots import _style
 from escapement.plots._labels import label, number, print_unit, scaled
 
@@ -84,21 +84,21 @@ def test_impossible_outputs_are_refused_in_one_line(figure, tmp_path):
     file.write_text("kept")
     (tmp_path / "dir.png").mkdir()
     cases = {
-        tmp_path / "x.bmp": "change the suffix",
-        tmp_path / "x": "change the suffix",
         tmp_path / "none" / "x.png": "create",
         tmp_path / "dir.png": "directory",
         file / "x.png": "another folder",
         tmp_path / ("x" * 300 + ".png"): "another folder or name",
     }
-    for path, remedy in cases.items():
-        with pytest.raises(CannotCreate) as error:
-            plots.save(figure, path)
-        text = str(error.value)
-        assert text.startswith("output ")
-        assert remedy in text
-        assert str(path) in text
-        assert "\n" not in text
+    wrong = {tmp_path / name: "change the suffix" for name in ("x", "x.bmp")}
+    for kind, paths in ((CannotCreate, cases), (InvalidValue, wrong)):
+        for path, remedy in paths.items():
+            with pytest.raises(kind) as error:
+                plots.save(figure, path)
+            text = str(error.value)
+            assert text.startswith("output ")
+            assert remedy in text
+            assert str(path) in text
+            assert "\n" not in text
     assert sorted(os.listdir(tmp_path)) == ["dir.png", "file"]
     assert file.read_text() == "kept"
 

@@ -108,6 +108,12 @@ def test_another_configuration_is_refused_with_its_difference(tmp_path, other, d
     assert difference in str(caught.value)
     assert "\n" not in str(caught.value)
     assert partial_path(path).read_bytes() == before
+    write_plan(plan(), path, resume=True)
+    whole = path.read_bytes()
+    with pytest.raises(CannotCreate, match="got the complete file of another: ") as caught:
+        write_plan(other, path, resume=True)
+    assert difference in str(caught.value)
+    assert path.read_bytes() == whole
 
 
 def test_the_order_of_axes_is_part_of_a_study(tmp_path, solved):
@@ -137,7 +143,9 @@ def test_a_newer_version_with_the_same_numbers_goes_on(tmp_path, solved, monkeyp
 def test_partial_results_are_not_dropped_unless_forced(tmp_path):
     path = tmp_path / "a.h5"
     interrupted(path)
-    with pytest.raises(CannotCreate, match=r"continue with --resume .* or start over with --force"):
+    with pytest.raises(
+        CannotCreate, match="continue with resume=True or start over with force=True"
+    ):
         write_plan(plan(), path)
     assert write_plan(plan(), path, force=True).resumed == 0
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
@@ -152,10 +160,11 @@ def test_nothing_to_resume_starts_afresh_and_all_done_does_nothing(tmp_path, sol
     assert write_plan(plan(), path, resume=True).resumed == 40
     assert solved == []
     assert path.read_bytes() == before
+    (tmp_path / "b.h5").write_text("no study")
     with pytest.raises(CannotCreate, match="must not exist yet"):
-        write_plan(plan(30), path, resume=True)
+        write_plan(plan(), tmp_path / "b.h5", resume=True)
     assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
+    assert sorted(tmp_path.iterdir()) == [path, tmp_path / "b.h5"]
 
 
 def test_killed_between_the_last_two_steps(tmp_path):

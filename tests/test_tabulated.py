@@ -236,8 +236,26 @@ def test_csv(tmp_path):
 
 
 @pytest.mark.parametrize(
+    "line",
+    ["{:.3f} {:.3f}", "{:.3f}   {:.3f} ", "{:.3f}; {:.3f}", "{:.3f}\t{:.3f}", '"{:.3f}","{:.3f}"'],
+)
+def test_what_parts_the_columns(tmp_path, line):
+    theta = np.linspace(0.0, 90.0, 31)
+    phi = theta - 20.0 * np.sin(np.radians(4.0 * theta)) / 4.0
+    place = tmp_path / "table.csv"
+    lines = [line.format(*row) for row in zip(theta, phi, strict=True)]
+    for text in (lines, [row.replace(".", ",") for row in lines]):
+        if text is lines or line[6] in ";\t":
+            place.write_text("theta phi\n" + "\n".join(text) + "\n")
+            table = esc.Tabulated.from_csv(place)
+            np.testing.assert_allclose(table.theta, np.radians(theta), rtol=1e-12)
+            np.testing.assert_allclose(table.phi, np.radians(phi), atol=1e-5)
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("1 2\n3 4 5\n", ["two numbers", "line 2", "'3 4 5'", "semicolon"]),
         ("a,b\n1,2\n3\n", ["two numbers", "line 3", "'3'"]),
         ("1,2\n3,four\n", ["two numbers", "line 2", "four"]),
         ("1,2\n3,nan\n", ["two numbers", "line 2"]),
@@ -350,7 +368,11 @@ def test_commands_take_a_table(report, tmp_path):
         ((), 2, ["--table", "required"]),
         (("--table", "no.csv"), 66, ["no.csv", "must exist"]),
         (("--table", "table.csv", "--slots", 4), 2, ["--slots", "tabulated"]),
-        (("--table", "table.csv", "--cell-angle", 100), 2, ["cell_angle", "follower_step"]),
+        (
+            ("--table", "table.csv", "--cell-angle", 100),
+            2,
+            ["--cell-angle must", "with --follower-step"],
+        ),
     ],
 )
 @pytest.mark.usefixtures("table_file")

@@ -75,7 +75,7 @@ def simulate(
         )
     if duration is None:
         count = DEFAULT_ENGAGEMENTS if engagements is None else engagements
-        remedy = "give how many to run; terminal() needs no long motion"
+        remedy = "give how many to run; the figures of merit need no long motion"
         engagements = _validate.integer("engagements", count, 1, remedy, maximum=LONGEST[engine])
     else:
         duration = _validate.positive("duration", duration, "give the time to run in s")

@@ -17,7 +17,7 @@ from escapement.errors import EscapementError, InvalidValue, StorageError
 
 COMMANDS = {
     "run": "one motion and its figures of merit",
-    "sweep": "a study on a grid, to an HDF5 file",
+    "sweep": "a study on a grid or a sample, to an HDF5 file",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "drive-torque": "torque and pin reversals at constant driver speed",
@@ -61,8 +61,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         _discard_output()
         return 0  # the reader has seen enough, as in `escapement ... | head`
     except OSError as error:
-        _discard_output()
-        return _complain(str(error), StorageError.exit_code)
+        message = str(error)
+        if _discard_output():
+            message = f"standard output must take what is written, got: {error.strerror or error}"
+            message += "; free space, or send it elsewhere"
+        return _complain(message, StorageError.exit_code)
     except MemoryError:
         message = "not enough memory; ask for a shorter motion or fewer cases"
         return _complain(message, StorageError.exit_code)
@@ -82,7 +85,12 @@ def _dispatch(argv: list[str]) -> int:
     parser = Parser(prog=f"escapement {name}", description=command.SUMMARY)
     command.configure(parser)
     args = parser.understand(argv[1:])
-    return 0 if args is None else command.execute(args)
+    if args is None:
+        return 0
+    try:
+        return command.execute(args)
+    except EscapementError as error:
+        return _complain(parser.spell(error), error.exit_code)
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -97,11 +105,13 @@ def _complain(message: str, code: int) -> int:
     return code
 
 
-def _discard_output() -> None:
-    """Drop what cannot be written, or the interpreter complains of it at exit."""
+def _discard_output() -> bool:
+    """Drop what cannot be written, or the interpreter complains of it at exit: was there any?"""
     try:
         print(end="", flush=True)
     except OSError:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
         os.close(nowhere)
+        return True
+    return False

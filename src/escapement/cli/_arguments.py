@@ -143,7 +143,7 @@ def read_inertia(args: argparse.Namespace) -> "Inertia | None":
     missing, given = "--driver-inertia", "--follower-inertia"
     if follower is None:
         missing, given = given, missing
-    raise UsageError(f"{missing} must be given beside {given}, got neither; give both or none")
+    raise UsageError(f"{missing} must be given beside {given}, got that alone; give both or none")
 
 
 def read_escapement(args: argparse.Namespace) -> "Escapement":

@@ -31,6 +31,8 @@ def check_wanted(args: argparse.Namespace, *inputs: Path, file: str = "FILE") ->
     ------
     UsageError
         When there is nothing that --force could replace.
+    InvalidValue
+        When the plot's suffix is that of no picture.
     CannotCreate
         When a file cannot be put there, or is an input or the other output.
     """
@@ -63,7 +65,10 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
 
 
 def check_picture(path: Path, *others: Path) -> None:
-    """As `check_output`. Pictures are made from data: an existing one is replaced."""
+    """As `check_output`. Pictures are made from data: an existing one is replaced.
+
+    Raises InvalidValue for a suffix that no picture has.
+    """
     picture_format(path)
     check_output(path, *others, force=True)
 

@@ -23,7 +23,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "pins": {
         "type": whole("--pins", 1, "give the number of pins, or leave it out"),
         "metavar": "P",
-        "help": "pins of the driver (default: continuous engagement where it exists, else 1)",
+        "help": "pins of the driver (default: 1; geneva, where it exists, continuous engagement)",
     },
     "internal": {
         "action": "store_true",

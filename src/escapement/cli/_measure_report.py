@@ -104,6 +104,9 @@ def print_table(record: dict[str, Any]) -> None:
         ]
     rows.append(("autocorrelation", record["autocorrelation"], ""))
     rows.append(("bins", record["bins"], ""))
+    classes = record["chi_squared"]["degrees_of_freedom"] + 1
+    if classes != record["bins"]:
+        rows.append(("bins of chi-squared", classes, ""))
     _output.print_values(rows)
     _print_tests(record)
     _print_shafts(record)

@@ -12,6 +12,9 @@ from escapement import __version__, _validate
 from escapement.errors import EscapementError, InvalidValue
 
 _NEGATIVE = re.compile(r"-(\.?\d|inf(inity)?$|nan$)", re.IGNORECASE)
+_SUBJECT = re.compile(r"[a-z_]+(?:(?: and | / )[a-z_]+)*(?= must )")
+_COMPOUND = re.compile(r"(?<![^\s(])[a-z]+(?:_[a-z]+)+(?![^\s,;:)])")
+_SWITCHED_ON = re.compile(r"\b([a-z_]+)=True\b")
 
 
 class UsageError(EscapementError):
@@ -49,6 +52,20 @@ class Parser(argparse.ArgumentParser):
             self.error(f"unexpected argument {extra[0]!r}")
         return args
 
+    def spell(self, error: EscapementError) -> str:
+        """A library's message in the words of the command line: its options with dashes."""
+
+        def dashed(word: re.Match[str]) -> str:
+            name = option(word[0])
+            return name if name in self._option_string_actions else word[0]
+
+        message = _SWITCHED_ON.sub(lambda found: option(found[1]), str(error))
+        if not isinstance(error, InvalidValue):
+            return message  # it names files, which may be called anything
+        subject = _SUBJECT.match(message)
+        end = subject.end() if subject else 0
+        return re.sub("[a-z_]+", dashed, message[:end]) + _COMPOUND.sub(dashed, message[end:])
+
     def _refuse_unknown_options(self, tokens: Iterable[str]) -> None:
         """Before anything else: a misspelt option is not a missing one."""
         known = self._option_string_actions
@@ -62,9 +79,13 @@ class Parser(argparse.ArgumentParser):
                 raise UsageError(f"unknown option {name!r}; {self._remedy(name, known)}")
 
     def _remedy(self, name: str, known: Collection[str]) -> str:
-        close = [option for option in known if option.startswith(name)]
-        close = close or difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-        return f"did you mean {close[0]!r}?" if close else f"see '{self.prog} --help'"
+        if name == "-":
+            return "a file of that name is './-'"
+        bare = {spelt.lstrip("-"): spelt for spelt in known}  # dashes are alike in all
+        typed = name.lstrip("-")
+        close = [word for word in bare if len(typed) > 1 and word.startswith(typed)]
+        close = close or difflib.get_close_matches(typed, bare, n=1, cutoff=0.6)
+        return f"did you mean {bare[close[0]]!r}?" if close else f"see '{self.prog} --help'"
 
 
 def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str | None:

@@ -91,7 +91,7 @@ def _place(path: Path, name: str, values: Any, wanted: dict[str, float]) -> int:
     nearest = int(abs(values - value).argmin())
     found = float(values[nearest])
     if not abs(found - value) <= _AGREE * max(abs(found), abs(value)):
-        raise InvalidValue(
+        raise UsageError(
             f"{name} must be a value of {path}, got {value:g}; the nearest is {found:.10g}"
         )
     return nearest

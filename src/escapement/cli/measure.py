@@ -23,10 +23,14 @@ def configure(parser: Parser) -> None:
     _kinds.add_mechanism(parser)
     columns = parser.add_argument_group("columns of DATA.csv")
     columns.add_argument(
-        "--input-column", metavar="NAME", help="of the input (default: input or driver)"
+        "--input-column",
+        metavar="NAME",
+        help="of the input (default: input, in, driver, theta or phi1)",
     )
     columns.add_argument(
-        "--output-column", metavar="NAME", help="of the output (default: output or follower)"
+        "--output-column",
+        metavar="NAME",
+        help="of the output (default: output, out, follower, phi or phi3)",
     )
     columns.add_argument(
         "--angle-unit",
@@ -55,7 +59,8 @@ def _add_statistics(parser: Parser) -> None:
         type=checked(lambda text: int(text) if text.lstrip("+-").isdecimal() else text),
         default="sturges",
         metavar="K",
-        help="classes: a number, or sturges (default), scott, freedman-diaconis, square-root",
+        help="classes: a number, or sturges (default), scott, freedman-diaconis, square-root; "
+        "the chi-squared test takes no more than leave five errors in each",
     )
     statistics.add_argument(
         "--confidence",
@@ -129,8 +134,9 @@ def _read_zeros(args: argparse.Namespace) -> tuple[float, float] | None:
     given = {"--phase": args.phase, "--offset": args.offset}
     missing = [name for name, value in given.items() if value is None]
     if len(missing) == 1:
+        (other,) = given.keys() - missing
         raise UsageError(
-            f"{missing[0]} must be given beside the other zero, got neither; give both or none"
+            f"{missing[0]} must be given beside {other}, got that alone; give both or none"
         )
     return None if missing else (math.radians(args.phase), math.radians(args.offset))
 

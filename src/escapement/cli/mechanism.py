@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from escapement import _validate
 from escapement.cli import _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, UsageError, number
+from escapement.errors import InvalidValue
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def execute(args: argparse.Namespace) -> int:
     record = _report(mechanism, args)
     if args.plot is not None:
         _draw(mechanism, args)
+    _warn_of_no_dynamics(mechanism)
     if args.json:
         _output.print_json(record)
     else:
@@ -79,6 +81,14 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
             names = map(_output.words, rows[0])
             header = [name + suffix for name, suffix in zip(names, suffixes, strict=True)]
             _output.print_columns([header], [row.values() for row in rows])
+
+
+def _warn_of_no_dynamics(mechanism: "Mechanism") -> None:
+    """Say where a mechanism has a geometry and no dynamics."""
+    try:
+        _ = mechanism.path
+    except InvalidValue as error:
+        _output.note(f"warning: {error}")
 
 
 def _draw(mechanism: "Mechanism", args: argparse.Namespace) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _files, _output
-from escapement.cli._parser import Parser
+from escapement.cli._parser import Parser, UsageError
 
 if TYPE_CHECKING:
     from escapement.store import Study
@@ -26,7 +26,9 @@ def configure(parser: Parser) -> None:
         help=".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)",
     )
     _arguments.add_common(
-        parser, units=None, text="units of the axes of a study (default: those of the file)"
+        parser,
+        units=None,
+        text="units of the axes of a study (default: those of the file); motions are drawn in SI",
     )
 
 
@@ -39,6 +41,11 @@ def execute(args: argparse.Namespace) -> int:
     from escapement.store_motion import is_motion, read_motion
 
     if is_motion(args.file):
+        if args.units not in (None, "SI"):
+            raise UsageError(
+                f"--units must be SI for a motion, got {args.units!r}; leave it out, only the "
+                "axes of a study are drawn in other units"
+            )
         from escapement.plots.motion_sheet import plot_motion
 
         holds, figure = "motion", plot_motion(read_motion(args.file))

@@ -194,7 +194,10 @@ def _check_plot(motion: "Motion", args: argparse.Namespace) -> None:
 
 def _write(motion: "Motion", args: argparse.Namespace) -> None:
     if motion.end_time == 0.0:
-        return  # nothing moved, and the message says why
+        wanted = [str(path) for path in (args.output, args.plot) if path is not None]
+        if wanted:
+            _output.note(f"there is no motion to write: no {' and no '.join(wanted)} was made")
+        return
     if args.output is not None:
         from escapement.progress import Progress
         from escapement.store_motion import write_motion

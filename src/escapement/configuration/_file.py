@@ -1,5 +1,6 @@
 """Reading a study file."""
 
+import re
 import tomllib
 from os import PathLike
 from pathlib import Path
@@ -8,6 +9,8 @@ from typing import Any
 from escapement.configuration._parse import parse_plan
 from escapement.configuration._plan import StudyPlan
 from escapement.errors import InputFileError, InvalidValue, MissingInput
+
+_BARE_POINT = re.compile(r"(?<![\w.])[+-]?(\.\d+|\d+\.)(?![\w.])")
 
 
 def load_plan(path: str | PathLike[str]) -> StudyPlan:
@@ -48,4 +51,18 @@ def _toml(path: Path) -> dict[str, Any]:
         reason = "values nested too deeply"
     except ValueError as error:
         reason = str(error)
-    raise InputFileError(f"study file {path} must be valid TOML, got: {reason}; correct that line")
+    remedy = _bare_point(data, reason) or "correct that line"
+    raise InputFileError(f"study file {path} must be valid TOML, got: {reason}; {remedy}")
+
+
+def _bare_point(data: bytes, reason: str) -> str:
+    """What to write for a number with nothing before or after its point; empty for no such."""
+    line = re.search(r"at line (\d+)", reason)
+    if line is None:
+        return ""
+    text = data.splitlines()[int(line[1]) - 1].decode(errors="replace").partition("#")[0]
+    found = _BARE_POINT.search(text)
+    if found is None:
+        return ""
+    number = found[1]
+    return f"write {number + '0' if number.endswith('.') else '0' + number}, not {number}"

@@ -164,7 +164,7 @@ def simulate(
             break
         if size >= longest:
             rule = f"at most {times[-1]:.6g} s, in which {longest} engagements pass"
-            raise fail("duration", rule, duration, "terminal() needs no long motion")
+            raise fail("duration", rule, duration, "the figures of merit need no long motion")
         size = min(8 * size, longest)
     if code == PAINLEVE:
         return no_motion(escapement, "energy", rtol)

@@ -2,7 +2,6 @@
 
 import csv
 import math
-from collections.abc import Sequence
 from os import PathLike
 
 import numpy as np
@@ -17,7 +16,8 @@ def read_angles(path: str | PathLike[str]) -> FloatArray:
     Parameters
     ----------
     path : path
-        Two numbers in each line, separated by a comma; a line of headings may come
+        Two numbers in each line, apart by a tab, semicolon, comma or blanks; beside a
+        tab or semicolon a comma may be the decimal point. A line of headings may come
         first, and lines that start with # are passed over.
 
     Raises
@@ -26,28 +26,34 @@ def read_angles(path: str | PathLike[str]) -> FloatArray:
         When the file is not there, or is no such table.
     """
     try:
-        with open(path, encoding="utf-8-sig", newline="") as stream:
-            lines = [(k, row) for k, row in enumerate(csv.reader(stream), 1) if row]
+        with open(path, encoding="utf-8-sig") as stream:
+            lines = [(k, text.strip()) for k, text in enumerate(stream, 1)]
+            rows = [(k, text, _angles(text)) for k, text in lines if text and text[0] != "#"]
     except FileNotFoundError:
         raise MissingInput(f"table {path} must exist, and does not; check the path") from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputFileError(
             f"table {path} must be a text file, and cannot be read: {error}; write it as CSV"
         ) from None
-    rows = [(k, row) for k, row in lines if not row[0].lstrip().startswith("#")]
-    if rows and not _numbers(rows[0][1]):
+    if rows and rows[0][2] is None:
         rows = rows[1:]
-    for k, row in rows:
-        if not _numbers(row):
+    for k, text, angles in rows:
+        if angles is None:
             raise InputFileError(
-                f"table {path} must have two numbers in each line, got {','.join(row)[:40]!r} in "
-                f"line {k}; give driver and follower angle in degrees"
+                f"table {path} must have two numbers in each line, got {text[:40]!r} in line {k}; "
+                "give driver and follower angle in degrees, apart by comma, semicolon, tab or blank"
             )
-    return np.array([[float(cell) for cell in row[:2]] for _, row in rows]).reshape(-1, 2).T
+    return np.array([angles for *_, angles in rows], dtype=float).reshape(-1, 2).T
 
 
-def _numbers(row: Sequence[str]) -> bool:
+def _angles(text: str) -> list[float] | None:
+    """Both numbers of a line; None where it holds anything else."""
+    mark = next((mark for mark in "\t;," if mark in text), None)
+    cells = text.split() if mark is None else next(csv.reader([text], delimiter=mark))
+    if mark in ("\t", ";"):
+        cells = [cell.replace(",", ".") for cell in cells]
     try:
-        return len(row) == 2 and all(math.isfinite(float(cell)) for cell in row)
+        angles = [float(cell) for cell in cells]
     except ValueError:
-        return False
+        return None
+    return angles if len(angles) == 2 and all(map(math.isfinite, angles)) else None

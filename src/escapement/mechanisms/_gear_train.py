@@ -82,7 +82,8 @@ class GearTrain:
         most = math.floor(1.0 / self.lobe_ratio * (1.0 + 1e-12))
         if self.pins > most:
             rule = f"at most {most} for a ratio of times of {self.lobe_ratio:.6g} a pin"
-            raise _validate.fail("pins", rule, self.pins, "or two would be engaged at once")
+            remedy = f"give {most}{' or fewer' if most > 1 else ''}: two would be engaged at once"
+            raise _validate.fail("pins", rule, self.pins, remedy)
         if self.through_centre and self.unused_lobes:
             rule = "0 for a path through the wheel's centre"
             remedy = "the wheel turns uniformly and would start and stop with a jump"

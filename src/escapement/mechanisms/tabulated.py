@@ -118,8 +118,8 @@ class Tabulated:
         Parameters
         ----------
         path : path
-            Two columns, separated by commas; a line of headings may come first, and
-            lines that start with # are passed over.
+            Two columns, apart by commas, semicolons, tabs or blanks; a line of headings
+            may come first, and lines that start with # are passed over.
         **options
             `measured`; `cell_angle` and `follower_step` in radians.
 

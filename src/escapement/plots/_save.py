@@ -32,8 +32,10 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 
     Raises
     ------
+    InvalidValue
+        When the suffix is none of these.
     CannotCreate
-        When the suffix or the place is wrong.
+        When there can be no file at that place.
     StorageError
         When writing fails half-way, for example on a full disk.
     """

@@ -37,17 +37,40 @@ def check_same(path: Any, there: dict[str, Any], here: dict[str, Any]) -> None:
         raise CannotCreate(
             f"output {path} must be resumed by the version that began it, {versions[0]}, got "
             f"{versions[1]}, whose results may differ; install that one, or start over with "
-            "--force (force=True)"
+            "force=True"
         )
-    pairs = ("configuration", "attributes")
-    difference = next(
-        (text for part in pairs if (text := first_difference(old[part], new[part]))),
-        "the order of the axes",
-    )
     raise CannotCreate(
         f"output {path} must be resumed with the configuration it was begun with, got another: "
-        f"{difference}; use that one, name another output, or start over with --force (force=True)"
+        f"{_difference(old, new)}; use that one, name another output, or start over with force=True"
     )
+
+
+def check_complete(path: Any, there: dict[str, Any], frame: Study) -> None:
+    """Raise CannotCreate, naming the first difference, unless a whole file is of this study.
+
+    Parameters
+    ----------
+    path : path
+        As the user named the file.
+    there : dict
+        Its configuration, and those of its attributes that make the study.
+    frame : Study
+        Everything but the results.
+    """
+    attributes = {name: frame.attributes[name] for name in there["attributes"]}
+    here = {"configuration": frame.configuration, "attributes": attributes}
+    here = json.loads(json.dumps(here, allow_nan=False))
+    if json.dumps(there) != json.dumps(here):
+        raise CannotCreate(
+            f"output {path} must be of this study to be resumed, got the complete file of another: "
+            f"{_difference(there, here)}; name another output, or give force=True to replace it"
+        )
+
+
+def _difference(there: dict[str, Any], here: dict[str, Any]) -> str:
+    parts = ("configuration", "attributes")
+    texts = (first_difference(there[part], here[part]) for part in parts)
+    return next(filter(None, texts), "the order of the axes")
 
 
 def first_difference(there: Any, here: Any, place: str = "") -> str:

@@ -8,7 +8,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
+from escapement.errors import (
+    CannotCreate,
+    EscapementError,
+    InputFileError,
+    InvalidValue,
+    MissingInput,
+)
+from escapement.store._identity import check_complete
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Study, count_failed
 
 T = TypeVar("T")
@@ -85,19 +92,27 @@ def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
 
 
 def failed_cases(path: Path, frame: Study) -> int | None:
-    """Failed cases of the file at `path`; None unless it is the study of `frame`, whole."""
+    """Failed cases of the file at `path`; None unless it is a study, and whole.
+
+    Raises
+    ------
+    CannotCreate
+        When it is another study than that of `frame`; the message has the difference.
+    """
     import h5py
 
     try:
         with h5py.File(path, "r") as hdf5:
-            own = {name: hdf5.attrs[name] for name in frame.attributes if name != "created"}
-            configuration = json.loads(hdf5["configuration"].asstr()[()])
-            if json.dumps(configuration) != json.dumps(frame.configuration):
-                return None
-            if own != {name: frame.attributes[name] for name in own}:
-                return None
+            own = [name for name in frame.attributes if name != "created"]
+            there = {
+                "configuration": json.loads(hdf5["configuration"].asstr()[()]),
+                "attributes": {name: _plain(hdf5.attrs[name]) for name in own},
+            }
+            check_complete(path, there, frame)
             status = hdf5["status"]
             return sum(count_failed(status[chunk]) for chunk in status.iter_chunks())
+    except CannotCreate:
+        raise
     except (OSError, RuntimeError, LookupError, ValueError, TypeError):
         return None
 

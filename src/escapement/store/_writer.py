@@ -149,12 +149,12 @@ class StudyWriter:
         if not self._force and not journal.ours:
             raise CannotCreate(
                 f"output {self._path} must have {journal.path.name} to itself, got a file that "
-                "is no partial result; move it away, or give --force (force=True) to replace it"
+                "is no partial result; move it away, or give force=True to replace it"
             )
         if not self._force and not self._resume and journal.holds_blocks:
             raise CannotCreate(
                 f"output {self._path} must not have partial results yet, got {journal.path.name}; "
-                "continue with --resume (resume=True) or start over with --force (force=True)"
+                "continue with resume=True or start over with force=True"
             )
         journal.start(head, self.cut)
 
@@ -178,7 +178,7 @@ class StudyWriter:
         reason = getattr(error, "strerror", None) or error
         return StorageError(
             f"writing {self._path} failed: {reason}; what was finished is kept in "
-            f"{self._journal.path.name}: free space, then continue with --resume (resume=True)"
+            f"{self._journal.path.name}: free space, then continue with resume=True"
         )
 
 

@@ -141,7 +141,7 @@ def in_cluster(
     except distributed.KilledWorker as error:
         raise StorageError(
             f"a block ended {error.allowed_failures + 1} workers, perhaps for lack of memory; "
-            "give workers more memory, then continue with --resume (resume=True)"
+            "give workers more memory, then continue with resume=True"
         ) from None
     finally:
         client.cancel(list(running))
