@@ -23,6 +23,9 @@ TWO_COLUMN = 7.2
 LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 """Font sizes [pt]; the smallest is 4 pt at half size."""
 
+HANDLE = 4.2
+"""Length of a legend's handle, in font sizes: two dashes of the longest of `LOOKS`."""
+
 
 class Look(NamedTuple):
     """Colour, line style and marker of one line among several."""
@@ -76,7 +79,7 @@ def legend_above(ax: Axes, columns: int, title: str | None = None, **options: An
         fontsize=SMALL_SIZE,
         title_fontsize=SMALL_SIZE,
         frameon=False,
-        handlelength=2.6,
+        handlelength=HANDLE,
         columnspacing=1.2,
         borderaxespad=0.3,
         **options,
