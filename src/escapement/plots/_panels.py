@@ -67,7 +67,7 @@ def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str 
     if table.lines is not None:
         title = "\n".join(text for text in (note, legend_title(study, table)) if text)
         columns = 2 if len(lines) == 4 else 3
-        _style.legend_above(ax, columns, title, handles=lines)
+        _style.legend_above(ax, columns, title, handles=lines, handlelength=_style.HANDLE)
 
 
 def legend_title(study: Study, table: Table) -> str:

@@ -199,7 +199,7 @@ def _plot_single(study: Study, table: Table) -> Figure:
         dress_axis(ax, "x", study, table.x)
         ax.set_ylabel(label(name, unit))
         ax.label_outer()
-        _style.legend_above(ax, 3)
+        _style.legend_above(ax, 3, handlelength=_style.HANDLE)
     _title(figure, table)
     return figure
 
