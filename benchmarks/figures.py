@@ -93,9 +93,9 @@ def tolerance():
             )
         axes.loglog(rtol, rtol, color=BLACK, lw=0.8, label="asked for")
         axes.loglog(rtol, 10 * rtol, color=BLACK, ls=":", lw=1.0, label="ten times that")
-        axes.set_xlabel("relative error asked for [-]")
+        axes.set_xlabel("Relative error asked for")
         axes.set_title(f"{engine}, {cases[0]:.0f} random cases")
-    panels[0].set_ylabel("relative error got [-]")
+    panels[0].set_ylabel("Relative error got")
     above(figure, panels[0], 5)
     return figure
 
@@ -111,8 +111,8 @@ def order():
             steps, error, look.marker, ls=look.linestyle, color=look.color, ms=4,
             label=f"{method}: {slope:.1f}",
         )  # fmt: skip
-    axes.set_xlabel("steps in an engagement")
-    axes.set_ylabel("relative error [-]")
+    axes.set_xlabel("Steps in an engagement")
+    axes.set_ylabel("Relative error")
     legend_above(axes, 3, title="observed order")
     return axes.figure
 
@@ -135,10 +135,10 @@ def painleve():
         left.loglog(gap, np.maximum(error, LEAST), label=f"{engine}, {int(slots)} slots", **style)
         right.loglog(gap, spent, **style)
     for axes in (left, right):
-        axes.set_xlabel("distance to the limit, $1 - \\mu/\\mu_c$ [-]")
+        axes.set_xlabel("Distance to the limit, $1 - \\mu/\\mu_c$")
         axes.invert_xaxis()
-    left.set_ylabel("relative error [-]")
-    right.set_ylabel("run time [ms]")
+    left.set_ylabel("Relative error")
+    right.set_ylabel("Run time (ms)")
     above(figure, left, 3)
     return figure
 
@@ -159,9 +159,9 @@ def long_run():
                 color=look.color, ms=4, label=label,
             )  # fmt: skip
         axes.loglog(count, 2.0**-53 * np.sqrt(count), color=GREY, lw=0.9, label="a random walk")
-        axes.set_xlabel("engagements")
-        axes.set_title(name)
-    panels[0].set_ylabel("relative drift [-]")
+        axes.set_xlabel("Engagements")
+        axes.set_title(name.capitalize())
+    panels[0].set_ylabel("Relative drift")
     above(figure, panels[0], 3)
     return figure
 

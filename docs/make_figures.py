@@ -19,7 +19,7 @@ from pages import FIGURES
 
 HERE = Path(__file__).resolve().parent
 DPI = 200
-COLOURS = 96  # a palette keeps the files small; the eye sees no difference
+COLOURS = 192  # a palette keeps the files small; the eye sees no difference
 ACCURACY = ("work_precision", "tolerance", "order", "painleve", "long_run", "conditioning")
 
 for _page in ("motions", "studies", "drives", "gears"):

@@ -19,10 +19,10 @@ from escapement.plots._labels import label, number, print_unit, scaled
     [
         ("rad s-1", "rad/s"),
         ("rad s-2", "rad/s²"),
-        ("in lbf", "in lbf"),
-        ("in lbf s2", "in lbf s²"),
-        ("kg m2", "kg m²"),
-        ("N m", "N m"),
+        ("in lbf", "in·lbf"),
+        ("in lbf s2", "in·lbf·s²"),
+        ("kg m2", "kg·m²"),
+        ("N m", "N·m"),
         ("s-1", "1/s"),
         ("1", ""),
         ("", ""),
@@ -36,11 +36,11 @@ def test_prefixes_keep_numbers_readable():
     assert scaled("s", [0.04, np.nan]) == (1e3, "ms")
     assert scaled("s", [1.0]) == (1.0, "s")
     assert scaled("s", [3e-5]) == (1e6, "µs")
-    assert scaled("N m", [-0.2]) == (1e3, "mN m")
+    assert scaled("N m", [-0.2]) == (1e3, "mN·m")
     assert scaled("s", [np.nan]) == (1.0, "s")
     assert scaled("rad s-1", [1e-4]) == (1.0, "rad/s")
     assert number(5.65e-6) == "5.65×10⁻⁶"
-    assert label("moment of inertia of the driving wheel", "in lbf s²").count("\n") == 1
+    assert label("moment of inertia of the driving wheel", "in·lbf·s²").count("\n") == 1
 
 
 def test_palette_is_distinct_in_grey_print():

@@ -140,3 +140,10 @@ def test_configurations_show_the_three_continuous_drives():
 def test_drawing_refuses_what_it_cannot_draw(mechanism, theta):
     with pytest.raises(InvalidValue, match="got"):
         plots.plot_mechanism(mechanism, theta)
+
+
+@pytest.mark.parametrize("name", ["plot_planetary", "plot_gear_driven", "plot_table"])
+def test_other_drives_are_sent_to_their_drawing(name):
+    with pytest.raises(InvalidValue, match=name):
+        plots.plot_mechanism(esc.EllipticalPlanetary(0.016, 0.009))
+    assert callable(getattr(plots, name))

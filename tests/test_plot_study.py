@@ -7,6 +7,8 @@ import pytest
 
 from escapement import plots
 from escapement.errors import InvalidValue
+from escapement.plots import _style
+from escapement.status import Status
 from figure_tools import legend_of
 
 UNITS = {
@@ -54,7 +56,7 @@ FRICTION = np.array([0.20, 0.25, 0.30])
 def test_lines_carry_units_and_marked_points():
     study = Synthetic({"friction": FRICTION, "torque": TORQUE})
     ax = plots.plot_lines(study, "rise_time")
-    assert ax.get_xlabel() == "Driving torque (in lbf)"
+    assert ax.get_xlabel() == "Driving torque (in·lbf)"
     assert ax.get_ylabel() == "Rise time (ms)"
     assert legend_of(ax) == ["0.2", "0.25", "0.3"]
     assert ax.get_legend().get_title().get_text() == "Coefficient of friction"
@@ -109,13 +111,63 @@ def test_map_hatches_holes():
     ax = plots.plot_map(study, "period")
     assert legend_of(ax) == ["no result"]
     assert ax.patch.get_hatch()
-    assert ax.get_xlabel() == "Driving torque (in lbf)"
+    assert ax.get_xlabel() == "Driving torque (in·lbf)"
     assert ax.get_ylabel() == "Coefficient of friction"
     assert ax.figure.axes[1].get_ylabel() == "Period (ms)"
     filled = ax.collections[0]
     covered = sum(path.contains_point((0.19, 0.38)) for path in filled.get_paths())
     assert covered == 0
     assert sum(path.contains_point((0.12, 0.2)) for path in filled.get_paths()) == 1
+
+
+def test_times_that_jump_are_drawn_point_by_point():
+    study = Synthetic({"torque": np.geomspace(0.1, 1.0, 5), "friction": FRICTION})
+    study.results["rise_time"][4, 2] = np.nan
+    ax = plots.plot_map(study, "rise_time")
+    (cells,) = ax.collections
+    assert cells.get_array().shape == (3, 5)
+    np.testing.assert_allclose(cells.get_array(), 1e3 * study.results["rise_time"].T)
+    assert cells.get_array().mask.sum() == 1
+    assert ax.get_xlim() == pytest.approx((0.1, 1.0))
+    assert ax.get_ylim() == pytest.approx((0.2, 0.3))
+    edges = cells.get_coordinates()[0, :, 0]
+    np.testing.assert_allclose(
+        edges[1:-1], np.sqrt(study.axes["torque"][:-1] * study.axes["torque"][1:])
+    )
+    assert ax.figure.axes[1].get_ylabel() == "Rise time (ms)"
+
+
+def test_whole_numbers_have_ticks_and_nothing_between_them():
+    slots = np.arange(3, 10)
+    study = Synthetic({"slots": slots, "torque": TORQUE})
+    ax = plots.plot_lines(study, "period", x="slots")
+    ax.figure.draw_without_rendering()
+    assert [text.get_text() for text in ax.get_xticklabels()] == [str(n) for n in slots]
+    assert {line.get_linestyle() for line in ax.lines} == {"None"}
+    assert all(line.get_marker() and line.get_markevery() is None for line in ax.lines)
+    assert len(plots.plot_map(study, "period").collections) == 1
+    ax = plots.plot_lines(Synthetic({"slots": np.arange(3, 60)}), "period")
+    assert all(tick == round(tick) for tick in ax.get_xticks())
+
+
+def test_cases_without_answer_are_counted_in_the_figure():
+    study = Synthetic({"friction": np.array([0.01, 0.2, 0.5])})
+    study.results["status"][:] = (Status.NO_TERMINAL, Status.OK, Status.PAINLEVE)
+    for name in ("velocity_max", "velocity_mean", "velocity_min", "rise_time", "settling_time"):
+        study.results[name][[0, 2]] = np.nan
+    note = "2 of 3 cases have no answer: 1 no terminal velocity,\n1 beyond the Painlevé limit"
+    assert plots.plot_study(study).get_suptitle() == note
+    assert plots.plot_lines(study, "rise_time").get_title() == note
+
+
+def test_legends_show_the_markers_and_dashes_of_the_lines():
+    study = Synthetic({"friction": np.linspace(0.1, 0.4, 6), "torque": np.linspace(0.1, 0.2, 40)})
+    figure = plots.plot_study(study)
+    (legend,) = figure.subfigs[0].legends
+    assert {line.get_marker() for line in legend.get_lines()} == {""}
+    size = legend.handlelength * legend._fontsize
+    for look in _style.LOOKS[1:]:
+        assert 1.2 * 2 * sum(look.linestyle[1]) <= size + 1.2 * look.linestyle[1][-1]
 
 
 def test_map_of_a_constant_needs_no_contour():
@@ -139,8 +191,9 @@ def test_study_with_two_axes_adds_maps_when_fine_enough():
     assert len(coarse.axes) == 2
     axes = {"friction": np.linspace(0.1, 0.4, 5), "torque": np.linspace(0.1, 0.2, 6)}
     fine = plots.plot_study(Synthetic(axes))
-    assert len(fine.axes) == 5
-    assert [ax.get_title() for ax in fine.axes[2:]] == [
+    maps, bars = fine.axes[2:5], fine.axes[5:]
+    assert all(ax.get_xlabel() == "Driving torque (in·lbf)" for ax in maps)
+    assert [ax.get_xlabel() for ax in bars] == [
         "Period (ms)",
         "Mean driver velocity (rad/s)",
         "Rise time (ms)",
@@ -152,10 +205,10 @@ def test_further_axes_stay_at_their_middle_and_the_title_says_so():
     study = Synthetic({"friction": FRICTION, "torque": TORQUE, "load_torque": load})
     study.results["rise_time"][..., 1] = 0.07
     figure = plots.plot_study(study)
-    assert figure.get_suptitle() == "Load torque = 0.01 in lbf (middle of 3)"
+    assert figure.get_suptitle() == "Load torque = 0.01 in·lbf (middle of 3)"
     np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), 70.0)
     legend = plots.plot_lines(study, "period").get_legend()
-    assert "Load torque = 0.01 in lbf" in legend.get_title().get_text()
+    assert "Load torque = 0.01 in·lbf" in legend.get_title().get_text()
 
 
 def test_study_leaves_out_a_result_that_nobody_has():

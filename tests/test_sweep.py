@@ -174,6 +174,11 @@ def test_a_bad_case_is_marked_and_the_rest_goes_on(monkeypatch):
     assert grid.results["status"].tolist() == [[beyond, beyond], [0, Status.INVALID]]
 
 
+def test_a_study_says_in_a_line_what_it_is():
+    study = sweep(TIMER, friction=[0.2, 0.3, 0.5], torque=[0.008, 0.01])
+    assert repr(study) == "Study(friction 3 x torque 2: 6 cases, 2 failed)"
+
+
 def test_an_error_of_the_program_is_not_hidden(tmp_path, monkeypatch):
     def broken(*_, **__):
         raise TypeError("a mistake")

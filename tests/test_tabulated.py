@@ -323,6 +323,17 @@ def test_a_follower_that_turns_back_has_kinematics_and_no_motion():
     assert esc.terminal(esc.Escapement(noisy, INERTIA, 0.01, efficiency=0.9)).velocity_max > 0.0
 
 
+def test_its_repr_is_short_and_tells_tables_apart():
+    table, other = exact(200), exact(201)
+    text = repr(esc.Escapement(table, esc.Inertia(1e-6, 1e-5), 0.01, efficiency=0.9))
+    assert repr(table) in text
+    assert len(text) < 350
+    assert repr(table).startswith("Tabulated(<201 rows, checksum ")
+    moved = esc.Tabulated(table.theta, 1.0 + np.array(table.phi))
+    assert len({repr(table), repr(other), repr(moved)}) == 3
+    assert repr(esc.Tabulated(table.theta, table.phi)) == repr(table)
+
+
 def test_a_study_holds_the_table():
     plan_text = json.dumps(
         {

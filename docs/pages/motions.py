@@ -42,8 +42,8 @@ def transmission() -> Figure:
         table = wheel.transmission(theta)
         for ax, values in zip(axes, (table.g, table.u), strict=True):
             ax.plot(np.degrees(theta), values, ls=style, color=color, label=f"{slots} slots")
-    for ax, name in zip(axes, ("transmission g", "sliding u"), strict=True):
-        ax.set(xlabel="driver angle from dead centre (°)", ylabel=name, xlim=(-60, 60))
+    for ax, name in zip(axes, ("Transmission g", "Sliding u"), strict=True):
+        ax.set(xlabel="Driver angle from dead centre (°)", ylabel=name, xlim=(-60, 60))
     axes[0].legend(frameon=False)
     return figure
 
@@ -86,6 +86,6 @@ def handoff_map() -> Figure:
     left.set(xlim=(0, 122), ylim=(0, 230))
     left.set_xlabel("w at a handoff (1000 rad²/s²)")
     left.set_ylabel("w at the next (1000 rad²/s²)")
-    right.set(xlabel="engagement", ylabel="handoff velocity (rad/s)", ylim=(0, 1000))
+    right.set(xlabel="Engagement", ylabel="Handoff velocity (rad/s)", ylim=(0, 1000))
     figure.legend(loc="outside upper center", ncols=5, frameon=False, fontsize=8)
     return figure

@@ -48,9 +48,9 @@ def published_cell() -> Figure:
             label = name if slots == 3 else "_"
             ax.plot(turned, ratio, ls=look[1], color=look[0], lw=1.3, label=label)
         ax.axhline(0.0, color="grey", lw=0.6)
-        ax.set(xlabel="driver angle (°)", xlim=(0, 180), xticks=range(0, 181, 60))
+        ax.set(xlabel="Driver angle (°)", xlim=(0, 180), xticks=range(0, 181, 60))
         ax.set_title(f"{wheel.pins} pins", fontsize=9)
-    axes[0].set_ylabel("transmission g")
+    axes[0].set_ylabel("Transmission g")
     figure.legend(loc="outside upper center", ncols=2, frameon=False, fontsize=8)
     return figure
 
@@ -76,7 +76,7 @@ def sampling() -> Figure:
     times = np.arange(0.0, motion.end_time, 0.0005)
     listing = program_1973(4, 0.35, 0.20, *meyer.INERTIAS[4], duration=0.95)
     shown = {
-        "exact, every 0.5 ms": (
+        "its rows every 0.5 ms": (
             motion.at(times).theta_dot,
             np.searchsorted(motion.handoff_times, times),
         ),
@@ -85,9 +85,16 @@ def sampling() -> Figure:
     figure, (left, right) = panels(2, 3.0)
     dense = np.linspace(0.095, 0.161, 5000)
     rows = times[(times >= dense[0]) & (times <= dense[-1])]
-    left.plot(1e3 * dense, motion.at(dense).theta_dot, color=LINES[0][0], lw=1.0)
-    left.plot(1e3 * rows, motion.at(rows).theta_dot, ".", color="black", ms=3.5)
-    left.set(xlabel="time (ms)", ylabel="driver velocity (rad/s)", ylim=(0, 180))
+    left.plot(1e3 * dense, motion.at(dense).theta_dot, color=LINES[0][0], lw=1.0, label="exact")
+    left.plot(
+        1e3 * rows,
+        motion.at(rows).theta_dot,
+        ".",
+        color="black",
+        ms=3.5,
+        label="its rows every 0.5 ms",
+    )
+    left.set(xlabel="Time (ms)", ylabel="Driver velocity (rad/s)", ylim=(0, 200))
     peak = motion.extrema.theta_dot.max()
     right.axhline(peak, color=LINES[0][0], label="exact")
     for (name, (speed, of)), look, mark in zip(shown.items(), LINES[1:], "os", strict=False):
@@ -96,9 +103,11 @@ def sampling() -> Figure:
         right.plot(
             count, tops, ls=look[1], color=look[0], marker=mark, ms=3.5, mfc="white", label=name
         )
-    right.set(xlabel="engagement", ylabel="peak driver velocity (rad/s)", xlim=(0, 31))
+    right.set(xlabel="Engagement", ylabel="Peak driver velocity (rad/s)", xlim=(0, 31))
     right.set_ylim(153.0, 169.0)
-    right.legend(
-        frameon=False, ncols=3, fontsize=7, loc="upper center", columnspacing=0.8, handlelength=1.8
-    )
+    for ax in (left, right):
+        ax.legend(
+            frameon=False, ncols=3, fontsize=7, loc="upper center", columnspacing=0.8,
+            handlelength=1.8,
+        )  # fmt: skip
     return figure

@@ -86,8 +86,8 @@ def plot_work_precision(points: Sequence[Point], ax: Axes) -> Axes:
             zorder=3 if own else 2,
             label="_" if first.language == "Python" else name.removesuffix(" Numba"),
         )
-    ax.set_xlabel("largest relative error [-]")
-    ax.set_ylabel("warm run time [s]")
+    ax.set_xlabel("Largest relative error")
+    ax.set_ylabel("Warm run time (s)")
     ax.invert_xaxis()
     return dress(ax)
 
@@ -106,7 +106,7 @@ def scaling_figure(costs: Sequence[Cost], machine: dict[str, Any]) -> Figure:
             markersize=3,
             label=engine,
         )
-    left.set(xlabel="engagements", ylabel="run time [s]")
+    left.set(xlabel="Engagements", ylabel="Run time (s)")
     left.legend(fontsize=SMALL_SIZE, frameon=False)
     line = [cost for cost in costs if cost.against == "cases"]
     middle.loglog(
@@ -116,7 +116,7 @@ def scaling_figure(costs: Sequence[Cost], machine: dict[str, Any]) -> Figure:
         marker="o",
         markersize=3,
     )
-    middle.set(xlabel="cases in a batch", ylabel="time by case [µs]", ylim=(1.0, None))
+    middle.set(xlabel="Cases in a batch", ylabel="Time by case (µs)", ylim=(1.0, None))
     line = [cost for cost in costs if cost.against == "workers"]
     sizes = [cost.size for cost in line]
     right.plot(sizes, [c.items / c.time for c in line], color=BLACK, marker="o", markersize=3)
@@ -127,7 +127,7 @@ def scaling_figure(costs: Sequence[Cost], machine: dict[str, Any]) -> Figure:
         linestyle=":",
         label="proportional",
     )
-    right.set(xlabel="workers", ylabel="cases a second", ylim=(0, None), xticks=sizes)
+    right.set(xlabel="Workers", ylabel="Cases a second", ylim=(0, None), xticks=sizes)
     right.legend(fontsize=SMALL_SIZE, frameon=False)
     for ax in (left, middle, right):
         dress(ax)

@@ -1,7 +1,7 @@
 """Axis labels: names and units as they are customarily printed.
 
 Data carry units in the spelling of UDUNITS ("rad s-1", "in lbf s2"); a figure
-prints "rad/s" and "in lbf s²", and picks a prefix that keeps numbers short.
+prints "rad/s" and "in·lbf·s²", and picks a prefix that keeps numbers short.
 """
 
 import re
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N m", "mN m", "µN m", "nN m")}
+_PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
 _LINE = 34  # characters of a label that fit beside one panel
 
 
@@ -31,7 +31,7 @@ def print_unit(unit: str) -> str:
         symbol, power = match[1], int(match[2] or 1)
         raised = "" if abs(power) == 1 else str(abs(power)).translate(_SUPERSCRIPTS)
         (above if power > 0 else below).append(symbol + raised)
-    text = " ".join(above)
+    text = "·".join(above)
     return "/".join([text or "1", *below]) if below else text
 
 
@@ -82,6 +82,6 @@ def number(value: float) -> str:
 
 
 def quantity(name: str, value: float, unit: str) -> str:
-    """A parameter and its value in running text: "torque = 0.1 in lbf"."""
+    """A parameter and its value in running text: "torque = 0.1 in·lbf"."""
     printed = print_unit(unit)
     return f"{name} = {number(value)}" + (f" {printed}" if printed else "")

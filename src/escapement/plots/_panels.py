@@ -5,12 +5,19 @@ from typing import Any, Literal
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import (
+    FixedLocator,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    StrMethodFormatter,
+)
 
 from escapement.model import FloatArray
 from escapement.plots import _style
@@ -23,28 +30,33 @@ _EDGE = 0.06  # part of a map beside its frame that is too narrow for a number
 _APART = 0.1  # least distance of two numbers on a map, of its size
 _PLAIN = (1e-3, 1e4)  # numbers printed without a power of ten
 _DECADE = 8.0  # an axis spanning this factor in even ratios is logarithmic
+_MOST_TICKS = 10  # whole numbers along an axis that each get a tick with its number
+_STEPPED = ("rise_time", "settling_time")  # jump by an engagement: no contour joins them
 
 
 def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D]:
     """A line for each value of the second axis, six at most; returns them."""
-    x = table.x_values
+    x, joined = table.x_values, not whole(study, table.x)
     factor, unit = scaled(study.units.get(result, ""), table.values)
     drawn = []
     for look, column in zip(_style.LOOKS, spread(table.values.shape[1]), strict=False):
         name = "" if table.lines is None else number(table.line_values[column])
-        drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name))
+        drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name, joined))
     dress_axis(ax, "x", study, table.x)
     ax.set_ylabel(label(printed_name(study, result), unit))
     return drawn
 
 
-def draw_line(ax: Axes, x: FloatArray, y: FloatArray, look: _style.Look, name: str) -> Line2D:
-    """One line, its points marked where they are few or stand alone."""
+def draw_line(
+    ax: Axes, x: FloatArray, y: FloatArray, look: _style.Look, name: str, joined: bool = True
+) -> Line2D:
+    """One line, its points marked where they are few or stand alone; or all, and not joined."""
     finite = np.concatenate([[False], np.isfinite(y), [False]])
-    marked = np.ones(x.size, bool) if x.size <= _FEW else finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    marked = alone if joined and x.size > _FEW else np.ones(x.size, bool)
     (line,) = ax.plot(
-        x, y, color=look.color, linestyle=look.linestyle, lw=1.2, ms=3.5, mfc="white", mew=0.9,
-        label=name or "_", marker=look.marker if marked.any() else "",
+        x, y, color=look.color, linestyle=look.linestyle if joined else "", lw=1.2, ms=3.5,
+        mfc="white", mew=0.9, label=name or "_", marker=look.marker if marked.any() else "",
         markevery=None if marked.all() else np.flatnonzero(marked).tolist(),
     )  # fmt: skip
     return line
@@ -55,11 +67,11 @@ def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str 
     if table.lines is not None:
         title = "\n".join(text for text in (note, legend_title(study, table)) if text)
         columns = 2 if len(lines) == 4 else 3
-        _style.legend_above(ax, columns, title, handles=lines)
+        _style.legend_above(ax, columns, title, handles=lines, handlelength=_style.HANDLE)
 
 
 def legend_title(study: Study, table: Table) -> str:
-    """What the lines are: "Driving torque (in lbf)"; "" for a single line."""
+    """What the lines are: "Driving torque (in·lbf)"; "" for a single line."""
     if table.lines is None:
         return ""
     text = label(printed_name(study, table.lines), print_unit(study.units.get(table.lines, "")))
@@ -68,33 +80,44 @@ def legend_title(study: Study, table: Table) -> str:
     return text if shown == count else f"{text}, {shown} of {count} values"
 
 
-def draw_map(ax: Axes, study: Study, result: str, table: Table, bar: bool) -> list[Patch]:
-    """Labelled contours over both axes; hatched where there is no result.
+def draw_map(
+    ax: Axes, study: Study, result: str, table: Table, bar: Literal["right", "top"]
+) -> list[Patch]:
+    """Colours over both axes, named by a bar; hatched where there is no result.
 
-    bar : whether a colour bar names the result, or a title does.
+    Between points there are labelled contours; but a result that jumps, and one over
+    whole numbers, has a cell of one colour for each point.
+    bar : where the colour bar goes.
     Returns the legend's key of the hatching, or nothing where there is none.
     """
     x, y = table.x_values, table.line_values
     factor, unit = scaled(study.units.get(result, ""), table.values)
     z = np.ma.masked_invalid(table.values.T * factor)
-    levels = np.asarray(MaxNLocator(_LEVELS).tick_values(float(z.min()), float(z.max())))
-    light = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, 0.6, 256)))
+    cells = result in _STEPPED or whole(study, table.x) or whole(study, str(table.lines))
+    count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black on 0.6 can be read
+    levels = np.asarray(MaxNLocator(count).tick_values(float(z.min()), float(z.max())))
+    colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": _style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
     dress_axis(ax, "x", study, table.x)
     dress_axis(ax, "y", study, str(table.lines))
-    filled = ax.contourf(x, y, z, levels, cmap=light)
-    inside = levels[(levels > z.min()) & (levels < z.max())]
-    if inside.size:
-        lines = ax.contour(x, y, z, inside, colors=_style.BLACK, linewidths=0.6)
-        _label_contours(ax, lines)
-    name = label(printed_name(study, result), unit)
-    if bar:
-        colours = ax.figure.colorbar(filled, ax=ax)
-        colours.set_label(name, size=_style.LABEL_SIZE)
-        colours.ax.tick_params(labelsize=_style.TICK_SIZE, width=0.7)
+    filled: ScalarMappable
+    if cells:
+        norm = BoundaryNorm(levels, colours.N)
+        filled = ax.pcolormesh(_edges(x), _edges(y), z, cmap=colours, norm=norm, rasterized=True)
+        if not whole(study, table.x):
+            ax.set_xlim(x[0], x[-1])
+        if not whole(study, str(table.lines)):
+            ax.set_ylim(y[0], y[-1])
     else:
-        ax.set_title(name, fontsize=_style.TICK_SIZE)
+        filled = ax.contourf(x, y, z, levels, cmap=colours)
+        inside = levels[(levels > z.min()) & (levels < z.max())]
+        if inside.size:
+            lines = ax.contour(x, y, z, inside, colors=_style.BLACK, linewidths=0.6)
+            _label_contours(ax, lines)
+    key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=MaxNLocator(_LEVELS - 2))
+    key.set_label(label(printed_name(study, result), unit), size=_style.TICK_SIZE)
+    key.ax.tick_params(labelsize=_style.SMALL_SIZE, width=0.7)
     return [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
 
 
@@ -126,12 +149,30 @@ def _middle(points: FloatArray) -> tuple[float, tuple[float, float]]:
     return float(along[-1]), (x, y)
 
 
+def _edges(values: FloatArray) -> FloatArray:
+    """Ends of the cells about points, half-way between them."""
+    even = np.log(values) if _logarithmic(values) else values
+    ends = np.concatenate([[2.0 * even[0] - even[1]], even, [2.0 * even[-1] - even[-2]]])
+    middles = 0.5 * (ends[:-1] + ends[1:])
+    return np.exp(middles) if _logarithmic(values) else middles
+
+
+def whole(study: Study, name: str) -> bool:
+    """Whether a parameter takes whole numbers only, with nothing between them."""
+    return bool(np.issubdtype(np.asarray(study.axes[name]).dtype, np.integer))
+
+
 def dress_axis(ax: Axes, which: Literal["x", "y"], study: Study, name: str) -> None:
     """Label, scale and ticks of an axis that a parameter runs along."""
     values = np.asarray(study.axes[name])
     first, last = float(values.min()), float(values.max())
     axis = ax.xaxis if which == "x" else ax.yaxis
     axis.set_label_text(label(printed_name(study, name), print_unit(study.units.get(name, ""))))
+    if whole(study, name):
+        few = np.unique(values).size <= _MOST_TICKS
+        many = MaxNLocator(_MOST_TICKS, steps=[1, 2, 5, 10], integer=True)
+        axis.set_major_locator(FixedLocator(np.unique(values).tolist()) if few else many)
+        return
     if _logarithmic(np.sort(values.astype(float))):
         ax.set(**{f"{which}scale": "log"})
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if last < 1e2 * first else (1.0,)))
@@ -139,8 +180,7 @@ def dress_axis(ax: Axes, which: Literal["x", "y"], study: Study, name: str) -> N
         if first >= _PLAIN[0] and last <= _PLAIN[1]:
             axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         return
-    whole = np.issubdtype(values.dtype, np.integer)
-    axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10], integer=whole))
+    axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
     ax.ticklabel_format(axis=which, useMathText=True, scilimits=(-3, 4))
 
 

@@ -23,6 +23,9 @@ TWO_COLUMN = 7.2
 LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 """Font sizes [pt]; the smallest is 4 pt at half size."""
 
+HANDLE = 4.2
+"""Length of a handle, in font sizes, that shows two dashes of any of `LOOKS` without marker."""
+
 
 class Look(NamedTuple):
     """Colour, line style and marker of one line among several."""
@@ -68,6 +71,7 @@ def dress(ax: Axes) -> Axes:
 
 def legend_above(ax: Axes, columns: int, title: str | None = None, **options: Any) -> None:
     """A legend over the axes, where it can cover no data."""
+    options = {"handlelength": 2.6, **options}
     legend = ax.legend(
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
@@ -76,7 +80,6 @@ def legend_above(ax: Axes, columns: int, title: str | None = None, **options: An
         fontsize=SMALL_SIZE,
         title_fontsize=SMALL_SIZE,
         frameon=False,
-        handlelength=2.6,
         columnspacing=1.2,
         borderaxespad=0.3,
         **options,

@@ -12,6 +12,7 @@ from escapement import _validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots._labels import quantity
+from escapement.status import Status
 
 _SHORT = {
     "friction": "coefficient of friction",
@@ -19,7 +20,15 @@ _SHORT = {
     "velocity_mean": "mean driver velocity",
     "velocity_min": "minimum driver velocity",
 }
+_REASONS = {
+    Status.NO_TERMINAL: "no terminal velocity",
+    Status.STALL: "stalled",
+    Status.PAINLEVE: "beyond the Painlevé limit",
+    Status.NOT_CONVERGED: "not converged",
+    Status.INVALID: "invalid",
+}
 _WIDEST = 56  # characters of a note over one column
+_HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # characters of a long name that still make an axis label
 
 
@@ -59,7 +68,7 @@ class Table:
         `values`; without a second axis `lines` is None, and that dimension 1.
     x_values, line_values : values along them, ascending.
     values : the result, NaN where there is none.
-    note : which axes were fixed, and where; "" for none.
+    note : which axes were fixed, and where, and which cases have no answer; "" for none.
     """
 
     x: str
@@ -119,14 +128,15 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
     line_values = np.zeros(1) if lines is None else np.asarray(study.axes[lines], dtype=float)
     rows, columns = np.argsort(x_values), np.argsort(line_values)
     fixed = [_fixed(study, name, i) for name, i in middle.items()]
-    note = textwrap.fill(", ".join(fixed), _WIDEST)
+    where = ", ".join(fixed)
+    notes = [where[:1].upper() + where[1:], _unanswered(study, index)]
     return Table(
         x,
         lines,
         x_values[rows],
         line_values[columns],
         values[np.ix_(rows, columns)],
-        note[:1].upper() + note[1:],
+        "\n".join(textwrap.fill(line, _WIDEST) for line in notes if line).replace(_HARD, " "),
     )
 
 
@@ -160,6 +170,19 @@ def printed_name(study: Study, name: str) -> str:
     words = name.replace("_", " ")
     long = study.long_names.get(name) or words
     return _SHORT.get(name) or (long if len(long) <= _LONGEST else words)
+
+
+def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
+    """How many of the cases shown have no answer, and why; "" for none."""
+    status = np.asarray(study.results.get("status", 0))
+    shown = status[index] if status.ndim else status
+    counts = {why: int((shown == code).sum()) for code, why in _REASONS.items()}
+    lost = sum(counts.values())
+    if not lost:
+        return ""
+    reasons = [f"{count} {why}".replace(" ", _HARD) for why, count in counts.items() if count]
+    verb = "has" if lost == 1 else "have"
+    return f"{lost} of {shown.size} cases {verb} no answer: {', '.join(reasons)}"
 
 
 def _fixed(study: Study, name: str, index: int) -> str:

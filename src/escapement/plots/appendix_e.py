@@ -53,9 +53,13 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     rise.set_ylabel(label("rise time", "ms"))
     speed.set_ylabel(label("average driver velocity", "rad/s"))
     for ax in (rise, speed):
-        ax.set_xlabel(label("torque", "in·lbf"))
+        ax.set_xlabel(label("driving torque", "in·lbf"))
         ax.set_ylim(bottom=0.0)
-    key: dict[str, Any] = {"fontsize": _style.SMALL_SIZE, "frameon": False, "handlelength": 2.6}
+    key: dict[str, Any] = {
+        "fontsize": _style.SMALL_SIZE,
+        "frameon": False,
+        "handlelength": _style.HANDLE,
+    }
     figure.legend(handles=_frictions(chosen), loc="outside upper center", ncols=6, **key)
     speed.legend(handles=_styles(chosen), loc="lower right", **key)
     return figure

@@ -45,7 +45,7 @@ def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None
     Raises
     ------
     InvalidValue
-        For a mechanism without Geneva wheel, or an angle that is not finite.
+        For any but a Geneva drive, with the function that draws it, or an angle that is not finite.
 
     Notes
     -----
@@ -54,7 +54,11 @@ def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None
     c + exp(i theta).
     """
     if not isinstance(mechanism, Geneva):
-        raise _validate.fail("mechanism", "a Geneva drive", mechanism, "give Geneva(slots=4)")
+        remedy = (
+            "give Geneva(slots=4), or draw a planetary drive with plot_planetary, a gear-driven "
+            "wheel with plot_gear_driven, a table with plot_table"
+        )
+        raise _validate.fail("mechanism", "a Geneva drive", mechanism, remedy)
     angle = _validate.number("theta", theta, "give the driver angle in rad")
     wheels = Wheels(mechanism)
     box = _extent(wheels)

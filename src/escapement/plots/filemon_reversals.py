@@ -44,14 +44,16 @@ def plot_reversal_curves(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -
     for n in slots:
         angle, ratio = _curve(n)
         ax.plot(angle, ratio, color=_style.BLUE, lw=1.1)
-        write(ax, str(n), (angle[-1], ratio[-1]))
+        write(ax, str(n), (angle[-1], ratio[-1]), (0.0, -9.0))
     places = [np.degrees(float(geneva.acceleration_max_angle(n))) for n in slots]
-    lowest = [float(geneva.reversal_limits(n)[0]) for n in slots]
-    ax.plot(places, lowest, label=r"$F_{12}$", **(MARK | {"ms": 3.5}))
+    ends = [np.degrees(float(geneva.engagement_half(n))) for n in slots]
+    limits = np.array([[float(limit) for limit in geneva.reversal_limits(n)] for n in slots]).T
+    for at, limit, name, marker in zip((places, ends), limits, ("12", "23"), "os", strict=True):
+        ax.plot(at, limit, label=rf"$F_{{{name}}}$", **(MARK | {"ms": 3.5, "marker": marker}))
     ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, 75.0), ylim=(0.02, 20.0))
-    ax.legend(loc="lower right", fontsize=_style.SMALL_SIZE, frameon=False)
-    ax.set_title("n on the curves", fontsize=_style.SMALL_SIZE)
+    small = {"fontsize": _style.SMALL_SIZE, "title_fontsize": _style.SMALL_SIZE}
+    ax.legend(loc="lower right", title="Beside the curves: slots n", frameon=False, **small)
     return ax
 
 

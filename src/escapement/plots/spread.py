@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from escapement.plots import _style
 from escapement.plots._labels import scaled
-from escapement.plots._panels import draw_lines, legend, spread
+from escapement.plots._panels import draw_lines, legend, spread, whole
 from escapement.plots._table import Study, available, tabulate
 from escapement.plots.sample import QUANTILES
 
@@ -46,7 +46,10 @@ def plot_spread(study: Study) -> Figure:
         for line, column in zip(lines, spread(table.values.shape[1]), strict=True):
             below, above = (end[:, column] for end in ends)
             look: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "lw": 0.0}
-            ax.fill_between(table.x_values, below, above, **look)
+            if whole(study, table.x):
+                ax.vlines(table.x_values, below, above, **(look | {"lw": 4.0}))
+            else:
+                ax.fill_between(table.x_values, below, above, **look)
         ax.label_outer()
     results = np.asarray(study.results["velocity_mean"])
     note = f"Median and 5 % to 95 % of {results.shape[-1]} cases"

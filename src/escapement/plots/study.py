@@ -17,6 +17,7 @@ from escapement.plots._panels import (
     dress_axis,
     legend,
     legend_title,
+    whole,
 )
 from escapement.plots._table import NoResult, Study, Table, available, tabulate
 from escapement.plots.sample import plot_sample
@@ -46,7 +47,8 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
     Returns
     -------
     Axes
-        Computed points are marked where they are few. Of many lines six are
+        Computed points are marked where they are few, and not joined over a parameter
+        that is a whole number. A note says how many have no answer, and why. Of many lines six are
         drawn. Axes beyond two stay at their middle value, told in the legend.
 
     Raises
@@ -86,7 +88,10 @@ def plot_rise_and_terminal(study: Study) -> Figure:
 
 
 def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
-    """Contour map of one result over two parameters; hatched: no result.
+    """Map of one result over two parameters; hatched: no result.
+
+    Contours, but cells of one colour each for times that jump by an engagement, and
+    over parameters that are whole numbers.
 
     Parameters
     ----------
@@ -110,7 +115,7 @@ def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
         )
     own = ax is None
     ax = ax or _style.new_axes(_style.ONE_COLUMN, 2.9)
-    key = draw_map(ax, study, result, table, bar=True)
+    key = draw_map(ax, study, result, table, bar="right")
     if key:
         _style.legend_above(ax, 1, handles=key)
     if own:
@@ -131,7 +136,7 @@ def plot_study(study: Study) -> Figure:
     Figure
         One varied axis: rise and settling time, and the terminal velocities.
         Two: rise time and mean velocity, a line for each value of the second;
-        with five points or more on both, contour maps below. More: the first
+        with five points or more on both, maps below. More: the first
         two, the others at their middle value, which the title tells. A sample is
         drawn by `plot_sample`, or with axes beside it by `plot_spread`.
 
@@ -153,12 +158,16 @@ def plot_study(study: Study) -> Figure:
 
 
 def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
-    """Lines above contour maps."""
-    figure = _style.new_figure(_style.TWO_COLUMN, 5.8)
-    rows = figure.add_gridspec(2, 1, height_ratios=(1.15, 1.0))
+    """Lines above maps."""
+    figure = _style.new_figure(_style.TWO_COLUMN, 6.3)
+    rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
     upper, lower = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
     lines, _ = _fill(_panels(upper, 1, len(names)), study, names)
-    key: dict[str, Any] = {"fontsize": _style.SMALL_SIZE, "frameon": False, "handlelength": 2.6}
+    key: dict[str, Any] = {
+        "fontsize": _style.SMALL_SIZE,
+        "frameon": False,
+        "handlelength": _style.HANDLE,
+    }
     upper.legend(
         handles=lines, loc="outside upper center", ncols=len(lines),
         title=legend_title(study, table), title_fontsize=_style.SMALL_SIZE, **key,
@@ -166,7 +175,7 @@ def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
     maps = available(study, _MAPS)
     holes = []
     for ax, name in zip(_panels(lower, 1, len(maps)), maps, strict=True):
-        holes += draw_map(ax, study, name, tabulate(study, name), bar=False)
+        holes += draw_map(ax, study, name, tabulate(study, name), bar="top")
         ax.label_outer()
     if holes:
         lower.legend(handles=holes[:1], loc="outside lower center", **key)
@@ -185,11 +194,12 @@ def _plot_single(study: Study, table: Table) -> Figure:
         factor, unit = scaled(study.units.get(members[0], ""), list(values.values()))
         for look, (member, y) in zip(_style.LOOKS, values.items(), strict=False):
             entry = member.removeprefix("velocity_").replace("_", " ")
-            draw_line(ax, table.x_values, y * factor, look, entry)
+            joined = not whole(study, table.x)
+            draw_line(ax, table.x_values, y * factor, look, entry, joined)
         dress_axis(ax, "x", study, table.x)
         ax.set_ylabel(label(name, unit))
         ax.label_outer()
-        _style.legend_above(ax, 3)
+        _style.legend_above(ax, 3, handlelength=_style.HANDLE)
     _title(figure, table)
     return figure
 

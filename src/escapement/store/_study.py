@@ -64,6 +64,12 @@ class Study:
     attributes: dict[str, Any]
     sampled: dict[str, NDArray[Any]] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{name} {values.size}" for name, values in self.axes.items())
+        failed = f", {self.failed} failed" if "status" in self.results else ""
+        sampled = f", sampled {', '.join(self.sampled)}" if self.sampled else ""
+        return f"{type(self).__name__}({axes}: {self.cases} cases{failed}{sampled})"
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Length of each axis."""
