@@ -61,3 +61,13 @@ def test_a_follower_that_seems_to_turn_back_a_little_moves(noise_deg, seed):
     assert fast.status is judge.status is Status.OK
     np.testing.assert_allclose(fast.handoff_times, judge.handoff_times, rtol=2e-8)
     np.testing.assert_allclose(fast.handoff_velocities, judge.handoff_velocities, rtol=2e-8)
+
+
+def test_a_constant_ratio_turns_nowhere():
+    """Its g' is a rounding error, whose sign means nothing."""
+    theta = np.linspace(0.0, 2.0 * np.pi, 73)
+    found = esc.drive_torque(
+        esc.Tabulated(theta, 0.5 * theta), speed=10.0, load_torque=0.0, follower_inertia=1e-5
+    )
+    assert found.reversals.size == 0
+    assert found.zone == 1

@@ -11,6 +11,8 @@ from escapement.model import FloatArray
 
 _ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too
 
+_CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
+
 
 def find_reversals(case: Case) -> tuple[FloatArray, int]:
     """Angles where the contact moment changes sign, and Filemon's zone."""
@@ -31,8 +33,9 @@ def find_reversals(case: Case) -> tuple[FloatArray, int]:
 def _side(case: Case, low: float, high: float) -> float:
     """Sign of the contact moment between two of its zeros; 0 where it is rounding."""
     middle = np.array([0.5 * (low + high)])
-    _, load, (_, moment, _) = table(case, middle)
-    return float(np.sign(moment[0]) if abs(moment[0]) > _ROUNDING * abs(load[0]) else 0.0)
+    _, load, (ratio, moment, _) = table(case, middle)
+    rounding = _ROUNDING * abs(load[0]) + _CONSTANT * case.inertial * abs(ratio[0])
+    return float(np.sign(moment[0]) if abs(moment[0]) > rounding else 0.0)
 
 
 def torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
