@@ -187,7 +187,7 @@ def test_mechanism_drawing(command, tmp_path):
     ("argv", "words"),
     [
         (("--sun-radius", 1), ["--planet-radius", "required"]),
-        (("--sun-radius", 1, "--planet-radius", 2), ["sun_radius", "greater", "1.0"]),
+        (("--sun-radius", 1, "--planet-radius", 2), ["--sun-radius", "greater", "1.0"]),
         (("--sun-radius", 0, "--planet-radius", 2), ["--sun-radius", "greater than 0"]),
         ((*DRIVE[1:], "--slots", 4), ["--slots", "elliptical-planetary", "geneva"]),
     ],
