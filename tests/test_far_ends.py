@@ -10,6 +10,10 @@ import escapement as esc
 from escapement.status import Status
 
 
+def natural(mechanism, rho, **losses):
+    return esc.Escapement(mechanism, esc.Inertia(rho, 1.0), torque=1.0, **losses)
+
+
 @pytest.mark.parametrize(
     ("slots", "pins", "rho", "friction", "load"),
     [
@@ -23,13 +27,7 @@ def test_a_cycle_that_hardly_loses_loses_what_the_drive_gives(slots, pins, rho, 
 
     Loss is integrated over the contact moment, the work known in closed form.
     """
-    timer = esc.Escapement(
-        esc.Geneva(slots, pins=pins),
-        esc.Inertia(rho, 1.0),
-        torque=1.0,
-        friction=friction,
-        load_torque=load,
-    )
+    timer = natural(esc.Geneva(slots, pins=pins), rho, friction=friction, load_torque=load)
     figures = esc.terminal(timer, rtol=1e-13)
     assert 0.0 < 1.0 - figures.contraction < 1e-3
     cycle = esc.simulate(timer, 1, initial_speed=figures.handoff_velocity, rtol=1e-13)
@@ -40,13 +38,8 @@ def test_a_cycle_that_hardly_loses_loses_what_the_drive_gives(slots, pins, rho, 
 
 def test_a_stop_is_told_where_it_happens():
     """Newton's method stalls at once; the motion does after 679 engagements."""
-    timer = esc.Escapement(
-        esc.Geneva(27, pins=2),
-        esc.Inertia(233299.4562732638, 1.0),
-        torque=1.0,
-        friction=44929.73726719754,
-        load_torque=12.951931653740314,
-    )
+    wheel, rho = esc.Geneva(27, pins=2), 233299.4562732638
+    timer = natural(wheel, rho, friction=44929.73726719754, load_torque=12.951931653740314)
     speed = 177.4613364531827
     motion = esc.simulate(timer, 1000, initial_speed=speed)
     assert motion.status is Status.STALL
@@ -60,13 +53,7 @@ def test_a_stop_is_told_where_it_happens():
 def test_a_constant_ratio_speeds_up_without_end(engine, load):
     """theta_ddot = (1 - p load)/(rho + g p) with p = g/efficiency, whatever the speed."""
     theta = np.linspace(0.0, 2.0 * np.pi, 73)
-    gears = esc.Escapement(
-        esc.Tabulated(theta, 0.5 * theta),
-        esc.Inertia(0.5, 1.0),
-        torque=1.0,
-        efficiency=0.9,
-        load_torque=load,
-    )
+    gears = natural(esc.Tabulated(theta, 0.5 * theta), 0.5, efficiency=0.9, load_torque=load)
     bent = 0.5 / 0.9
     acceleration = (1.0 - bent * load) / (0.5 + 0.5 * bent)
     motion = esc.simulate(gears, 3, engine=engine)
@@ -81,13 +68,8 @@ def test_a_constant_ratio_speeds_up_without_end(engine, load):
 
 def test_a_motion_that_loses_at_every_speed_has_no_terminal_cycle():
     """Fast it turns around in the slot, slow it does not: neither is what it settles to."""
-    heavy = esc.Escapement(
-        esc.Geneva(15, pins=2),
-        esc.Inertia(2697136.0225537354, 1.0),
-        torque=1.0,
-        friction=0.07568599921333452,
-        load_torque=7.261626849626713,
-    )
+    wheel, rho = esc.Geneva(15, pins=2), 2697136.0225537354
+    heavy = natural(wheel, rho, friction=0.07568599921333452, load_torque=7.261626849626713)
     for speed in (0.04, 0.4, 3.75, 4.5, 8.0, 20.0):
         motion = esc.simulate(heavy, 1, initial_speed=speed)
         assert motion.handoff_velocities[0] < speed

@@ -129,7 +129,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
         if not sought:
             turning = turned(events, used)
             better, _shrink, sound = closer(w, exit_w, exponent, source, rho, ends, turning)
-            # speeds within the band; every later engagement lies between this and the last
+            # its entry speed is within twice the band: it may be the first that is settled
             settled = sound and abs(better - w) <= 4.0 * SETTLING_BAND * better
             if settled or k == PATIENCE or filled + events.shape[0] > seen.shape[0]:
                 start = better if better > 0.0 else following
