@@ -54,6 +54,15 @@ def answer(slots, pins, internal, rho, mu, load, speed, engagements):
         return Answer(times, squares, reversals, None)
 
 
+def cycle(slots, pins, internal, rho, mu, load, speed):
+    """Terminal cycle next to a handoff speed: greatest, least, handoff speed and period."""
+    with mp.workdps(SETTING["digits"]):
+        case = _case(slots, pins, internal, rho, mu, load)
+        found = taylor.terminal(case, SETTING, mpf(speed) ** 2, 1, 1)
+    names = ("velocity_max", "velocity_min", "handoff_velocity", "period")
+    return tuple(float(found[name]) for name in names)
+
+
 def unavoidable(slots, pins, internal, rho, mu, load, speed, engagements, exact):
     """Relative change of every number by one rounding in each parameter, summed."""
     total = [mpf(0)] * len(exact.numbers())

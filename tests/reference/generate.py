@@ -107,6 +107,9 @@ def chosen():
     slow = {"load_torque": 0.002, "engagements": 20}
     yield problem("load on a heavy driver", (3, 6), 0.10, (4e-3, 1e-5), 0.02, **slow)
     yield problem("load, one pin", (7, 1), 0.30, (4e-5, 2e-5), 0.05, load_torque=0.01)
+    # All is decided within sqrt(driver/follower inertia), 1e-4 rad, of pin entry and exit.
+    far = (7e-13, 5e-5)
+    yield problem("next to no driver", (6, 3), None, far, 0.08, "0.67", load_torque=0.098)
 
 
 def seeded(count=6, seed=1973):

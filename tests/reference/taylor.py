@@ -171,9 +171,10 @@ def critical_friction(case):
         g, _, u = (x[0] for x in transmission(case, angle, 1))
         return (case.rho + g * g) / (abs(g) * abs(u))
 
-    angles = [case.beta * (k + 1) / 402 for k in range(400)]
-    best = min(angles, key=limit)
-    low, high, ratio = best - case.beta / 402, best + case.beta / 402, (mp.sqrt(5) - 1) / 2
+    # with a light driver the least one lies next to pin exit
+    angles = [case.beta * (1 - mpf("0.97") ** k) for k in range(1, 600)]
+    best = min(range(1, len(angles) - 1), key=lambda k: limit(angles[k]))
+    low, high, ratio = angles[best - 1], angles[best + 1], (mp.sqrt(5) - 1) / 2
     for _ in range(80):
         x, y = high - ratio * (high - low), low + ratio * (high - low)
         low, high = (low, y) if limit(x) < limit(y) else (x, high)

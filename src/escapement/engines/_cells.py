@@ -42,8 +42,7 @@ def tabulate_cells(path, breaks, levels):
             if 2 * cell < most:
                 edges[2 * cell, 0], edges[2 * cell, 1] = left, left + half
                 edges[2 * cell + 1, 0], edges[2 * cell + 1, 1] = left + half, right
-            middle = 0.5 * (right + left)
-            transmission_on(path, middle, half, line, _COLUMNS, AT_G)
+            transmission_on(path, left, half, line, _COLUMNS, AT_G)
             for end in range(2):
                 g, u, dg = transmission_at(path, edges[cell, end])
                 line[AT_ENDS + 3 * end] = g

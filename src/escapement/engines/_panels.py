@@ -77,8 +77,7 @@ def survey(s, at, path, rho, left, right):
     half = 0.5 * (right - left)
     s[at + LEFT] = left
     s[at + HALF] = half
-    middle = 0.5 * (right + left)
-    transmission_on(path, middle, half, s, K, at + G)
+    transmission_on(path, left, half, s, K, at + G)
     g, u, dg = transmission_at(path, left)
     s[at + ENDS], s[at + ENDS + 1], s[at + ENDS + 2] = g, abs(u), dg
     g, u, dg = transmission_at(path, right)

@@ -33,9 +33,12 @@ be negative needs no wrap-around, and loops over it become vector code."""
 def transmission_at(path, theta):
     """Transmission (g, u, g') at one driver angle, from a mechanism's flat numbers.
 
-    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s) with L = |C|^2 = L0 + L1 sin^2 h,
-    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Of a table:
-    g and g' from its series; u = g, for what slides in a mesh is in proportion to it.
+    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2) with L = |C|^2 = L0 + L1 sin^2 h,
+    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Where g is zero
+    at pin entry -r and exit r, its numerator is G1 sin(h - h_r) sin(h + h_r), as accurate
+    as the way from there: all depends on it where the follower's inertia is many times
+    the driver's. Otherwise r is 0 and G2 = G0. Of a table: g and g' from its series;
+    u = g, for what slides in a mesh is in proportion to it.
     """
     if is_table(path):
         g, dg = ratio_at(path, theta)
@@ -44,14 +47,15 @@ def transmission_at(path, theta):
     sine = np.sin(half)
     square = sine * sine
     length = path[1] + path[2] * square
-    g = (path[3] + path[4] * square) / length
+    before, behind = path[0] * (theta - path[7]), path[0] * (theta + path[7])
+    g = (path[8] + path[4] * np.sin(before) * np.sin(behind)) / length
     u = path[5] * sine * np.cos(half) / length
     return g, u, u * (path[6] - 2.0 * g)
 
 
 @jit
-def transmission_on(path, middle, half, s, points, to):
-    """Transmission at 16 driver angles middle + half * s[points + i], a small way apart.
+def transmission_on(path, left, half, s, points, to):
+    """Transmission at 16 driver angles left + half * (1 + s[points + i]).
 
     The sine and cosine of the steps come from their power series, accurate to
     rounding for half angles of up to 0.75; those of the sums from the addition
@@ -63,10 +67,15 @@ def transmission_on(path, middle, half, s, points, to):
     step = path[0] * half
     if is_table(path) or abs(step) > 0.75:
         for i in range(BLOCK):
-            g, u, dg = transmission_at(path, middle + half * s[points + i])
+            g, u, dg = transmission_at(path, left + half * (1.0 + s[points + i]))
             s[to + i], s[to + BLOCK + i], s[to + 2 * BLOCK + i] = g, abs(u), dg
         return
-    sine_m, cosine_m = np.sin(path[0] * middle), np.cos(path[0] * middle)
+    middle = path[0] * (left + half)
+    sine_m, cosine_m = np.sin(middle), np.cos(middle)
+    # the way to an exit next to `left` is exact, the middle as an angle is not
+    before, behind = path[0] * ((left - path[7]) + half), path[0] * ((left + path[7]) + half)
+    sine_b, cosine_b = np.sin(before), np.cos(before)
+    sine_a, cosine_a = np.sin(behind), np.cos(behind)
     for i in range(BLOCK):
         d = step * s[points + i]
         z = d * d
@@ -78,9 +87,9 @@ def transmission_on(path, middle, half, s, points, to):
         even = 1.0 - z / 2.0 * (1.0 - z / 12.0 * (1.0 - z / 30.0 * even))
         sine = sine_m * even + cosine_m * odd
         cosine = cosine_m * even - sine_m * odd
-        square = sine * sine
-        inverse = 1.0 / (path[1] + path[2] * square)
-        ratio = (path[3] + path[4] * square) * inverse
+        inverse = 1.0 / (path[1] + path[2] * sine * sine)
+        product = (sine_b * even + cosine_b * odd) * (sine_a * even + cosine_a * odd)
+        ratio = (path[8] + path[4] * product) * inverse
         slide = path[5] * sine * cosine * inverse
         s[to + i] = ratio
         s[to + BLOCK + i] = abs(slide)
@@ -107,7 +116,9 @@ class Transmission:
     dg: FloatArray
 
 
-def two_vector_path(p: float, a: float, q: float, b: float, forward: float) -> FloatArray:
+def two_vector_path(
+    p: float, a: float, q: float, b: float, forward: float, rest: float = 0.0
+) -> FloatArray:
     """Flat numbers of C = p exp(i a theta) + q exp(i b theta).
 
     Parameters
@@ -118,22 +129,27 @@ def two_vector_path(p: float, a: float, q: float, b: float, forward: float) -> F
         Their turns per turn of the driver [-].
     forward : float
         +1 or -1: the sense in which the follower angle is counted.
+    rest : float
+        Pin exit, where g is zero [rad]; 0 for a pin whose exit is elsewhere.
 
     Returns
     -------
-    ndarray, shape (7,)
+    ndarray, shape (9,)
         As `transmission_at` expects.
     """
     total, product = p + q, p * q
+    first = forward * total * (a * p + b * q)
     return np.array(
         [
             (a - b) / 2.0,
             total * total,
             -4.0 * product,
-            forward * total * (a * p + b * q),
+            first,
             -2.0 * forward * product * (a + b),
             -2.0 * product * (a - b),
             forward * (a + b),
+            rest,
+            0.0 if rest else first,
         ]
     )
 

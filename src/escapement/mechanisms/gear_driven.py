@@ -73,17 +73,10 @@ class GearDriven(GearTrain):
         lobe = 2.0 * math.pi / abs(float(self.gear_ratio))
         return lobe * (self.unused_lobes + 1) / self.pins
 
-    @cached_property
+    @property
     def breaks(self) -> tuple[float, float, float]:
-        """Pin entry, dead centre and pin exit [rad].
-
-        A few roundings inside alpha where the computed g would else be below zero:
-        a wheel at rest must not be taken for one that is pushed back.
-        """
+        """Pin entry, dead centre and pin exit [rad]."""
         half = self.alpha / 2.0
-        if not self.through_centre:
-            while float(transmission(self.path, half).g) < 0.0:
-                half = math.nextafter(half, 0.0)
         return -half, 0.0, half
 
     @property
@@ -130,7 +123,7 @@ class GearDriven(GearTrain):
                 "choose another number of lobes"
             )
         first, rate_1, second, rate_2 = self.arms
-        return two_vector_path(first, rate_1, second, rate_2, self._forward)
+        return two_vector_path(first, rate_1, second, rate_2, self._forward, self.breaks[-1])
 
     def transmission(self, theta: ArrayLike) -> Transmission:
         """Transmission at driver angles from dead centre [rad], pin engaged.

@@ -111,7 +111,8 @@ class Geneva:
     def path(self) -> FloatArray:
         """Flat numbers of the pin path for the kernels."""
         crank = 1.0 if self.internal else -1.0
-        return two_vector_path(self.centre_distance, 0.0, crank, crank, forward=1.0)
+        exit_ = self.breaks[-1]
+        return two_vector_path(self.centre_distance, 0.0, crank, crank, forward=1.0, rest=exit_)
 
     def transmission(self, theta: ArrayLike) -> Transmission:
         """Transmission at driver angles from dead centre [rad], pin engaged."""
