@@ -77,7 +77,7 @@ def reversal_study(
     steepest = geneva.acceleration_max_angle(wheels, internal)
     d, a = geneva.mean_factors(wheels, internal)
     entry = np.array([drive.breaks[0] for drive in drives])
-    paths = np.array([drive.path for drive in drives])
+    paths = np.array([drive.path for drive in drives], dtype=float, ndmin=2)
     flat, which = np.ascontiguousarray(ratio.reshape(-1)), wheel.reshape(-1)
     zone = np.empty(flat.size, dtype=np.uint8)
     reversals = np.empty((flat.size, 2))

@@ -48,7 +48,7 @@ def transmission_at(path, theta):
     square = sine * sine
     length = path[1] + path[2] * square
     before, behind = path[0] * (theta - path[7]), path[0] * (theta + path[7])
-    g = (path[8] + path[4] * np.sin(before) * np.sin(behind)) / length
+    g = (path[8] + path[4] * (np.sin(before) * np.sin(behind))) / length
     u = path[5] * sine * np.cos(half) / length
     return g, u, u * (path[6] - 2.0 * g)
 
