@@ -12,7 +12,7 @@ import numpy as np
 from escapement._jit import jit
 from escapement.engines._gauss import POINTS, N
 from escapement.mechanisms._slotted import transmission_at, transmission_on
-from escapement.mechanisms._table import corners
+from escapement.mechanisms._table import smooth_intervals
 from escapement.model import FloatArray
 
 AT_G, AT_ENDS = np.int64(0), np.int64(3 * N)
@@ -60,28 +60,18 @@ _MOST_KNOWN = 64
 def with_cells(scene: tuple[Any, ...]) -> tuple[Any, ...]:
     """A scene's numbers for the kernels: cells, path, edges, and what follows.
 
-    `scene` begins with path and breaks. The edges are the breaks and, of a table, the
-    corners between: over those no rule for smooth functions keeps its accuracy.
+    `scene` begins with path and breaks; the edges are those of its smooth intervals.
     Mechanisms keep their path, so those last used are known by that array.
     """
     path, breaks, *rest = scene
     key = id(path), breaks.tobytes()
     known = _known.get(key)
     if known is None or known[0] is not path:
-        edges = _apart(np.union1d(breaks, corners(path)))
+        edges = smooth_intervals(path, breaks)
         if len(_known) >= _MOST_KNOWN:
             _known.clear()
         known = _known[key] = path, edges, tabulate_cells(path, edges, _levels(edges))
     return known[2], path, known[1], *rest
-
-
-def _apart(edges: FloatArray) -> FloatArray:
-    """Edges without those that rounding alone tells from the one before, or the last."""
-    gap = 1e-9 * (edges[-1] - edges[0])
-    chosen = np.concatenate([[True], np.diff(edges) > gap])
-    chosen[:-1] &= edges[-1] - edges[:-1] > gap
-    chosen[-1] = True
-    return edges[chosen]
 
 
 def _levels(edges: FloatArray) -> int:

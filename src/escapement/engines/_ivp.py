@@ -1,7 +1,8 @@
 """The reference engine: SciPy's solve_ivp in the time domain.
 
 Each smooth piece is integrated on its own with a fixed side of the slot, from
-one break of the mechanism to the next or to the pin reversal before it. Time is
+one break of the mechanism, or knot of its table, to the next or to the pin reversal
+before it. Time is
 measured in units of sqrt(I_f/torque), so the tolerance means the same thing for
 a watch and a turret. The state carries the friction loss, so that the energy
 ledger is an independent check.
@@ -23,6 +24,7 @@ from escapement.engines._ivp_piece import (
 )
 from escapement.engines._ivp_solution import Free, Solution
 from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms._table import smooth_intervals
 from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
@@ -75,6 +77,7 @@ class _Run:
     """One simulation in natural units, advanced piece by piece."""
 
     scene: Scene
+    edges: FloatArray
     options: Options
     horizon: float
     pieces: _Pieces
@@ -95,7 +98,7 @@ class _Run:
         """One engagement and the dwell after it; False if the motion ends within."""
         breaks, path = mechanism.breaks, self.scene.path
         self.theta = breaks[0]
-        for start, end in pairwise(breaks):
+        for start, end in pairwise(self.edges):
             slow = start if abs(_ratio(path, start)) < abs(_ratio(path, end)) else end
             self._engage(end, slow)
         if not self.over and dwell_angle(mechanism) > 0.0:
@@ -130,8 +133,10 @@ class _Run:
     def _piece(self, sign: float, end: float, slow: float) -> bool:
         """Advance by one smooth piece; True if it ends in a pin reversal."""
         start = (self.theta, self.speed, sign)
-        left = self.horizon - self.x
-        solved = solve_piece(self.scene, start, (end, slow), left, self.options)
+        # a table's piece may lie next to a stop, where all that is lost is rounding
+        first, last = (self.edges[0], self.edges[-1]) if self.scene.table else (self.theta, end)
+        goal = (end, slow, 0.5 * (first + last))
+        solved = solve_piece(self.scene, start, goal, self.horizon - self.x, self.options)
         theta, speed, loss = (float(value) for value in solved(solved.length))
         self._record_extrema(solved)
         self.pieces.add(self.x, self.engagement, sign, loss, solved)
@@ -198,6 +203,7 @@ def simulate(
     ratios = (escapement.inertia_ratio, escapement.loss, escapement.load_ratio)
     run = _Run(
         Scene(mechanism.path, *ratios),
+        smooth_intervals(mechanism.path, np.array(mechanism.breaks)),
         Options(
             min(max(rtol * _TIGHTER, _FLOOR), _CEILING),
             None if atol is None else (atol, atol * clock, atol / torque),

@@ -20,6 +20,7 @@ from escapement.dynamics import tabulate as tabulate_motion
 from escapement.engines._ivp_crossings import crossings, refine
 from escapement.engines._ivp_solution import Landed, Solution
 from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms._table import is_table
 from escapement.model import FloatArray
 
 MOST_STEPS = 25_000
@@ -38,6 +39,11 @@ class Scene(NamedTuple):
     rho: float
     mu: tuple[float, float]
     load: float
+
+    @property
+    def table(self) -> bool:
+        """Whether the transmission is a table's, not a pin's."""
+        return bool(is_table(self.path))
 
 
 class Options(NamedTuple):
@@ -80,7 +86,7 @@ def _stops_soon(scene: Scene, start: tuple[float, float, float], end: float) -> 
 def solve_piece(
     scene: Scene,
     start: tuple[float, float, float],
-    goal: tuple[float, float],
+    goal: tuple[float, float, float],
     horizon: float,
     options: Options,
 ) -> Solution:
@@ -92,8 +98,8 @@ def solve_piece(
     start : tuple
         Driver angle [rad], speed [natural] and side of the slot.
     goal : tuple
-        Driver angle where the piece ends at the latest, and the angle to count
-        from [rad].
+        Driver angle where the piece ends at the latest, the angle to count from, and
+        one at which to see how much is lost [rad].
     horizon : float
         Natural time left.
     options : Options
@@ -104,11 +110,10 @@ def solve_piece(
         When the solver cannot go on or takes more than `MOST_STEPS`.
     """
     theta, speed, sign = start
-    end, anchor = goal
+    end, anchor, middle = goal
     unit = max(speed, np.sqrt(2.0 * np.pi / (scene.rho + 1.0)))
     # of a driver that is about to stop even the last of its speed counts
     share = speed / unit if speed > 0.0 and _stops_soon(scene, start, end) else 1.0
-    middle = 0.5 * (theta + end)
     piece = _Piece(scene, options, sign, end - anchor, anchor, middle, unit, share)
     y = [theta - anchor, speed / unit, 0.0]
     solved = piece.solve((0.0, horizon * unit), y, events=piece.events())

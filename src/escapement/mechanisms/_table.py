@@ -51,14 +51,27 @@ def ratio_at(path, theta):
     return path[first] + x * b1 - b2, scale * (b1 + x * d1 - d2)
 
 
-def corners(path: FloatArray) -> FloatArray:
-    """Driver angles at which a table is not smooth [rad]: none for a pin path.
+def smooth_intervals(path: FloatArray, breaks: FloatArray) -> FloatArray:
+    """Driver angles between which the motion is smooth but for reversals [rad], ascending.
+
+    The breaks and, of a table, the corners between: over those no rule for smooth
+    functions keeps its accuracy. An edge that rounding alone tells from the one before,
+    or from the last, is left out.
+    """
+    edges = np.union1d(breaks, _corners(path)) if is_table(path) else np.asarray(breaks)
+    gap = 1e-9 * (edges[-1] - edges[0])
+    chosen = np.concatenate([[True], np.diff(edges) > gap])
+    chosen[:-1] &= edges[-1] - edges[:-1] > gap
+    chosen[-1] = True
+    return edges[chosen]
+
+
+def _corners(path: FloatArray) -> FloatArray:
+    """Driver angles at which a table is not smooth [rad].
 
     The knots of a spline; series of full order are cut for accuracy alone. And where
     the follower turns back, g changing its sign: the loss goes with its size.
     """
-    if not is_table(path):
-        return path[:0]
     pieces, order = int(path[1]), int(path[2])
     edges = path[3 : 4 + pieces]
     series = path[4 + pieces :].reshape(pieces, order)
