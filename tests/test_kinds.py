@@ -122,6 +122,17 @@ def test_gear_driven_report(report):
     assert record["closest_radius_over_fixed"] == pytest.approx(1.5 - math.sqrt(0.75), rel=1e-15)
 
 
+def test_gear_driven_lengths(report):
+    """With the radius of the fixed gear, here an inch, the report has lengths too."""
+    inch = report("mechanism", *TWELVE, "--lobes", "5", "--fixed-radius", "1", "--units", "in-lbf-s")
+    metre = report("mechanism", *TWELVE, "--lobes", "5", "--fixed-radius", "0.0254")
+    expected = {"planet_radius": 0.5, "carrier": 1.5, "arm": math.sqrt(0.75)}
+    for key, length in expected.items():
+        assert inch[key] == pytest.approx(length, rel=1e-14)
+        assert metre[key] == pytest.approx(0.0254 * length, rel=1e-14)
+    assert inch["closest_radius"] == pytest.approx(inch["closest_radius_over_fixed"], rel=1e-14)
+
+
 def test_gear_driven_solutions(command, report, tmp_path):
     options = ["--stations", "4", "--lobes", "0", "--curve", "epicycloid", "--pins", "6"]
     record = report("mechanism", "gear-driven", *options)

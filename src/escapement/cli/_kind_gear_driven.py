@@ -52,7 +52,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "fixed_radius": quantity_keywords("fixed_radius"),
 }
 
-QUANTITIES: dict[str, str] = {}
+_LENGTHS = ("carrier", "arm", "entry_radius", "closest_radius")
+QUANTITIES = dict.fromkeys(("planet_radius", *_LENGTHS), "length")
 
 
 def read(args: argparse.Namespace) -> "GearDriven":
@@ -76,7 +77,8 @@ def describe(mechanism: "GearDriven") -> dict[str, Any]:
 
     count = len(lobe_ratios(mechanism.stations, mechanism.lobes, mechanism.curve))
     solutions = [_with_solution(mechanism, place) for place in range(1, count + 1)]
-    return _geometry(mechanism) | {"solutions": [_geometry(other) for other in solutions]}
+    rows = [_geometry(other) for other in solutions]
+    return _geometry(mechanism) | _lengths(mechanism) | {"solutions": rows}
 
 
 def _with_solution(mechanism: "GearDriven", place: int) -> "GearDriven":
@@ -101,6 +103,17 @@ def _geometry(mechanism: "GearDriven") -> dict[str, Any]:
         "closest_radius_over_fixed": mechanism.closest_radius_over_fixed,
         "turns_with_driver": mechanism.turns_with_driver,
     }
+
+
+def _lengths(mechanism: "GearDriven") -> dict[str, float]:
+    """Its lengths [m], where the size of the fixed gear is known."""
+    if mechanism.fixed_radius is None:
+        return {}
+    planet = mechanism.fixed_radius / abs(float(mechanism.gear_ratio))
+    others = {
+        name: getattr(mechanism, f"{name}_over_fixed") * mechanism.fixed_radius for name in _LENGTHS
+    }
+    return {"planet_radius": planet} | others
 
 
 def draw(mechanism: "GearDriven", theta: float) -> "Axes":

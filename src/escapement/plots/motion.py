@@ -78,8 +78,9 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
         dwell = np.degrees([exit_, entry + cell])
         ax.axvspan(*dwell, color=_style.LIGHT_GREY, alpha=0.35, lw=0, label="dwell")
     ax.axvline(0.0, color=_style.LIGHT_GREY, lw=0.6, ls=":", zorder=0)
-    for index, (start, end) in enumerate(pairwise(np.unique([times[0], *ends, times[-1]]))):
-        state = motion.at(times[(times >= start) & (times <= end)])
+    places = np.searchsorted(times, np.unique([times[0], *ends, times[-1]]))
+    for index, (start, end) in enumerate(pairwise(places)):
+        state = motion.at(times[start : end + 1])
         angle = np.degrees(state.theta - index * cell)
         if index == last:
             name = "terminal cycle" if _repeats(motion) else "last engagement"
@@ -155,8 +156,8 @@ def _moments(motion: Motion) -> tuple[FloatArray, FloatArray]:
     found_t, found_m = [gap], [gap]
     for piece, (start, end) in enumerate(pairwise(bounds)):
         if motion.trajectory.sign[piece] != 0.0:
-            inside = times[(times > start) & (times < end)]
-            t = np.concatenate([[start], inside, [end]])
+            first, last = np.searchsorted(times, start, "right"), np.searchsorted(times, end)
+            t = np.concatenate([[start], times[first:last], [end]])
             found_t += [t, gap]
             found_m += [motion.within(piece, t).contact_moment, gap]
     return np.concatenate(found_t), np.concatenate(found_m)
