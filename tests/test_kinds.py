@@ -124,7 +124,9 @@ def test_gear_driven_report(report):
 
 def test_gear_driven_lengths(report):
     """With the radius of the fixed gear, here an inch, the report has lengths too."""
-    inch = report("mechanism", *TWELVE, "--lobes", "5", "--fixed-radius", "1", "--units", "in-lbf-s")
+    inch = report(
+        "mechanism", *TWELVE, "--lobes", "5", "--fixed-radius", "1", "--units", "in-lbf-s"
+    )
     metre = report("mechanism", *TWELVE, "--lobes", "5", "--fixed-radius", "0.0254")
     expected = {"planet_radius": 0.5, "carrier": 1.5, "arm": math.sqrt(0.75)}
     for key, length in expected.items():
