@@ -169,15 +169,17 @@ def long_run():
 def conditioning():
     """Per cent of change in each figure of merit for one per cent of each parameter."""
     figure = new_figure(TWO_COLUMN, 3.4)
-    designs = [(name, list(rows)) for (name,), rows in grouped(table("conditioning"), "design")]
-    for axes, (name, rows) in zip(figure.subplots(1, 3, sharey=True), designs, strict=True):
-        rows = [row for row in rows if row["figure"] != "contraction"]
+    designs = {name: list(rows) for (name,), rows in grouped(table("conditioning"), "design")}
+    names = ("three pins", "four pins", "six pins")
+    for axes, name in zip(figure.subplots(1, 3, sharey=True), names, strict=True):
+        rows = [row for row in designs[name] if row["figure"] != "contraction"]
         parameters = [key for key in rows[0] if key not in ("design", "figure")]
         values = np.array([[row[key] for key in parameters] for row in rows])
         axes.imshow(values, cmap="RdBu_r", vmin=-2.2, vmax=2.2, aspect="auto")
         for (i, j), value in np.ndenumerate(values):
             ink = "white" if abs(value) > 1.3 else "black"
-            text = f"{value:.2f}" if abs(value) > 5e-3 else "0"
+            # differences leave 1e-10 behind, which must not decide where a digit is rounded to
+            text = f"{round(value, 6):.2f}" if abs(value) > 5e-3 else "0"
             axes.text(j, i, text, ha="center", va="center", fontsize=7, color=ink)
         axes.set_xticks(range(len(parameters)), [p.replace("_", "\n") for p in parameters])
         axes.set_yticks(range(len(rows)), [row["figure"].replace("_", " ") for row in rows])

@@ -1,6 +1,6 @@
 """Both engines on random motions of every mechanism that is no Geneva wheel on a fixed axis.
 
-``python benchmarks/other_mechanisms.py [--cases 500] [--seed 1974]``
+``python benchmarks/other_mechanisms.py [--cases 300] [--seed 1974]``
 
 Gear-driven wheels of all four curves, planetary drives with elliptical gears, and tables
 of 20 to 120 rows; inertia ratios of 1e-4 to 1e4, friction up to 0.99 of the Painlevé limit
@@ -115,7 +115,7 @@ def difference(timer, speed):
 def main() -> int:
     """Compare, print, write; 1 where the engines differ by more than both may be off."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cases", type=int, default=500, help="of every kind")
+    parser.add_argument("--cases", type=int, default=300, help="of every kind")
     parser.add_argument("--seed", type=int, default=1974)
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "benchmarks" / "results")
     args = parser.parse_args()
