@@ -65,6 +65,20 @@ def test_rounding_next_to_a_stop_is_no_turning_back(rows):
     np.testing.assert_allclose(motion.handoff_velocities, true.handoff_velocities, rtol=1e-9)
 
 
+@pytest.mark.parametrize("seed", [23, 100])
+def test_a_reversal_at_the_very_start_is_one(seed):
+    """Of uneven rows g may be below zero from the start on, by rounding: not all along after it."""
+    random = np.random.default_rng(seed)
+    theta = np.linspace(*DRIVE.breaks, 109)
+    theta[1:-1] += random.uniform(-0.3, 0.3, theta.size - 2) * (theta[1] - theta[0])
+    timer = moved_by(esc.Tabulated(theta, DRIVE.follower_angle(theta)))
+    motion, judge = (esc.simulate(timer, 2, engine=name) for name in ("energy", "ivp"))
+    assert motion.reversals.theta[0] == timer.mechanism.breaks[0]
+    assert motion.reversals.theta.size == judge.reversals.theta.size
+    assert np.isfinite(motion.reversals.time).all()
+    assert abs(motion.ledger.residual) < 1e-12
+
+
 @pytest.mark.parametrize(("noise_deg", "seed"), [(0.5, 2), (0.5, 3), (0.1, 6), (0.01, 3)])
 def test_a_follower_that_seems_to_turn_back_a_little_moves(noise_deg, seed):
     """Noise makes g change its sign beside a stop, and with it the sense of what is lost."""

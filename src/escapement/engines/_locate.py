@@ -132,8 +132,11 @@ def extremum_at(s, at, side, x, slope, path, rho, mu, load):
 
 
 @jit
-def reversal_at(s, at, side, x, slope, path, rho, load):
-    """Angle, time since the left end and w of a reversal located at x."""
+def reversal_at(s, at, side, x, slope, path, w, rho, load):
+    """Angle, time since the left end, where w is known, and w of a reversal located at x."""
+    if x <= -1.0:
+        weights_to(s, -1.0)
+        return s[at + LEFT], 0.0, w
     angle, elapsed, w, g, _u, dg = state_inside(s, at, x, path, rho)
     way = side * (rho * (dg * w + load) + g) / -slope
     way = s[at + HALF] * (way if abs(way) < 1e-4 else 0.0)

@@ -187,7 +187,10 @@ def march(
             high, a_right, x, slope = 1.0, 1.0, 1.0, 0.0
             if reversal >= 0:
                 c_left = side * contact_at_end(s, at, 0, w, rho, load)
-                x, slope = locate(s, C, reversal, c_left, c_right, 1.0)
+                # rounding alone may have it that the force is on the other side all along
+                x = -1.0
+                if c_left > 0.0:
+                    x, slope = locate(s, C, reversal, c_left, c_right, 1.0)
                 high = x
             if extremum >= 0:
                 a_left = rate_at_end(s, at, 0, side, w, mu, load)
@@ -198,7 +201,7 @@ def march(
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
                 used = _note(events, used, kind, angle, time + elapsed, w_top)
             if reversal >= 0:
-                angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, rho, load)
+                angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, w, rho, load)
                 used = _note(events, used, REVERSAL, angle, time + elapsed, w_turn)
                 good, e_right, length, shrunk, turned_source = turn(
                     s, at, side, reversal, rho, mu, load, strict, record, source
