@@ -1,8 +1,10 @@
 """A single case of a study file, simulated again as a full motion."""
 
 import h5py
+import numpy as np
 import pytest
 
+import escapement as esc
 from escapement.store import SCHEMA_VERSION, read_study
 
 STUDY = """
@@ -78,3 +80,14 @@ def test_files_of_other_versions(command, refusal):
     with h5py.File("s.h5", "r+") as file:
         file.attrs["schema_version"] = SCHEMA_VERSION + 1
     assert "install a newer" in refusal(65, *words)
+
+
+def test_a_value_is_named_by_the_six_figures_that_are_shown(tmp_path):
+    from escapement.cli._select import load_case
+
+    timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3e-6, 50e-6), 0.1, friction=0.35)
+    torques = np.geomspace(0.05, 0.2, 101)
+    esc.sweep(timer, torque=torques, path=tmp_path / "torques.h5")
+    for place in range(torques.size):
+        _plan, case = load_case(tmp_path / "torques.h5", f"torque={torques[place]:g}")
+        assert case == place

@@ -137,6 +137,17 @@ def test_force_times_arm_is_the_moment(engine):
     np.testing.assert_allclose((state.contact_force * arm)[moving], state.contact_moment[moving])
 
 
+def test_a_duration_next_to_a_handoff_is_reached():
+    """Times and durations meet in other units, where their last bits may differ."""
+    whole = esc.simulate(drive(), 20)
+    for time in whole.handoff_times:
+        for duration in (time, np.nextafter(time, 0.0), np.nextafter(time, math.inf)):
+            cut = esc.simulate(drive(), duration=float(duration))
+            assert cut.end_time == duration
+            assert cut.handoff_times.size == np.count_nonzero(whole.handoff_times <= duration)
+            assert np.isfinite(cut.at(duration).theta)
+
+
 @pytest.mark.parametrize("engine", BOTH)
 def test_a_duration_may_end_anywhere(engine):
     """In the first instant, in a dwell, on a handoff and beyond the next one."""

@@ -156,6 +156,16 @@ def test_users_units_are_kept_for_axes_and_turned_for_cases():
     assert parse_plan(grid.configuration).configuration == plan.configuration
 
 
+@pytest.mark.parametrize("pins", [1, None])
+def test_over_slots_only_pins_that_were_given_stay(pins):
+    """Geneva(5) and Geneva(5, pins=1) are one wheel, and two ways to go on to six slots."""
+    wheels = [Geneva(slots, pins=pins) for slots in (3, 5, 6)]
+    timers = [Escapement(wheel, TIMER.inertia, TIMER.torque, friction=0.2) for wheel in wheels]
+    study = sweep(timers[1], slots=[3, 5, 6])
+    periods = [simulation.terminal(timer).period for timer in timers]
+    np.testing.assert_allclose(study.results["period"], periods, rtol=1e-9)
+
+
 def test_a_bad_case_is_marked_and_the_rest_goes_on(monkeypatch):
     troubles = {0.1: ZeroDivisionError, 0.2: ValueError, 0.3: InvalidValue}
 

@@ -215,9 +215,7 @@ def test_a_motion_of_a_table_is_written_and_read(table, tmp_path):
     again = read_motion(tmp_path / "motion.h5")
     assert again.escapement.mechanism == motion.escapement.mechanism
     times = np.linspace(0.0, motion.end_time, 50)
-    np.testing.assert_allclose(
-        again.at(times).theta_dot, motion.at(times).theta_dot, rtol=1e-4, atol=1e-3
-    )
+    np.testing.assert_allclose(again.at(times).theta_dot, motion.at(times).theta_dot, rtol=1e-9)
 
 
 # --- reading, and what cannot be ----------------------------------------------------------

@@ -9,8 +9,8 @@ from escapement.errors import InputFileError, InvalidValue
 if TYPE_CHECKING:
     from escapement.configuration import StudyPlan
 
-_AGREE = 1e-6
-"""Relative difference below which a value means the one of the axis: six figures are shown."""
+_AGREE = 6e-6
+"""Relative difference below which a value means the one of the axis: six figures, as shown."""
 
 
 def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:

@@ -33,8 +33,8 @@ def plan_from(
     Parameters
     ----------
     escapement : Escapement
-        The nominal design; an axis replaces its value. What the mechanism would
-        choose by itself, such as the pins of `Geneva(slots=4)`, follows the axes.
+        The nominal design; an axis replaces its value. What was left to the
+        mechanism, such as the pins of `Geneva(slots=4)`, follows the axes.
     axes : Mapping
         Name of each axis and its values [SI]: numbers, or start, stop and num.
     sample : Mapping, optional
@@ -85,10 +85,13 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
 
 
 def _chosen(mechanism: Mechanism, kind: Kind) -> dict[str, Any]:
-    """The settings that the mechanism would not have chosen by itself."""
+    """The settings that were given, or that the mechanism would not have chosen by itself."""
     settings: dict[str, Parameter | Option] = {**kind.parameters, **kind.options}
     chosen = {name: getattr(mechanism, name) for name in settings}
-    for name in (name for name, setting in settings.items() if not setting.required):
+    given = getattr(mechanism, "given", ())
+    for name, setting in settings.items():
+        if setting.required or name in given:
+            continue
         without = {key: value for key, value in chosen.items() if key != name}
         try:
             own_choice = getattr(type(mechanism)(**without), name)

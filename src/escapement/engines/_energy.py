@@ -48,7 +48,7 @@ class EnergyTrajectory:
         speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
         squares = (speeds * clock) ** 2
         table = events_of(*with_cells(self.escapement.scene), starts, squares, self.rtol)
-        return table[table[:, 3] <= self.end_time / clock]
+        return table[table[:, 3] * clock <= self.end_time]
 
     @cached_property
     def _pieces(self) -> FloatArray:
@@ -175,8 +175,8 @@ def simulate(
     if code != OK:
         status = Status(code)
         message = stall_message(angle, done) if code == STALL else MESSAGES[status]
-    if duration is not None and end >= duration:
-        done = done if end == duration else last
+    if duration is not None and (code == OK or end >= duration):
+        done = done if end <= duration else last
         end, status, message = duration, Status.OK, _DONE
     trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times, speeds, last, end)
     if done < size:

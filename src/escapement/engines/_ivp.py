@@ -224,7 +224,8 @@ def simulate(
         status, message = Status.NOT_CONVERGED, str(reason)
     if run.stalled:
         status, message = Status.STALL, stall_message(run.theta, run.engagement)
-    return _assemble(escapement, rtol, run, handoffs, status, message)
+    end = float(run.x * clock) if duration is None or run.x < run.horizon else duration
+    return _assemble(escapement, rtol, run, handoffs, end, status, message)
 
 
 def _assemble(
@@ -232,6 +233,7 @@ def _assemble(
     rtol: float,
     run: _Run,
     handoffs: list[tuple[float, float]],
+    end: float,
     status: Status,
     message: str,
 ) -> Motion:
@@ -249,7 +251,6 @@ def _assemble(
     index, time, theta, speed = events
     pieces.extrema = Extrema(index, time, theta, speed, maximum.astype(bool))
     times, speeds = np.array(handoffs, dtype=float).reshape(-1, 2).T
-    end = run.x * clock
     return Motion(
         escapement, "ivp", rtol, pieces, end, times * clock, speeds / clock, status, message
     )

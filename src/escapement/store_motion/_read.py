@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from escapement.configuration import parse_plan
-from escapement.dynamics import tabulate
+from escapement.engines._cells import with_cells
+from escapement.engines._pieces import states_in
 from escapement.errors import EscapementError, InputFileError, MissingInput
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
 from escapement.status import Status
 from escapement.store_motion._layout import CONTENT, SCHEMA_VERSION
+
+_RTOL = 1e-12  # of states between what the file holds
 
 
 def is_motion(path: str | PathLike[str]) -> bool:
@@ -31,9 +34,8 @@ def is_motion(path: str | PathLike[str]) -> bool:
 def read_motion(path: str | PathLike[str]) -> Motion:
     """Read a motion.
 
-    Handoffs and events are as written. Between its samples, about a hundred an
-    engagement, the state is interpolated by cubics: smooth to the eye, and not
-    to the tolerance of the engine.
+    Handoffs and events are as written. The state at any time is computed anew from
+    the samples at reversals and handoffs.
 
     Raises
     ------
@@ -93,32 +95,43 @@ class SampledTrajectory:
     theta_dot: FloatArray
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
-        from scipy.interpolate import CubicHermiteSpline
+        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece.
 
-        end = self.start[piece + 1] if piece + 1 < self.start.size else self.t[-1]
-        first, last = np.searchsorted(self.t, [self.start[piece], end])
-        first = min(int(first), self.t.size - 1)  # a piece of no length ends the motion
-        inside = slice(first, last + 1)
-        turned = self.engagement[piece] * self.escapement.mechanism.cell_angle
-        nodes, theta, speed = self.t[inside], self.theta[inside] - turned, self.theta_dot[inside]
-        if nodes.size < 2:
-            return np.full(t.shape, theta[0]), np.full(t.shape, speed[0])
-        rate = self._acceleration(piece, theta, speed)
-        return (
-            CubicHermiteSpline(nodes, theta, speed)(t),
-            CubicHermiteSpline(nodes, speed, rate)(t),
-        )
+        From the piece's start by the equation of motion: no curve through the samples
+        would follow the speed of a light driver, which peaks between two of them.
+        """
+        clock, sign = self.escapement.time_unit, self.sign[piece]
+        _cells, path, edges, _dwell, rho, mu, load = with_cells(self.escapement.scene)
+        since = np.maximum(np.ascontiguousarray(t) - self.start[piece], 0.0) / clock
+        angle, w = self._start(piece)
+        theta, squares = np.full(since.shape, angle), np.full(since.shape, w)
+        if sign == 0.0:
+            theta += since * (np.sqrt(w) + since / (2.0 * rho))
+            squares = (np.sqrt(w) + since / rho) ** 2
+        elif since.any():
+            end = self.escapement.mechanism.breaks[-1]
+            if not self._begins(piece + 1):
+                end = self._start(piece + 1)[0]
+            numbers = (w, sign, rho, mu, load, _RTOL)
+            states_in(path, edges, angle, end, *numbers, since, theta, squares)
+        return theta, np.sqrt(squares) / clock
 
-    def _acceleration(self, piece: int, theta: FloatArray, speed: FloatArray) -> FloatArray:
-        """From the equation of motion: the file's jumps where a piece ends."""
-        scene, clock = self.escapement, self.escapement.time_unit
-        if self.sign[piece] == 0.0:
-            return np.full(theta.shape, scene.torque / scene.inertia.driver)
-        numbers = (self.sign[piece], scene.inertia_ratio, scene.loss, scene.load_ratio)
-        table = np.empty((4, theta.size))
-        tabulate(scene.mechanism.path, theta, (speed * clock) ** 2, *numbers, table)
-        return table[2] / clock**2
+    def _begins(self, piece: int) -> bool:
+        """Whether a piece, there or not, is the first of an engagement."""
+        inside = 0 < piece < self.start.size
+        return not inside or bool(self.engagement[piece] != self.engagement[piece - 1])
+
+    def _start(self, piece: int) -> tuple[float, float]:
+        """Driver angle in the cell, and squared speed in natural units, where a piece starts."""
+        mechanism = self.escapement.mechanism
+        # a piece of no length may end the motion
+        sample = min(int(np.searchsorted(self.t, self.start[piece])), self.t.size - 1)
+        angle = self.theta[sample] - self.engagement[piece] * mechanism.cell_angle
+        if self._begins(piece):
+            angle = mechanism.breaks[0]
+        elif self.sign[piece] == 0.0:
+            angle = mechanism.breaks[-1]
+        return float(angle), float(self.theta_dot[sample] * self.escapement.time_unit) ** 2
 
 
 def _read(hdf5: Any) -> Motion:
