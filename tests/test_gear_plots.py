@@ -1,6 +1,7 @@
 """Drawings of gear-driven wheels: the pin stands in a slot, gears touch, paths close."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ WHEELS = [
     GearDriven(9, "1/2", "pericycloid"),
     GearDriven(12, 5, "epicycloid", pins=6),
     GearDriven(24, 5, "contracted-hypocycloid", pins=2),
+    GearDriven(7, 11, "pericycloid", pins=2),
     GearDriven(11, "1/2", "hypocycloid", unused_lobes=2),
     GearDriven(4, 0, "hypocycloid"),
 ]
@@ -77,10 +79,10 @@ def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
         wheel = GearDriven(n, m, curve, pins)
     except InvalidValue:
         return  # too many pins
-    spacing = (unused + 1) * (wheel.lobes + 1) / pins + 1
-    slots = (spacing / n).denominator
+    sense = 1 if wheel.turns_with_driver else -1
+    spacing = (unused + 1) / (pins * abs(wheel.gear_ratio)) - Fraction(sense, n)
+    slots = spacing.denominator
     pitch, swept = 2.0 * math.pi / slots, []
-    sense = 1.0 if wheel.turns_with_driver else -1.0
     for lobe in range(1, unused + 1):
         place = np.linspace(-0.5, 0.5, 41) * wheel.alpha
         # every pin passes in the same way: the one that comes at this lobe

@@ -89,19 +89,31 @@ class GearTrain:
             remedy = "the wheel turns uniformly and would start and stop with a jump"
             raise _validate.fail("unused_lobes", rule, self.unused_lobes, remedy)
         # in the locked wheel's frame an unused lobe sweeps the angle of one station
-        slots, station = self.slots, Fraction(1, self.stations)
+        slots = self.slots
         for lobe in range(1, self.unused_lobes + 1):
-            last = self._slot_turn(lobe)
-            if math.floor(last * slots) >= math.ceil((last - station) * slots):
+            first, last = sorted((self._lobe_turn(lobe), self._slot_turn(lobe)))
+            if math.floor(last * slots) >= math.ceil(first * slots):
                 raise InvalidValue(
                     "unused_lobes must leave the pin without a slot until it is wanted, got "
                     f"{self.unused_lobes}: of the {slots} slots it then needs, one stands where "
                     f"lobe {lobe} passes; choose another number"
                 )
 
+    def _lobe_turn(self, lobes: int) -> Fraction:
+        """Turns of the carrier until a pin passes in the same way this many lobes later."""
+        return lobes / (self.pins * abs(self.gear_ratio))
+
     def _slot_turn(self, lobes: int) -> Fraction:
         """Turns of the wheel's frame from one slot to where a pin enters this many lobes later."""
-        return (lobes * (self.lobes + 1) + self.pins) / Fraction(self.pins * self.stations)
+        return self._lobe_turn(lobes) - self._step_turn
+
+    @property
+    def _step_turn(self) -> Fraction:
+        """Turns of the wheel at a step, positive with the carrier.
+
+        A wheel that turns by 1 - 1/n through its centre is left in the same position.
+        """
+        return Fraction(1 if self.curve == "contracted-hypocycloid" else -1, self.stations)
 
     @property
     def gear_ratio(self) -> Fraction:
@@ -126,7 +138,7 @@ class GearTrain:
     @cached_property
     def arms(self) -> Arms:
         """The two vectors of the pin's path, in radii of the fixed gear."""
-        source = self if self.curve in CURVES[:2] else self.cognate
+        source = self if self.curve in CURVES[:2] else self._one_pin_cognate
         k, gamma = float(source.gear_ratio), 2.0 * math.pi / self.stations
         carrier, arm = 1.0 - 1.0 / k, arm_length(k, source.alpha, gamma)
         if self.through_centre:
@@ -166,16 +178,32 @@ class GearTrain:
 
     @property
     def slots(self) -> int:
-        """Slots g the wheel needs (16) [-]; unused lobes and more pins change it."""
+        """Slots g the wheel needs (16) [-]; unused lobes and more pins change it.
+
+        They stand where pins enter, every (j + 1)/(p |k|) turns of the carrier less the
+        wheel's step: n/gcd(n, m + 2) for one pin that uses every lobe.
+        """
         return self._slot_turn(self.unused_lobes + 1).denominator
 
     @property
     def cognate(self) -> Self:
         """The other mechanism with the same pin path; its carrier turns 1 - k times as far.
 
-        Without its size: its fixed gear is k MC as large as this one's R0.
+        Without its size: its fixed gear is k MC as large as this one's R0. The paths of
+        several pins are the same curve turned by 1/(p |k|) of a turn from pin to pin,
+        which the cognate's k changes: it can need another number of slots.
+
+        Raises
+        ------
+        InvalidValue
+            Where one of the cognate's slots stands in the way of an unused lobe.
         """
         return replace(self, curve=COGNATES[self.curve], fixed_radius=None)
+
+    @property
+    def _one_pin_cognate(self) -> Self:
+        """The cognate's gears, whether its slots leave room for unused lobes or not."""
+        return replace(self, curve=COGNATES[self.curve], pins=1, unused_lobes=0)
 
     def radius(self, theta: ArrayLike) -> FloatArray:
         """Distance of the pin from the follower's axis, over R0 [-]."""

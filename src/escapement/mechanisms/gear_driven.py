@@ -84,7 +84,7 @@ class GearDriven(GearTrain):
         """Whether wheel and carrier turn the same way."""
         if self.through_centre:
             return self.arms.rate_1 + self.arms.rate_2 > 0.0
-        return self.curve == "contracted-hypocycloid"
+        return self._step_turn > 0
 
     @property
     def follower_step(self) -> float:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from escapement import _validate
+from escapement._curves import COGNATES
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
 
@@ -62,7 +63,7 @@ class GearPair:
             raise InvalidValue(
                 f"teeth of an internal pair must differ by at least {LEAST_DIFFERENCE} to mesh, "
                 f"got {self.fixed_teeth} and {self.planet_teeth}; give more teeth, or use the "
-                f"{self.mechanism.cognate.curve}"
+                f"{COGNATES[self.mechanism.curve]}"
             )
 
     @property
