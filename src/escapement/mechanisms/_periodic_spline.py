@@ -17,11 +17,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 
 DEGREE = 5
 MOST_KNOTS = 120
 _ROWS_A_KNOT = 2
+_LEAST_GAP = 0.01  # of the mean one: knots nearer each other spoil the least squares
 _GRID = np.geomspace(1e-14, 1e6, 161)  # of lambda, in units that make both sums alike
 _RIDGE = 1e-13
 _BLOCK = 20_000  # points at a time: what they need of memory does not grow with the table
@@ -96,12 +98,22 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
         Ascending, all within a period.
     y : ndarray, shape (n,)
         Values there.
+
+    Raises
+    ------
+    InvalidValue
+        When the points are at fewer places than a spline needs.
     """
     from scipy.linalg import cholesky, solve_triangular
 
     count = min(MOST_KNOTS, x.size // _ROWS_A_KNOT)
-    places = np.unique(x[np.linspace(0, x.size, count, endpoint=False).astype(int)])
-    knots = np.append(places, places[0] + period)
+    places = x[np.linspace(0, x.size, count, endpoint=False).astype(int)]
+    knots = _apart(np.append(places, places[0] + period), _LEAST_GAP * period / count)
+    if knots.size <= DEGREE:
+        raise InvalidValue(
+            f"theta must be spread over the cell, got rows at {knots.size - 1} places of it; "
+            f"measure at {DEGREE} at least"
+        )
     folded = np.where(x < knots[0], x + period, x)
     normal, right = _normal(knots, folded, y)
     rough = _roughness(knots)
@@ -124,6 +136,15 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
         noise,
         noise**2 * (back * kept[best]) @ back.T,
     )
+
+
+def _apart(knots: FloatArray, gap: float) -> FloatArray:
+    """Both ends, and the knots between that are farther than a gap from those kept."""
+    kept = [knots[0]]
+    for knot in knots[1:-1]:
+        if knot - kept[-1] > gap and knots[-1] - knot > gap:
+            kept.append(knot)
+    return np.array([*kept, knots[-1]])
 
 
 def _extended(knots: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from escapement import _validate
 from escapement.errors import InvalidValue
@@ -28,7 +28,7 @@ FEWEST = 12
 MOST_EXACT = 600
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
-_CLOSE = 1e-9  # of a cell: knots this near its ends are the ends
+_CLOSE = 1e-9  # of a cell: angles this near each other are the same
 
 
 @dataclass(frozen=True)
@@ -141,35 +141,50 @@ class Tabulated:
         """
         return cls(*np.radians(read_angles(path)), **options)
 
-    @property
+    @cached_property
     def sense(self) -> float:
         """+1 or -1: how the table's follower turns; here it counts so that it grows."""
         theta, phi = np.array(self.theta), np.array(self.phi)
         if self._is_one_cell:
-            return math.copysign(1.0, phi[-1] - phi[0])
-        slope = np.polynomial.polynomial.polyfit(theta, phi, 1)[1]
-        return math.copysign(1.0, slope)
+            return math.copysign(1.0, phi[np.argmax(theta)] - phi[np.argmin(theta)])
+        # a follower that turns back may fall along most of the rows: what tells is
+        # whether the rest closes from cell to cell
+        folded, order = self._folded(theta)
+        leaps = {s: _leaps(folded, self._rest(s)[order], self.cell_angle) for s in (1.0, -1.0)}
+        return min(leaps, key=lambda sense: leaps[sense])
 
     @cached_property
     def spline(self) -> PeriodicSpline:
         """The position function less its mean rise, over the cell."""
-        theta, phi = np.array(self.theta), self.sense * np.array(self.phi)
-        rest = phi - self._mean * (theta - theta[0])
+        theta, rest = np.array(self.theta), self._rest(self.sense)
         if not self.measured and self._is_one_cell:
-            rest[-1] = rest[0]
-            return interpolating(theta, rest)
-        start = float(theta.min())
-        folded = start + np.mod(theta - start, self.cell_angle)
-        order = np.argsort(folded, kind="stable")
+            last = int(np.argmax(theta))  # the first again
+            theta, rest = np.delete(theta, last), np.delete(rest, last)
+        folded, order = self._folded(theta)
         if self.measured:
-            return smoothing(folded[order], rest[order], self.cell_angle)
-        if not (np.diff(folded[order]) > 0.0).all():
+            return smoothing(folded, rest[order], self.cell_angle)
+        x = np.append(folded, folded[0] + self.cell_angle)
+        if np.diff(x).min() <= self._near:
             raise InvalidValue(
                 "theta must differ from row to row in an exact table, cells taken together; "
                 "leave out what repeats itself, or say that the rows are measured"
             )
-        x = np.append(folded[order], folded[order[0]] + self.cell_angle)
         return interpolating(x, np.append(rest[order], rest[order[0]]))
+
+    def _rest(self, sense: float) -> FloatArray:
+        """Follower angles of the rows less the mean rise, were this their sense."""
+        theta = np.array(self.theta)
+        return sense * np.array(self.phi) - self._mean * (theta - theta[0])
+
+    def _folded(self, theta: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+        """Driver angles in the cell that begins with the least, ascending; their order."""
+        start = float(theta.min())
+        end = start + self.cell_angle - self._near
+        folded = np.where(theta < end, theta, start + np.mod(theta - start, self.cell_angle))
+        # rounding must not part the two ends of the cell
+        folded[folded >= end] = start
+        order = np.argsort(folded, kind="stable")
+        return folded[order], order
 
     @property
     def _mean(self) -> float:
@@ -194,7 +209,12 @@ class Tabulated:
 
     @property
     def _is_one_cell(self) -> bool:
-        return self.theta[-1] - self.theta[0] == self.cell_angle
+        length = max(self.theta) - min(self.theta)
+        return abs(length - self.cell_angle) <= self._near
+
+    @property
+    def _near(self) -> float:
+        return _CLOSE * self.cell_angle
 
     @property
     def motion_ratio(self) -> float:
@@ -248,9 +268,15 @@ class Tabulated:
         start, end = self.breaks
         # the last knot is the first again
         knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
-        near = _CLOSE * self.cell_angle
-        inside = knots[(knots > start + near) & (knots < end - near)].tolist()
+        inside = knots[(knots > start + self._near) & (knots < end - self._near)].tolist()
         return chebyshev_table(lambda x: self.transmission(x).g, [start, *inside, end], DEGREE)
+
+
+def _leaps(x: FloatArray, y: FloatArray, period: float) -> float:
+    """How much y leaps from point to point of a period, ascending; gaps excuse leaps."""
+    gaps = np.diff(np.append(x, x[0] + period))
+    # readings at one angle scatter too: no gap counts as less than the mean one
+    return float((np.diff(np.append(y, y[0])) ** 2 / (gaps + period / x.size)).sum())
 
 
 def _column(name: str, values: Any) -> FloatArray:

@@ -1,0 +1,143 @@
+"""Which rows a table may have: both ends of the cell, repeated angles, a follower reversing."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import escapement as esc
+from escapement.errors import InvalidValue
+
+TURN = 2.0 * math.pi
+ANGLES = np.linspace(0.0, TURN, 400)
+CELL = {"cell_angle": TURN, "follower_step": TURN}
+DRIVE = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
+
+
+def wavy(theta):
+    return theta + 0.3 * np.sin(theta)
+
+
+def error(table):
+    """Greatest error of g of a table of `wavy`."""
+    return np.abs(table.transmission(ANGLES).g - 1.0 - 0.3 * np.cos(ANGLES)).max()
+
+
+# --- both ends of the cell ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rows", [13, 25, 61])
+def test_both_ends_of_the_cell_may_be_given_with_its_angle(rows):
+    """They miss the cell by rounding; the table is that without the options."""
+    for start in (2, 107, *range(-360, 361, 7)):
+        theta = np.radians(np.linspace(start, start + 360, rows))
+        alone, told = esc.Tabulated(theta, wavy(theta)), esc.Tabulated(theta, wavy(theta), **CELL)
+        np.testing.assert_allclose(
+            told.transmission(ANGLES).g, alone.transmission(ANGLES).g, rtol=0.0, atol=1e-10
+        )
+        np.testing.assert_allclose(told.breaks, alone.breaks, rtol=0.0, atol=1e-10)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.floats(-20.0, 20.0), st.integers(41, 120), st.sampled_from([-1.0, 1.0]))
+def test_both_ends_of_the_cell_of_a_drive(start, rows, sense):
+    theta = start + np.linspace(0.0, DRIVE.cell_angle, rows)
+    table = esc.Tabulated(
+        theta,
+        sense * DRIVE.follower_angle(theta),
+        cell_angle=DRIVE.cell_angle,
+        follower_step=DRIVE.follower_step,
+    )
+    assert table.sense == sense
+    found, truth = table.transmission(ANGLES).g, DRIVE.transmission(ANGLES).g
+    assert np.abs(found - truth).max() < 1e-2 * (41 / rows) ** 4
+
+
+def test_both_ends_of_the_cell_in_any_order():
+    theta = np.random.default_rng(4).permutation(np.linspace(0.3, 0.3 + TURN, 61))
+    assert error(esc.Tabulated(theta, wavy(theta), **CELL)) < 1e-6
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, 1e-10, -1e-10])
+def test_an_exact_table_has_one_row_an_angle(off):
+    """Angles that differ by rounding are the same, in one cell or in two."""
+    theta = np.linspace(0.0, TURN, 40, endpoint=False)
+    for again in (theta[7] + off, theta[7] + off + TURN, theta[7] + off - 3.0 * TURN):
+        rows = np.append(theta, again)
+        with pytest.raises(InvalidValue, match="theta must differ from row to row"):
+            _ = esc.Tabulated(rows, wavy(rows), **CELL).spline
+
+
+# --- repeated angles ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_readings_on_one_grid_of_angles_over_several_turns(seed):
+    """Turns or none, the same readings make the same table."""
+    random = np.random.default_rng(seed)
+    grid = np.radians(np.linspace(0.0, 360.0, int(random.integers(60, 140)), endpoint=False))
+    theta, turns = np.tile(grid, 4), np.repeat(np.arange(4), grid.size)
+    phi = wavy(theta) + 0.002 * random.standard_normal(theta.size)
+    one = esc.Tabulated(theta, phi, measured=True, **CELL)
+    far = esc.Tabulated(theta + TURN * turns, phi + TURN * turns, measured=True, **CELL)
+    found, truth = far.transmission(ANGLES), one.transmission(ANGLES)
+    np.testing.assert_allclose(found.g, truth.g, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(found.dg, truth.dg, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(
+        far.deviation(ANGLES).g, one.deviation(ANGLES).g, rtol=1e-6, atol=1e-9
+    )
+    assert error(far) < 0.02
+
+
+@pytest.mark.parametrize("jitter", [1e-12, 1e-8, 1e-6, 1e-4])
+def test_readings_at_angles_nearly_the_same(jitter):
+    """However near: g is what it is without jitter, and so is what it says of itself."""
+    errors, doubts = [], []
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        theta = np.tile(np.linspace(0.0, TURN, 80, endpoint=False), 4)
+        theta += jitter * random.uniform(0.0, 1.0, theta.size)
+        phi = wavy(theta) + 0.002 * random.standard_normal(theta.size)
+        table = esc.Tabulated(theta, phi, measured=True, **CELL)
+        errors.append(error(table))
+        doubts.append(np.median(table.deviation(ANGLES).g))
+    assert max(errors) < 0.02
+    assert max(doubts) < 0.006
+
+
+@pytest.mark.parametrize("places", [1, 2, 4])
+def test_readings_at_a_few_places_make_no_table(places):
+    theta = np.repeat(np.arange(places) / places * TURN, 12)
+    with pytest.raises(InvalidValue, match=f"theta must be spread .* got rows at {places} places"):
+        _ = esc.Tabulated(theta, wavy(theta), measured=True, **CELL).spline
+
+
+# --- the sense ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sense", [-1.0, 1.0])
+@pytest.mark.parametrize("swing", [0.0, 0.3, 0.6])
+@pytest.mark.parametrize("cells", [1, 3])
+def test_a_follower_that_turns_back_keeps_its_sense(sense, swing, cells):
+    theta = np.arange(60) / 60 * TURN + TURN * (np.arange(60) % cells)
+    phi = sense * (0.5 * theta / TURN + swing * np.sin(theta))
+    table = esc.Tabulated(theta, phi, cell_angle=TURN, follower_step=0.5)
+    assert table.sense == sense
+    truth = 0.5 / TURN + swing * np.cos(ANGLES)
+    np.testing.assert_allclose(table.transmission(ANGLES).g, truth, rtol=0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize("sense", [-1.0, 1.0])
+@pytest.mark.parametrize("cells", [1, 2, 5])
+@settings(deadline=None, max_examples=20)
+@given(st.floats(0.3, 0.6), st.integers(200, 800), st.integers(0, 1000))
+def test_the_sense_of_measured_rows_in_any_order(sense, cells, swing, rows, seed):
+    """Random angles, and noise of a tenth of the step."""
+    random = np.random.default_rng(seed)
+    theta = random.uniform(0.0, TURN * cells, rows)
+    phi = sense * (0.5 * theta / TURN + swing * np.sin(theta))
+    phi += 0.05 * random.standard_normal(rows)
+    table = esc.Tabulated(theta, phi, measured=True, cell_angle=TURN, follower_step=0.5)
+    assert table.sense == sense
