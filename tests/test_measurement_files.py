@@ -131,6 +131,8 @@ BAD = {
     "underscore": (put(3, "1_5,7"), "line 3", "field 1", "'1_5'"),
     "infinite": (put(9, "inf,1"), "line 9", "finite number", "'inf'"),
     "too great": (put(9, "1,1e400"), "line 9", "field 2", "'1e400'"),
+    "far away": (put(9, "1e300,1"), "line 9", "within 1e10 turns", "field 1", "'1e+300'"),
+    "far away in the output": (put(9, "1,-4e12"), "line 9", "1e10 turns", "field 2", "'-4e+12'"),
     "short row": (put(9, "1"), "line 9", "2 fields", "'1'"),
     "second header": (put(9, "input_deg,output_deg"), "line 9", "'input_deg'"),
     "long row": (put(9, "1,2" * 99), "line 9", "..."),

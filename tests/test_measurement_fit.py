@@ -123,6 +123,46 @@ def test_missing_samples_do_not_lose_a_turn():
     assert result.standard_deviation < 1.1e-4
 
 
+SWING = 4 * np.pi * np.sin(2 * np.pi * np.arange(300) / 200)
+FASTER = np.radians(np.cumsum(np.linspace(8.0, 60.0, 300)))
+
+
+@pytest.mark.parametrize("theta", [SWING, FASTER], ids=["swinging", "ever faster"])
+@pytest.mark.parametrize("first", range(30, 280, 25))
+def test_the_input_is_known_where_the_output_alone_is_missing(theta, first):
+    noise = 0.5 * DEG * np.random.default_rng(first).standard_normal(300)
+    output = np.mod(measurement.position(PRIKHODKO, theta) + noise, 2 * np.pi)
+    output[first : first + 11] = np.nan
+    result = esc.measure(esc.Readings(np.mod(theta, 2 * np.pi), output), PRIKHODKO)
+    travel = theta[result.readings.complete]
+    np.testing.assert_allclose(np.diff(result.input), np.diff(travel), atol=1e-11)
+    assert result.standard_deviation < 0.6 * DEG
+    assert "miscounted" not in result.message
+
+
+def test_a_gap_of_the_input_is_still_remarked_upon():
+    theta = np.arange(300) * 30.0 * DEG
+    angle, output = np.mod(theta, 2 * np.pi), measurement.position(PRIKHODKO, theta)
+    angle[100:110] = np.nan
+    noise = 0.1 * DEG * np.random.default_rng(0).standard_normal(300)
+    result = esc.measure(esc.Readings(angle, output + noise), PRIKHODKO)
+    assert "the input goes on by 330 degrees at line 111" in result.message
+
+
+@pytest.mark.parametrize("column", ["input", "output"])
+def test_angles_a_double_cannot_tell_are_refused(column):
+    theta = np.linspace(0.0, 40.0, 60)
+    columns = {"input": theta, "output": theta.copy()}
+    columns[column][7] = 1e300
+    rule = rf"{column} must be within 1e10 turns of zero.*got 1e\+300 rad in sample 8"
+    with pytest.raises(InvalidValue, match=rule):
+        esc.Readings(**columns)
+    columns[column][7] = 6e10
+    assert np.isfinite(esc.measure(esc.Readings(**columns), PRIKHODKO).standard_deviation)
+    with pytest.raises(InvalidValue, match="offset must be within 1e10 turns"):
+        esc.measure(read(noise=0.1), PRIKHODKO, zeros=(0.0, -1e300))
+
+
 def test_unwrapping_adds_whole_turns_only():
     angle = np.mod(np.cumsum(np.random.default_rng(3).uniform(-2.0, 3.0, 500)), 2 * np.pi)
     steps = np.diff(unwrapped(angle, np.arange(500)))

@@ -9,7 +9,7 @@ import numpy as np
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
 from escapement.measurement._columns import Layout, find_layout
 from escapement.measurement._lines import Block, Source, blocks
-from escapement.measurement.readings import Readings
+from escapement.measurement.readings import FARTHEST, WITHIN, Readings
 from escapement.model import FloatArray
 
 SYNTHETIC = "# synthetic"
@@ -111,6 +111,7 @@ class _Table:
         table = np.concatenate(self.columns) if self.columns else np.empty((0, 2))
         self.columns.clear()
         line = np.concatenate(self.lines) if self.lines else np.empty(0, dtype=int)
+        self._refuse_far(self.layout, table, line)
         first, second = (
             np.multiply(table[:, i], scale) for i, scale in enumerate(self.layout.scales)
         )
@@ -120,6 +121,17 @@ class _Table:
             return Readings(first, second, line, self.synthetic, _NO_UNIT if assumed else "")
         except InvalidValue as error:
             raise InputFileError(f"{path}: {error}") from None
+
+    def _refuse_far(self, layout: Layout, table: FloatArray, line: np.ndarray) -> None:
+        """Name the first row with an angle that a double holds too coarsely."""
+        beyond = [np.abs(table[:, i]) > FARTHEST / scale for i, scale in enumerate(layout.scales)]
+        rows = np.flatnonzero(beyond[0] | beyond[1])
+        if rows.size:
+            row = int(rows[0])
+            column = 0 if beyond[0][row] else 1
+            rule = f"have an angle {WITHIN}, in field {layout.places[column] + 1}"
+            remedy = "correct it, or leave the field empty"
+            raise self.source.fault(int(line[row]), rule, f"{table[row, column]:g}", remedy)
 
     def _after_header(self, block: Block) -> Block:
         """What follows the header, or the first row where there is none."""

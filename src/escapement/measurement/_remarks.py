@@ -38,11 +38,13 @@ def _of_the_fit(result: "Measurement") -> Iterator[str]:
         )
     if math.isnan(result.fit.phase_error):
         yield "the output turns evenly over these samples, so the phase cannot be told"
-    steps = np.abs(np.diff(result.input))
-    if wraps(result.readings.input[result.readings.complete]) and steps.size:
+    readings = result.readings
+    known = np.flatnonzero(np.isfinite(readings.input))
+    if wraps(readings.input[known]):
+        steps = np.abs(np.diff(readings.counted_input[known]))
         far = int(np.argmax(steps))
         if steps[far] > _CLOSE_TO_HALF_A_TURN:
-            line = result.readings.line[result.readings.complete][far + 1]  # type: ignore[index]
+            line = readings.line[known[far + 1]]  # type: ignore[index]
             yield (
                 f"the input goes on by {math.degrees(steps[far]):.0f} degrees at line {line}: "
                 "its turns may be miscounted, measure closer"

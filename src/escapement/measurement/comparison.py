@@ -21,7 +21,7 @@ from escapement.measurement.normality import (
     chi_squared,
     published_chi_squared,
 )
-from escapement.measurement.readings import Readings, unwrapped, wraps
+from escapement.measurement.readings import FARTHEST, WITHIN, Readings, wraps
 from escapement.measurement.shafts import ShaftError, shaft_errors
 from escapement.measurement.spectrum import Periodogram, periodogram
 from escapement.model import FloatArray, Mechanism
@@ -203,10 +203,8 @@ def measure(
             "readings", "Readings or a path", readings, "give Readings(input, output) in rad"
         )
     taken = readings if isinstance(readings, Readings) else read_readings(readings)
-    place = np.flatnonzero(taken.complete)
-    angle, output = taken.input[place], taken.output[place]
-    if wraps(angle):
-        angle = unwrapped(angle, place)
+    # turns are counted before samples without an output are left out: their input tells
+    angle, output = taken.counted_input[taken.complete], taken.output[taken.complete]
     found = fit(mechanism, angle, output, wraps(output), known)
     # rounding alone is no measurement
     if not np.ptp(found.errors) > 1e-13 * max(1.0, float(np.abs(output).max())):
@@ -224,5 +222,12 @@ def _checked_zeros(zeros: tuple[float, float]) -> tuple[float, float]:
         raise _validate.fail(
             "zeros", "a phase and an offset in rad", zeros, "give both, or leave it out"
         ) from None
+    return _checked_zero("phase", phase), _checked_zero("offset", offset)
+
+
+def _checked_zero(name: str, angle: float) -> float:
     remedy = "give an angle in rad"
-    return _validate.number("phase", phase, remedy), _validate.number("offset", offset, remedy)
+    value = _validate.number(name, angle, remedy)
+    if abs(value) > FARTHEST:
+        raise _validate.fail(name, WITHIN, angle, remedy)
+    return value

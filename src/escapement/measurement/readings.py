@@ -12,6 +12,9 @@ from escapement.model import FloatArray
 
 TURN = 2.0 * np.pi
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)
+FARTHEST = 1e10 * TURN
+"""Angle beyond which a double soon no longer tells a thousandth of a degree [rad]."""
+WITHIN = "within 1e10 turns of zero, where a double tells a thousandth of a degree"
 LEAST_SAMPLES = 20
 """Fewer leave nothing to test once a fit and the classes have taken their share."""
 
@@ -36,8 +39,8 @@ class Readings:
     Raises
     ------
     InvalidValue
-        When the columns do not match, hold infinite angles, have fewer than 20
-        complete samples, or the input does not turn.
+        When the columns do not match, hold infinite angles or ones beyond 1e10 turns,
+        have fewer than 20 complete samples, or the input does not turn.
     """
 
     input: FloatArray
@@ -73,6 +76,17 @@ class Readings:
         """Where both readings are there: bool, shape (n,)."""
         return np.isfinite(self.input) & np.isfinite(self.output)
 
+    @cached_property
+    def counted_input(self) -> FloatArray:
+        """Input that counts on over turns, NaN where it is missing, shape (n,) [rad]."""
+        known = np.flatnonzero(np.isfinite(self.input))
+        angle = self.input[known]
+        if not wraps(angle):
+            return self.input
+        counted = np.full_like(self.input, np.nan)
+        counted[known] = unwrapped(angle, known)
+        return counted
+
     @property
     def samples(self) -> int:
         """How many samples are complete."""
@@ -96,6 +110,12 @@ def _column(name: str, values: ArrayLike) -> FloatArray:
         raise InvalidValue(
             f"{name} must be finite, got {float(array[place])!r} in sample {place + 1}; "
             "give NaN for a missing reading"
+        )
+    far = np.flatnonzero(np.abs(array) > FARTHEST)
+    if far.size:
+        raise InvalidValue(
+            f"{name} must be {WITHIN}, got {float(array[far[0]])!r} rad in sample {far[0] + 1}; "
+            "give NaN for a reading that is none"
         )
     return array
 
@@ -124,7 +144,7 @@ def unwrapped(angle: FloatArray, place: np.ndarray) -> FloatArray:
     """Input angles that count on over turns [rad].
 
     Neighbouring samples are taken to be less than half a turn apart, the first to lie
-    within half a turn of zero. Across missing samples the input is taken to have gone
+    within half a turn of zero. Across samples without an input the latter is taken to have gone
     on at its usual pace meanwhile.
 
     Parameters
@@ -132,7 +152,7 @@ def unwrapped(angle: FloatArray, place: np.ndarray) -> FloatArray:
     angle : ndarray, shape (n,)
         Angles within a turn [rad].
     place : ndarray of int, shape (n,)
-        Number of each sample, the missing ones counted.
+        Number of each sample, those without an input counted.
     """
     step = np.diff(angle)
     turns = -np.round(step / TURN)
