@@ -7,11 +7,10 @@ import numpy as np
 from escapement.constant_speed._case import Case, table
 from escapement.constant_speed._chebyshev import extremes, interpolate, zeros
 from escapement.constant_speed._kernels import tabulate_ratio
+from escapement.constant_speed.extrema import rounding_of_acceleration
 from escapement.model import FloatArray
 
 _ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too
-
-_CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
 
 
 def find_reversals(case: Case) -> tuple[FloatArray, int]:
@@ -34,7 +33,7 @@ def _side(case: Case, low: float, high: float) -> float:
     """Sign of the contact moment between two of its zeros; 0 where it is rounding."""
     middle = np.array([0.5 * (low + high)])
     _, load, (ratio, moment, _) = table(case, middle)
-    rounding = _ROUNDING * abs(load[0]) + _CONSTANT * case.inertial * abs(ratio[0])
+    rounding = _ROUNDING * abs(load[0]) + case.inertial * rounding_of_acceleration(ratio[0])
     return float(np.sign(moment[0]) if abs(moment[0]) > rounding else 0.0)
 
 

@@ -29,7 +29,7 @@ def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: f
         Follower and everything that turns with it [kg m^2], > 0.
     """
     load, inertia = _constant(load_torque), checked_inertia(follower_inertia)
-    return math.sqrt(_limit(mechanism) * load / inertia)
+    return math.sqrt(_greatest_inertia_torque(mechanism, load) / inertia)
 
 
 def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: float) -> float:
@@ -45,7 +45,7 @@ def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: f
         Constant torque opposing the follower [N m], >= 0.
     """
     omega, load = checked_speed(speed), _constant(load_torque)
-    return _limit(mechanism) * load / omega / omega
+    return _greatest_inertia_torque(mechanism, load) / omega / omega
 
 
 def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: float) -> float:
@@ -103,6 +103,12 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
 
 def _constant(load_torque: float) -> float:
     return _validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
+
+
+def _greatest_inertia_torque(mechanism: Mechanism, load: float) -> float:
+    """I_f omega^2 without a pin reversal [N m]; no load is needed where none threatens."""
+    limit = _limit(mechanism)
+    return limit if math.isinf(limit) else limit * load
 
 
 def _limit(mechanism: Mechanism) -> float:

@@ -15,6 +15,7 @@ from escapement.mechanisms import Geneva
 from escapement.mechanisms._slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
+_CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
 
 
@@ -53,10 +54,14 @@ class TransmissionExtrema:
         no such F.
         """
         deepest, last = self.acceleration_min.value, self.acceleration_exit
-        return (
-            -1.0 / deepest if deepest < 0.0 else math.inf,
-            -1.0 / last if last < _NOTHING * deepest else math.inf,
-        )
+        if -deepest <= rounding_of_acceleration(self.ratio_max.value):
+            return math.inf, math.inf
+        return -1.0 / deepest, -1.0 / last if last < _NOTHING * deepest else math.inf
+
+
+def rounding_of_acceleration(ratio: float) -> float:
+    """What rounding alone may make of g' where g is `ratio` [-]."""
+    return _CONSTANT * abs(ratio)
 
 
 def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:

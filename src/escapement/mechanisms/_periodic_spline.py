@@ -58,6 +58,8 @@ class PeriodicSpline:
         from scipy.interpolate import BSpline
 
         coefficients = np.concatenate([self.coefficients, self.coefficients[:DEGREE]])
+        if order > 0:  # the splines sum to one: what all share has no slope, only rounding
+            coefficients = coefficients - coefficients[0]
         spline = BSpline(_extended(self.knots), coefficients, DEGREE)
         return np.asarray(spline(self._folded(x), nu=order), dtype=float)
 
@@ -86,7 +88,8 @@ def interpolating(x: FloatArray, y: FloatArray) -> PeriodicSpline:
     from scipy.linalg import solve
 
     rows = _design(x, x[:-1], 0)
-    return PeriodicSpline(x, solve(rows, y[:-1]), 0.0, np.zeros((x.size - 1, x.size - 1)))
+    coefficients = y[0] + solve(rows, y[:-1] - y[0])
+    return PeriodicSpline(x, coefficients, 0.0, np.zeros((x.size - 1, x.size - 1)))
 
 
 def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:

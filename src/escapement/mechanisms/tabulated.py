@@ -28,6 +28,7 @@ FEWEST = 12
 MOST_EXACT = 600
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
+_ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
 _CLOSE = 1e-9  # of a cell: angles this near each other are the same
 
 
@@ -173,8 +174,11 @@ class Tabulated:
 
     def _rest(self, sense: float) -> FloatArray:
         """Follower angles of the rows less the mean rise, were this their sense."""
-        theta = np.array(self.theta)
-        return sense * np.array(self.phi) - self._mean * (theta - theta[0])
+        theta, phi = np.array(self.theta), sense * np.array(self.phi)
+        rest = phi - self._mean * (theta - theta[0])
+        if np.ptp(rest) <= _ROUNDING * (np.abs(phi).max() + self._mean * np.abs(theta).max()):
+            rest[:] = rest[0]  # an even ratio: a spline through rounding would accelerate
+        return rest
 
     def _folded(self, theta: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
         """Driver angles in the cell that begins with the least, ascending; their order."""
