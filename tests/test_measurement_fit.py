@@ -213,3 +213,14 @@ def test_whatever_is_measured_the_figures_are_finite(drive, seed, samples, sprea
 def test_a_wrong_mechanism_is_remarked_upon():
     result = esc.measure(read(noise=0.1 * DEG), esc.Geneva(5))
     assert "large against a step of" in result.message
+
+
+def test_a_mechanism_without_dynamics_is_measured():
+    """Its pin passes through the wheel's centre: the wheel turns evenly, and has no path."""
+    wheel = esc.GearDriven(12, 4, "hypocycloid")
+    assert wheel.through_centre
+    theta = np.linspace(0.0, 12.0, 400)
+    random = np.random.default_rng(3)
+    output = measurement.position(wheel, theta) + 1e-3 * random.normal(size=theta.size)
+    found = measurement.measure(measurement.Readings(theta, output), wheel)
+    assert found.standard_deviation == pytest.approx(1e-3, rel=0.15)

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from inspect import getattr_static
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -57,6 +58,18 @@ class Mechanism(Protocol):
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""
+
+
+def is_mechanism(thing: object) -> bool:
+    """Whether a thing has all that a mechanism has; none of it is evaluated.
+
+    `isinstance` would ask for the path, which a mechanism that has a geometry and no
+    dynamics refuses.
+    """
+    names = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
+    return not isinstance(thing, type) and all(
+        getattr_static(thing, name, None) is not None for name in names
+    )
 
 
 def dwell_angle(mechanism: Mechanism) -> float:

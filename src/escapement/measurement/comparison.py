@@ -24,7 +24,7 @@ from escapement.measurement.normality import (
 from escapement.measurement.readings import FARTHEST, WITHIN, Readings, wraps
 from escapement.measurement.shafts import ShaftError, shaft_errors
 from escapement.measurement.spectrum import Periodogram, periodogram
-from escapement.model import FloatArray, Mechanism
+from escapement.model import FloatArray, Mechanism, is_mechanism
 
 _EXPECTED = 5  # errors in a class, on average, for the chi-squared law to hold
 
@@ -190,7 +190,7 @@ def measure(
 
     Source: Prikhodko (2020), section 3.
     """
-    if not isinstance(mechanism, Mechanism):
+    if not is_mechanism(mechanism):
         raise _validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
     if encoder is not None and not isinstance(encoder, Encoder):
         raise _validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
