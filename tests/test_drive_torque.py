@@ -153,18 +153,20 @@ def test_a_mechanism_that_counts_from_its_entry():
     assert math.isnan(helped.peak_to_mean)
 
 
-@pytest.mark.parametrize("rows", [30, 100, 300])
-@pytest.mark.parametrize("start", [0.0, -3.0])
-def test_an_even_ratio_never_reverses(rows, start):
-    theta = np.linspace(start, start + 6.0, rows)
+def test_an_even_ratio_never_reverses():
+    theta = np.linspace(0.0, 6.0, 30)
     even = esc.Tabulated(theta, 2.0 * theta)
     for load in (0.0, 1.0):
         assert design.greatest_speed(even, load, 1.0) == math.inf
-        result = esc.drive_torque(even, 1e3, load, 1.0)
-        assert (result.zone, result.reversals.size) == (1, 0)
-        assert result.reversal_limits == (math.inf, math.inf)
     assert design.greatest_follower_inertia(even, 1.0, 0.0) == math.inf
     assert design.least_load_torque(even, 1.0, 1.0) == 0.0
+
+
+def test_many_rows_of_an_even_ratio_make_no_reversals():
+    theta = np.linspace(-3.0, 3.0, 100)
+    result = esc.drive_torque(esc.Tabulated(theta, 2.0 * theta), 1e3, 0.0, 1.0)
+    assert (result.zone, result.reversals.size) == (1, 0)
+    assert result.reversal_limits == (math.inf, math.inf)
 
 
 GOOD = {"mechanism": esc.Geneva(6), "speed": 1.0, "load_torque": 1.0, "follower_inertia": 1.0}
