@@ -67,6 +67,7 @@ def is_mechanism(thing: object) -> bool:
     dynamics refuses.
     """
     names = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
+    # a class has the attributes that its instances have
     return not isinstance(thing, type) and all(
         getattr_static(thing, name, None) is not None for name in names
     )
@@ -132,8 +133,7 @@ class Escapement:
     efficiency: float = 1.0
 
     def __post_init__(self) -> None:
-        # a class has the attributes that its instances have
-        if isinstance(self.mechanism, type) or not isinstance(self.mechanism, Mechanism):
+        if not is_mechanism(self.mechanism):
             raise _validate.fail(
                 "mechanism", "a mechanism", self.mechanism, "give for example Geneva(slots=4)"
             )

@@ -13,7 +13,7 @@ from escapement.constant_speed._chebyshev import Function, Piece, extremes, inte
 from escapement.constant_speed._kernels import tabulate_jerk
 from escapement.mechanisms import Geneva
 from escapement.mechanisms._slotted import transmission
-from escapement.model import FloatArray, Mechanism
+from escapement.model import FloatArray, Mechanism, is_mechanism
 
 _CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
@@ -113,7 +113,7 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
 
 def checked(mechanism: Mechanism) -> Mechanism:
     """`mechanism`, or the error that it is none."""
-    if not isinstance(mechanism, Mechanism):
+    if not is_mechanism(mechanism):
         raise _validate.fail(
             "mechanism", "a mechanism", mechanism, "give for example Geneva(slots=4)"
         )

@@ -13,7 +13,7 @@ from escapement._validate import fail
 from escapement.engines._cells import with_cells
 from escapement.engines._handoffs import handoffs
 from escapement.engines._march import BREAK, MAXIMUM, OK, PAINLEVE, REVERSAL, STALL
-from escapement.engines._pieces import events_of, states_in
+from escapement.engines._pieces import events_of, follow, states_in
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
@@ -122,15 +122,7 @@ class EnergyTrajectory:
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angles and squared speeds at times since the piece's start."""
         _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
-        _cells, path, edges, _dwell, rho, mu, load = with_cells(self.escapement.scene)
-        theta, squares = np.empty_like(times), np.empty_like(times)
-        if sign == 0.0:
-            speed = np.sqrt(w)
-            theta = angle + times * (speed + times / (2.0 * rho))
-            return theta, (speed + times / rho) ** 2
-        numbers = (w, sign, rho, mu, load, self.rtol)
-        states_in(path, edges, angle, end, *numbers, times, theta, squares)
-        return theta, squares
+        return follow(with_cells(self.escapement.scene), (angle, w, sign), end, times, self.rtol)
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""

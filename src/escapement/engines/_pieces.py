@@ -188,6 +188,36 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
     return loss, now
 
 
+def follow(scene, start, end, times, rtol):
+    """Driver angles and squared speeds at times since the start of a piece; natural units.
+
+    Parameters
+    ----------
+    scene : tuple
+        As `with_cells` returns it.
+    start : (float, float, float)
+        Driver angle [rad], squared speed and side of the slot, 0 in a dwell.
+    end : float
+        Driver angle where the piece ends at the latest [rad].
+    times : ndarray, shape (n,)
+        Since the start.
+    rtol : float
+        Relative error allowed.
+
+    Returns
+    -------
+    theta, squares : ndarray, shape (n,)
+    """
+    _cells, path, edges, _dwell, rho, mu, load = scene
+    angle, w, sign = start
+    if sign == 0.0:
+        speed = np.sqrt(w)
+        return angle + times * (speed + times / (2.0 * rho)), (speed + times / rho) ** 2
+    theta, squares = np.empty_like(times), np.empty_like(times)
+    states_in(path, edges, angle, end, w, sign, rho, mu, load, rtol, times, theta, squares)
+    return theta, squares
+
+
 @jit
 def _next(edges, left, end):
     """The first edge behind `left`, if it comes before the end."""

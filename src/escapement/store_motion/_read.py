@@ -10,7 +10,7 @@ import numpy as np
 
 from escapement.configuration import parse_plan
 from escapement.engines._cells import with_cells
-from escapement.engines._pieces import states_in
+from escapement.engines._pieces import follow
 from escapement.errors import EscapementError, InputFileError, MissingInput
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
@@ -100,20 +100,14 @@ class SampledTrajectory:
         From the piece's start by the equation of motion: no curve through the samples
         would follow the speed of a light driver, which peaks between two of them.
         """
-        clock, sign = self.escapement.time_unit, self.sign[piece]
-        _cells, path, edges, _dwell, rho, mu, load = with_cells(self.escapement.scene)
+        clock = self.escapement.time_unit
         since = np.maximum(np.ascontiguousarray(t) - self.start[piece], 0.0) / clock
         angle, w = self._start(piece)
-        theta, squares = np.full(since.shape, angle), np.full(since.shape, w)
-        if sign == 0.0:
-            theta += since * (np.sqrt(w) + since / (2.0 * rho))
-            squares = (np.sqrt(w) + since / rho) ** 2
-        elif since.any():
-            end = self.escapement.mechanism.breaks[-1]
-            if not self._begins(piece + 1):
-                end = self._start(piece + 1)[0]
-            numbers = (w, sign, rho, mu, load, _RTOL)
-            states_in(path, edges, angle, end, *numbers, since, theta, squares)
+        end = self.escapement.mechanism.breaks[-1]
+        if not self._begins(piece + 1):
+            end = self._start(piece + 1)[0]
+        start = (angle, w, self.sign[piece])
+        theta, squares = follow(with_cells(self.escapement.scene), start, end, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
     def _begins(self, piece: int) -> bool:
