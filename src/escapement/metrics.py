@@ -22,7 +22,7 @@ MAX_ENGAGEMENTS = 1_000_000
 """A rise or settling time beyond this many engagements is not given."""
 BOUNDLESS = 1e-12
 """A gain over w below which a ratio that no loss outweighs is constant to rounding [-]."""
-_NARROW = 1e-9  # of a piece: no peak is narrower
+_NEAREST = 1e-9  # of a piece: how close to its ends a peak is looked for
 
 NAN = math.nan
 
@@ -173,7 +173,7 @@ def _looks(motion: Motion, pieces: np.ndarray, bounds: np.ndarray) -> np.ndarray
     sqrt(rho), and a slow one passes much of the angle in little of the time: so they
     are even in time as well as in angle, and ever closer towards both ends.
     """
-    ends = np.geomspace(_NARROW, 0.25, 48)
+    ends = np.geomspace(_NEAREST, 0.25, 48)
     shares = np.unique(np.concatenate([np.linspace(0.0, 1.0, 129), ends, 1.0 - ends]))
     low, high = bounds[:-1, None], bounds[1:, None]
     by_time = low + (high - low) * shares

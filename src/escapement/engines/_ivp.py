@@ -1,11 +1,10 @@
 """The reference engine: SciPy's solve_ivp in the time domain.
 
 Each smooth piece is integrated on its own with a fixed side of the slot, from
-one break of the mechanism, or knot of its table, to the next or to the pin reversal
-before it. Time is
-measured in units of sqrt(I_f/torque), so the tolerance means the same thing for
-a watch and a turret. The state carries the friction loss, so that the energy
-ledger is an independent check.
+one break of the mechanism, or knot of its table, to the next or to the pin
+reversal before it. Time is measured in units of sqrt(I_f/torque), so the
+tolerance means the same thing for a watch and a turret. The state carries the
+friction loss, so that the energy ledger is an independent check.
 """
 
 from dataclasses import dataclass, field

@@ -60,7 +60,7 @@ class Geneva:
                 "pins", f"at most {most} for {kind}", pins, "fewer pins, or leave it out"
             )
         # a study over the slots keeps a number of pins that was given, and no other
-        object.__setattr__(self, "given", frozenset() if self.pins is None else {"pins"})
+        object.__setattr__(self, "given", () if self.pins is None else ("pins",))
         object.__setattr__(self, "slots", n)
         object.__setattr__(self, "pins", pins)
         object.__setattr__(self, "internal", internal)
