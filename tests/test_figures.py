@@ -1,0 +1,152 @@
+"""Figures of merit by their definitions, and the cycle that they belong to."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.status import Status
+from natural_units import drive
+
+BOTH = ("energy", "ivp")
+
+
+def brute(scene, speed, engagements):
+    """Figures of merit from dense samples of motions, by the words of their definitions."""
+    figures = esc.terminal(scene, initial_speed=speed)
+    cycle = esc.simulate(scene, 1, initial_speed=figures.handoff_velocity)
+    corners = [*cycle.trajectory.start, cycle.end_time]
+    parts = [
+        cycle.within(piece, np.linspace(a, b, 4001))
+        for piece, (a, b) in enumerate(pairwise(corners))
+    ]
+
+    def peak(name):
+        best = 0.0
+        for piece, (a, b) in enumerate(pairwise(corners)):
+            for _ in range(4):  # each look is between the neighbours of the best point
+                times = np.linspace(a, b, 2001)
+                values = np.abs(getattr(cycle.within(piece, times), name))
+                at = int(values.argmax())
+                a, b = times[max(at - 1, 0)], times[min(at + 1, 2000)]
+            best = max(best, values[at])
+        return best
+
+    found = {
+        "velocity_max": peak("theta_dot"),
+        "velocity_min": min(part.theta_dot.min() for part in parts),
+        "period": cycle.end_time,
+        "velocity_mean": scene.mechanism.cell_angle / cycle.end_time,
+        "acceleration_max": peak("theta_ddot"),
+        "follower_acceleration_max": peak("phi_ddot"),
+        "contact_moment_max": peak("contact_moment"),
+        "contact_force_max": peak("contact_force"),
+    }
+    motion = esc.simulate(scene, engagements, initial_speed=speed)
+    extrema = motion.extrema
+    terminal = np.where(extrema.maximum, found["velocity_max"], found["velocity_min"])
+    error = np.abs(extrema.theta_dot / terminal - 1.0)
+    found["rise_time"] = extrema.time[error <= 0.02][0]
+    # greatest and least speed of each engagement, its ends included
+    late = 0.0
+    for start, end in zip([0.0, *motion.handoff_times[:-1]], motion.handoff_times, strict=True):
+        own = (extrema.time >= start) & (extrema.time <= end)
+        for kind, best in ((True, np.argmax), (False, np.argmin)):
+            same = np.nonzero(own & (extrema.maximum == kind))[0]
+            if same.size and error[lead := same[best(extrema.theta_dot[same])]] > 0.01:
+                late = max(late, extrema.time[lead])
+    found["settling_time"] = late
+    return figures, found
+
+
+SCENES = {
+    "four pins": (drive(crank_radius=0.02), 0.0),
+    "six pins, slow to settle": (drive(3, 6, 0.6, 0.05, crank_radius=1.0), 0.0),
+    "one pin, from above": (drive(8, 1, 0.5, 0.4, 0.05, crank_radius=0.02), 40.0),
+    "internal": (drive(5, 1, 0.3, 0.2, internal=True, crank_radius=0.02), 0.0),
+    "light driver": (drive(4, 4, 0.004, 0.0031, crank_radius=0.02), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_figures_by_brute_force(name):
+    scene, speed = SCENES[name]
+    figures, found = brute(scene, speed, 60)
+    late, slowest = found.pop("settling_time"), found.pop("velocity_min")
+    assert figures.velocity_min == pytest.approx(slowest, rel=1e-4)
+    for figure, value in found.items():
+        assert getattr(figures, figure) == pytest.approx(value, rel=1e-8), figure
+    assert late < figures.settling_time <= late + 1.01 * figures.period
+
+
+@pytest.mark.parametrize("name", ["four pins", "one pin, from above", "internal"])
+def test_both_engines_give_the_same_figures(name):
+    scene, speed = SCENES[name]
+    fast, judge = (esc.terminal(scene, engine=e, initial_speed=speed).as_dict() for e in BOTH)
+    for figure, value in judge.items():
+        if figure not in ("contraction", "energy_residual", "message"):
+            assert fast[figure] == pytest.approx(value, rel=1e-8), figure
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        drive(4, 1, 3.848446, 0.877957, internal=True),
+        drive(5, 1, 7.400645, 3.32557, 0.001549, internal=True),
+    ],
+)
+def test_settling_time_has_one_definition(scene):
+    """An extremum on a handoff belongs to both of its engagements, or to one: not to either."""
+    fast, judge = (esc.terminal(scene, engine=engine) for engine in BOTH)
+    assert fast.settling_time == pytest.approx(judge.settling_time, rel=1e-8)
+
+
+def test_a_start_far_too_fast_has_a_rise_time_too():
+    scene = drive(4, 4, 1.949, 0.1, 0.0154)
+    fast, judge = (esc.terminal(scene, engine=e, initial_speed=1262.2) for e in BOTH)
+    assert judge.rise_time == pytest.approx(fast.rise_time, rel=1e-8)
+    assert judge.settling_time == pytest.approx(fast.settling_time, rel=1e-8)
+
+
+def test_terminal_figures_keep_the_tolerance_where_little_is_lost():
+    """An engagement that hardly contracts magnifies the error of the map it is the root of."""
+    scene = drive(rho=1.0, mu=1e-4)
+    fast, judge = (esc.terminal(scene, engine=engine, rtol=1e-10) for engine in BOTH)
+    assert judge.velocity_max == pytest.approx(fast.velocity_max, rel=1e-9)
+    assert judge.period == pytest.approx(fast.period, rel=1e-9)
+
+
+@pytest.mark.parametrize(("mu", "load", "speed"), [(0.1, 0.76, 5.0), (0.02, 0.94, 50.0)])
+def test_the_search_for_a_cycle_does_not_stall_on_its_way(mu, load, speed):
+    scene = drive(rho=0.1, mu=mu, load=load)
+    assert esc.simulate(scene, 200, initial_speed=speed).status is Status.OK
+    for engine in BOTH:
+        assert (
+            esc.terminal(scene, engine=engine, initial_speed=speed, rtol=1e-6).status is Status.OK
+        )
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_a_stall_on_the_way_to_the_cycle_is_told_as_it_happens(engine):
+    scene = drive(rho=1.0, mu=0.1, load=1.5)
+    motion = esc.simulate(scene, 40, initial_speed=100.0)
+    assert motion.status is Status.STALL
+    assert esc.terminal(scene, engine=engine, initial_speed=100.0).message == motion.message
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_without_friction_a_load_may_still_stop_the_start(engine):
+    scene = drive(rho=1.0, mu=0.0, load=0.9)
+    assert esc.simulate(scene, 1, engine=engine).status is Status.STALL
+    assert esc.terminal(scene, engine=engine).status is Status.STALL
+    assert esc.simulate(scene, 50, initial_speed=5.0, engine=engine).status is Status.OK
+    assert esc.terminal(scene, engine=engine, initial_speed=5.0).status is Status.NO_TERMINAL
+
+
+def test_much_friction_makes_a_load_a_help():
+    """Where mu |u| > g the load relieves the braking slot of more than it takes."""
+    easy, loaded = (
+        esc.terminal(drive(24, 1, 0.2417, 6.63, load)).velocity_mean for load in (0.05, 0.5)
+    )
+    assert loaded > easy
