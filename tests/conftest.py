@@ -12,6 +12,9 @@ import escapement as esc
 from escapement.cli import main
 from escapement.engines import _energy_batch
 
+# a shell's background jobs ignore Ctrl-C, and so would the processes that tests interrupt
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 @pytest.fixture
 def command(capsys, monkeypatch, tmp_path):
