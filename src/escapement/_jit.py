@@ -71,7 +71,7 @@ def _tolerate_full_disk(dispatcher: Any) -> None:
     store.save_overload = save_or_skip
 
 
-def jit(function: Any = None, *, allocates: bool = False) -> Any:
+def jit(function: Any = None, *, allocates: bool = False, reorders: bool = False) -> Any:
     """Compile on first call, cached on disk, GIL released, no fast-math.
 
     A kernel that makes or returns arrays must say that it `allocates`. All others are
@@ -82,10 +82,12 @@ def jit(function: Any = None, *, allocates: bool = False) -> Any:
     through a status code and never raise.
     """
     if function is None:
-        return partial(jit, allocates=allocates)
+        return partial(jit, allocates=allocates, reorders=reorders)
     folder = _cache_directory()
     config: Any = numba.config
     options: Any = {"nogil": True, "error_model": "numpy", "_nrt": allocates}
+    if reorders:
+        options["fastmath"] = {"reassoc"}
     if folder is None or config.DISABLE_JIT:
         return numba.njit(**options)(function)
     previous = config.CACHE_DIR

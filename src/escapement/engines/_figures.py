@@ -16,7 +16,7 @@ from escapement.engines._march import (
     march,
     turned,
 )
-from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tidy, tolerances
+from escapement.engines._panels import ENDS, MAX_PANELS, lay_out, new_store, place_of, tidy, tolerances
 from escapement.engines._terminal import (
     CONTRACTION,
     FIGURES,
@@ -39,7 +39,7 @@ PATIENCE = 40  # engagements after which the terminal cycle is looked for in any
 def workspace(breaks):
     """Panel store, events of an engagement and extrema seen, for `figures`."""
     most = EVENTS_OF_ONE + 4 * breaks.size
-    return new_store(), np.empty((most, EVENTS)), np.empty((SEEN + 2 * most, EVENTS))
+    return new_store(MAX_PANELS), np.empty((most, EVENTS)), np.empty((SEEN + 2 * most, EVENTS))
 
 
 @jit

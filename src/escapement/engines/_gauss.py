@@ -40,63 +40,74 @@ CUMULATE = (_integrated(POINTS).T @ TRANSFORM).T.copy()
 
 
 @jit
-def combine(m, s, at, to):
-    """s[to + i] = sum over k of m[k, i] s[at + k].
-
-    Written out so that it becomes vector code.
+def points_of(s):
+    """N, unknown to the compiler: a loop it knows the length of it unrolls instead of
+    making vector code. A store's size has this bit set (`new_store`).
     """
-    at &= PLACES
-    to &= PLACES
-    c0, c1, c2, c3 = s[at], s[at + 1], s[at + 2], s[at + 3]
-    c4, c5, c6, c7 = s[at + 4], s[at + 5], s[at + 6], s[at + 7]
-    d0, d1, d2, d3 = s[at + 8], s[at + 9], s[at + 10], s[at + 11]
-    d4, d5, d6, d7 = s[at + 12], s[at + 13], s[at + 14], s[at + 15]
-    for i in range(N):
-        low = (m[0, i] * c0 + m[1, i] * c1) + (m[2, i] * c2 + m[3, i] * c3)
-        low += (m[4, i] * c4 + m[5, i] * c5) + (m[6, i] * c6 + m[7, i] * c7)
-        high = (m[8, i] * d0 + m[9, i] * d1) + (m[10, i] * d2 + m[11, i] * d3)
-        high += (m[12, i] * d4 + m[13, i] * d5) + (m[14, i] * d6 + m[15, i] * d7)
-        s[to + i] = low + high
+    return s.size & N
 
 
-@jit
+def _product_with(m):
+    """Kernel for s[to + i] = sum over k of m[k, i] s[at + k], as vector code.
+
+    The matrix is a constant of the kernel's: of an argument it could not be known
+    that writing to s leaves it as it is.
+    """
+
+    @jit
+    def product(s, at, to):
+        at &= PLACES
+        to &= PLACES
+        c0, c1, c2, c3 = s[at], s[at + 1], s[at + 2], s[at + 3]
+        c4, c5, c6, c7 = s[at + 4], s[at + 5], s[at + 6], s[at + 7]
+        d0, d1, d2, d3 = s[at + 8], s[at + 9], s[at + 10], s[at + 11]
+        d4, d5, d6, d7 = s[at + 12], s[at + 13], s[at + 14], s[at + 15]
+        for i in range(N):
+            low = (m[0, i] * c0 + m[1, i] * c1) + (m[2, i] * c2 + m[3, i] * c3)
+            low += (m[4, i] * c4 + m[5, i] * c5) + (m[6, i] * c6 + m[7, i] * c7)
+            high = (m[8, i] * d0 + m[9, i] * d1) + (m[10, i] * d2 + m[11, i] * d3)
+            high += (m[12, i] * d4 + m[13, i] * d5) + (m[14, i] * d6 + m[15, i] * d7)
+            s[to + i] = low + high
+
+    return product
+
+
+cumulate = _product_with(CUMULATE)
+"""cumulate(s, at, to): integrals from the left end to every point."""
+to_powers = _product_with(POWERS)
+"""to_powers(s, at, to): coefficients of a power series."""
+
+
+@jit(reorders=True)
 def tail_of(s, at):
     """Size of the last two Legendre coefficients of N values."""
     at &= PLACES
-    a = b = c = d = 0.0
-    for i in range(0, N, 2):
-        a += LAST[i] * s[at + i]
-        b += LAST_BUT_ONE[i] * s[at + i]
-        c += LAST[i + 1] * s[at + i + 1]
-        d += LAST_BUT_ONE[i + 1] * s[at + i + 1]
-    return abs(a + c) + abs(b + d)
+    last = last_but_one = 0.0
+    for i in range(points_of(s)):
+        last += LAST[i] * s[at + i]
+        last_but_one += LAST_BUT_ONE[i] * s[at + i]
+    return abs(last) + abs(last_but_one)
 
 
-@jit
+@jit(reorders=True)
 def whole(s, at):
     """Integral over [-1, 1] of N values."""
     at &= PLACES
-    a = b = c = d = 0.0
-    for i in range(0, N, 4):
-        a += WEIGHTS[i] * s[at + i]
-        b += WEIGHTS[i + 1] * s[at + i + 1]
-        c += WEIGHTS[i + 2] * s[at + i + 2]
-        d += WEIGHTS[i + 3] * s[at + i + 3]
-    return (a + b) + (c + d)
+    total = 0.0
+    for i in range(points_of(s)):
+        total += WEIGHTS[i] * s[at + i]
+    return total
 
 
-@jit
+@jit(reorders=True)
 def dot(s, at, to):
     """Sum of the products of two rows of N values."""
     at &= PLACES
     to &= PLACES
-    a = b = c = d = 0.0
-    for i in range(0, N, 4):
-        a += s[at + i] * s[to + i]
-        b += s[at + i + 1] * s[to + i + 1]
-        c += s[at + i + 2] * s[to + i + 2]
-        d += s[at + i + 3] * s[to + i + 3]
-    return (a + b) + (c + d)
+    total = 0.0
+    for i in range(points_of(s)):
+        total += s[at + i] * s[to + i]
+    return total
 
 
 @jit

@@ -5,7 +5,7 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, free_turn
 from escapement.engines._march import EVENTS, EVENTS_OF_ONE, OK, PAINLEVE, march
-from escapement.engines._panels import ENDS, lay_out, new_store, place_of, tidy, tolerances
+from escapement.engines._panels import ENDS, MAX_PANELS, lay_out, new_store, place_of, tidy, tolerances
 from escapement.mechanisms._slotted import transmission_at
 
 
@@ -29,7 +29,7 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
     if beyond_painleve(path, rho, mu[1], breaks[0], breaks[-1]):
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
-    store = new_store()
+    store = new_store(MAX_PANELS)
     events = np.empty((EVENTS_OF_ONE + 4 * breaks.size, EVENTS))
     count = lay_out(store, path, breaks, cells, rho, loose)
     time, carry, carry_w = 0.0, 0.0, 0.0

@@ -11,6 +11,7 @@ from escapement.dynamics import bend
 from escapement.engines._gauss import (
     POINTS,
     N,
+    points_of,
     tail_of,
 )
 from escapement.engines._panels import (
@@ -94,7 +95,7 @@ def run_over(s, at, side, energy, rho, load):
     to = solution_of(at, side) & PLACES
     against = 0
     stopped = 0
-    for i in range(N):
+    for i in range(points_of(s)):
         e = s[to + ALPHA + i] * energy + s[to + BETA + i]
         w = e * s[at + INVERSE + i]
         c = side * (rho * (s[at + DG + i] * w + load) + s[at + G + i])
@@ -114,7 +115,7 @@ def clearly_against(s):
     Next to the stop of a mesh, known from a table, g and g' are rounding errors.
     """
     largest = 0.0
-    for i in range(N):
+    for i in range(points_of(s)):
         largest = max(largest, s[C + i])
     count = 0
     for i in range(N):
@@ -139,7 +140,7 @@ def dips(s):
     if min(first, min(middle, last)) > 0.2 * max(first, max(middle, last)):
         return False
     count = 0
-    for i in range(1, N - 1):
+    for i in range(1, points_of(s) - 1):
         before, c, after = s[C + i - 1], s[C + i], s[C + i + 1]
         higher = before if before > after else after
         # least here, and less than half of what it fell by
@@ -167,7 +168,7 @@ def find_extremum(s, at, side, w_left, w_right, last, mu, load):
     place = -1
     slower = 0
     lost = bend(side, mu)
-    for i in range(N):
+    for i in range(points_of(s)):
         a = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * (s[at + DG + i] * s[W + i] + load)
         s[A + i] = a
         slower += a <= 0.0

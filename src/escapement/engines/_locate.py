@@ -10,14 +10,14 @@ from escapement._jit import jit
 from escapement.dynamics import bend
 from escapement.engines._gauss import (
     BARYCENTRIC,
-    CUMULATE,
     FROM_LEFT,
     POINTS,
-    POWERS,
     N,
-    combine,
+    cumulate,
     dot,
+    points_of,
     root_between,
+    to_powers,
     whole,
 )
 from escapement.engines._inside import MERGED, contact_at_end, rate_at_end, rough
@@ -46,20 +46,17 @@ from escapement.engines._panels import (
 from escapement.mechanisms._slotted import PLACES, transmission_at
 
 
-@jit
+@jit(reorders=True)
 def weights_to(s, x):
     """Weights V that interpolate at x, and Q that do so for what vanishes at -1."""
-    for i in range(N):
+    total = 0.0
+    for i in range(points_of(s)):
         way = x - POINTS[i]
-        s[V + i] = BARYCENTRIC[i] / (way if way != 0.0 else 1e-17)
-    a = b = c = d = 0.0
-    for i in range(0, N, 4):
-        a += s[V + i]
-        b += s[V + i + 1]
-        c += s[V + i + 2]
-        d += s[V + i + 3]
-    scale = 1.0 / ((a + b) + (c + d))
-    for i in range(N):
+        weight = BARYCENTRIC[i] / (way if way != 0.0 else 1e-17)
+        s[V + i] = weight
+        total += weight
+    scale = 1.0 / total
+    for i in range(points_of(s)):
         weight = s[V + i] * scale
         s[V + i] = weight
         s[Q + i] = weight * FROM_LEFT[i] * (1.0 + x)
@@ -76,7 +73,7 @@ def locate(s, values, place, left, right, high):
     x, slope : the place, and the derivative of the values there.
     """
     values &= PLACES
-    combine(POWERS, s, values, K)
+    to_powers(s, values, K)
     low, value_low = -1.0, left
     if place > 0:
         low, value_low = POINTS[place - 1], s[values + place - 1]
@@ -115,7 +112,7 @@ def state_inside(s, at, x, path, rho):
         was made for: it is evaluated, not interpolated.
     """
     weights_to(s, x)
-    combine(CUMULATE, s, F, K)
+    cumulate(s, F, K)
     angle = s[at + LEFT] + s[at + HALF] * (1.0 + x)
     g, u, dg = transmission_at(path, angle)
     return angle, dot(s, Q, K), dot(s, V, E) / (rho + g * g), g, abs(u), dg
@@ -158,23 +155,15 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
     """
     at &= PLACES
     one, two = solution_of(at, side) & PLACES, solution_of(at, -side) & PLACES
-    e = 0.0
-    alpha, beta, b = 0.0, 0.0, 0.0
-    alpha_other, beta_other, b_other = 0.0, 0.0, 0.0
-    for i in range(N):
-        v = s[V + i]
-        e += v * s[E + i]
-        alpha += v * s[one + ALPHA + i]
-        beta += v * s[one + BETA + i]
-        b += v * s[one + B + i]
-        alpha_other += v * s[two + ALPHA + i]
-        beta_other += v * s[two + BETA + i]
-        b_other += v * s[two + B + i]
+    e = dot(s, V, E)
+    alpha, beta, b = dot(s, V, one + ALPHA), dot(s, V, one + BETA), dot(s, V, one + B)
+    alpha_other, beta_other = dot(s, V, two + ALPHA), dot(s, V, two + BETA)
+    b_other = dot(s, V, two + B)
     fictive = (e - beta_other) / alpha_other
     bad = 0
     apart = s[at + HALF] > MERGED
     lost = bend(-side, mu)
-    for i in range(N):
+    for i in range(points_of(s)):
         w = (s[two + ALPHA + i] * fictive + s[two + BETA + i]) * s[at + INVERSE + i]
         slowness = s[at + STEP + i] / np.sqrt(w)
         s[WORK + i] = s[F + i] - slowness
@@ -185,7 +174,7 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
         slower = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * moment <= 0.0
         bad += record and i >= reversal and slower
     # the time of the other side, and what the part before the reversal differs by
-    combine(CUMULATE, s, WORK, K)
+    cumulate(s, WORK, K)
     length = whole(s, F) + dot(s, Q, K)
     e_right = s[two + RIGHT] * fictive + s[two + RIGHT + 1]
     w_right = e_right / (rho + s[at + ENDS + 3] ** 2)

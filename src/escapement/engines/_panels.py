@@ -13,7 +13,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.engines._cells import AT_ENDS, AT_G
-from escapement.engines._gauss import POINTS, N, tail_of
+from escapement.engines._gauss import POINTS, N, points_of, tail_of
 from escapement.mechanisms._slotted import PLACES, transmission_at, transmission_on
 from escapement.mechanisms._table import is_table
 
@@ -46,21 +46,21 @@ SMALLEST = 1e-13  # of a radian: no panel is halved below this
 
 
 @jit(allocates=True)
-def new_store():
-    """An empty store; untouched memory costs nothing."""
-    return np.empty(PANELS + (1 + MAX_PANELS) * SIZE)
+def new_store(most):
+    """An empty store for `most` panels; untouched memory costs nothing."""
+    return np.empty((place_of(most) // (2 * N) + 1) * 2 * N + N)
 
 
 @jit
 def place_of(panel):
     """Where a panel of the chain begins in the store."""
-    return PANELS + (1 + panel) * SIZE
+    return (PANELS + (1 + panel) * SIZE) & PLACES
 
 
 @jit
 def solution_of(at, side):
     """Where a panel's solution for a side of the slot begins."""
-    return at + (FORWARD if side > 0.0 else BACKWARD)
+    return (at + (FORWARD if side > 0.0 else BACKWARD)) & PLACES
 
 
 @jit
@@ -97,7 +97,7 @@ def recall(s, at, path, cells, rho, left, right):
     interval = int(s[at + INTERVAL]) & PLACES
     s[at + LEFT] = left
     s[at + HALF] = 0.5 * (right - left)
-    for i in range(3 * N):
+    for i in range(3 * points_of(s)):
         s[at + G + i] = cells[interval, cell, AT_G + i]
     for i in range(6):
         s[at + ENDS + i] = cells[interval, cell, AT_ENDS + i]
@@ -108,7 +108,7 @@ def recall(s, at, path, cells, rho, left, right):
 def _complete(s, at, rho):
     at &= PLACES
     half = s[at + HALF]
-    for i in range(N):
+    for i in range(points_of(s)):
         s[at + INVERSE + i] = 1.0 / (rho + s[at + G + i] * s[at + G + i])
         s[at + STEP + i] = half
     s[at + FORWARD + TAIL] = UNBUILT

@@ -8,7 +8,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import bend
-from escapement.engines._gauss import CUMULATE, WEIGHTS, N, combine, dot, whole
+from escapement.engines._gauss import WEIGHTS, N, cumulate, dot, whole
 from escapement.engines._inside import rough, run_over
 from escapement.engines._locate import weights_to
 from escapement.engines._march import EVENTS, march
@@ -27,6 +27,7 @@ from escapement.engines._panels import (
     V,
     W,
     at_gauss_points,
+    MAX_PANELS,
     lay_out,
     new_store,
     place_of,
@@ -72,7 +73,7 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         with the side at entry (in the angle's place) comes first.
     """
     loose, strict = tolerances(rtol)
-    store = new_store()
+    store = new_store(MAX_PANELS)
     events = np.empty((_MOST + 4 * breaks.size, EVENTS))
     count = lay_out(store, path, breaks, cells, rho, loose)
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
@@ -126,7 +127,7 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
     loss, length : work lost in friction over the piece, and its duration.
     """
     _loose, strict = tolerances(rtol)
-    s = np.empty(place_of(1))
+    s = new_store(0)
     at = place_of(0)
     to = solution_of(at, side)
     ends = np.empty(80)
@@ -157,7 +158,7 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
         loss += half * _lost(s, at, side, rho, mu, load)
         even = even and not good
         length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w)) if even else whole(s, F)
-        combine(CUMULATE, s, F, K)
+        cumulate(s, F, K)
         for j in range(times.size):
             t = times[j] - now
             if t < 0.0 or (t > length and right < end):

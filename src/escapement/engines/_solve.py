@@ -14,7 +14,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import bend
-from escapement.engines._gauss import CUMULATE, N, combine, tail_of, whole
+from escapement.engines._gauss import N, cumulate, points_of, tail_of, whole
 from escapement.engines._panels import (
     ALPHA,
     BETA,
@@ -58,14 +58,14 @@ def _exponentials(b):
 def _decay(s):
     """alpha = exp(-b) at the points and, in the gain, what is gained over alpha."""
     large = 0
-    for i in range(N):
+    for i in range(points_of(s)):
         large += abs(s[SOLVED + B + i]) > 0.7
     if large > 0:
         for i in range(N):
             s[SOLVED + ALPHA + i] = np.exp(-s[SOLVED + B + i])
             s[GAIN + i] /= s[SOLVED + ALPHA + i]
         return
-    for i in range(N):
+    for i in range(points_of(s)):
         falling, growing = _exponentials(s[SOLVED + B + i])
         s[SOLVED + ALPHA + i] = falling
         s[GAIN + i] *= growing
@@ -76,7 +76,7 @@ def solve_side(s, at, side, rho, mu, load):
     """Solve the energy equation on a panel for one side of the slot."""
     at &= PLACES
     loss = bend(side, mu)
-    for k in range(N):
+    for k in range(points_of(s)):
         g = s[at + G + k]
         inverse = s[at + INVERSE + k]
         c = loss * s[at + U + k]
@@ -88,11 +88,11 @@ def solve_side(s, at, side, rho, mu, load):
     # J is a difference near the Painleve limit: finer panels cannot help below this
     noise = 1e-15 * (1.0 + whole(s, SOLVED + BETA))
     total = whole(s, DECAY)
-    combine(CUMULATE, s, DECAY, SOLVED + B)
+    cumulate(s, DECAY, SOLVED + B)
     _decay(s)
     source = whole(s, GAIN)
-    combine(CUMULATE, s, GAIN, SOLVED + BETA)
-    for i in range(N):
+    cumulate(s, GAIN, SOLVED + BETA)
+    for i in range(points_of(s)):
         s[SOLVED + BETA + i] *= s[SOLVED + ALPHA + i]
     largest = max(abs(s[SOLVED + BETA + N - 1]), abs(s[SOLVED + BETA + N // 2]))
     alpha = _exponentials(total)[0] if abs(total) <= 0.7 else np.exp(-total)
@@ -109,7 +109,7 @@ def solve_side(s, at, side, rho, mu, load):
     if not tail < 1.0 or abs(total) > 20.0:
         tail = 1.0
     to = solution_of(at, side) & PLACES
-    for i in range(3 * N):
+    for i in range(3 * points_of(s)):
         s[to + i] = s[SOLVED + i]
     s[to + RIGHT], s[to + RIGHT + 1], s[to + RIGHT + 2] = alpha, alpha * source, total
     s[to + TAIL], s[to + NOISE] = tail, noise
