@@ -7,6 +7,7 @@ from escapement.dynamics import free_turn
 from escapement.engines._march import (
     EVENTS,
     EVENTS_OF_ONE,
+    EXTREMA,
     MAXIMUM,
     MINIMUM,
     NO_TERMINAL,
@@ -94,7 +95,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
     filled = 0
     found, calm, sought = False, 0, False
     before, better_before = w, w
-    record = out.size > 0  # a value: see `handoffs`
+    record = EXTREMA
     for k in range(MAX_ENGAGEMENTS):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _s, rising, count, used = march(

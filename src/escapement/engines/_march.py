@@ -23,7 +23,7 @@ from escapement.engines._inside import (
     run_over,
     start_slowly,
 )
-from escapement.engines._locate import extremum_at, locate, reversal_at, turn
+from escapement.engines._locate import extremum_at, locate, reversal_at, turn, weights_to
 from escapement.engines._panels import (
     ENDS,
     HALF,
@@ -53,6 +53,7 @@ STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(St
 SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one of a start
 NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
+NOTHING, EXTREMA, EVERYTHING = np.int64(0), np.int64(1), np.int64(2)  # what a march records
 EVENTS = 4  # columns of an event: kind, angle from dead centre, time, w
 EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
 
@@ -91,7 +92,7 @@ def march(
         before the entry (0: none).
     loose, strict : tail allowed in a panel for whole-panel integrals, and for
         values inside it.
-    record : whether extrema are wanted; reversals always are.
+    record : NOTHING, EXTREMA, or EVERYTHING: also where and when reversals are.
     events : array (k, 4) to be filled; too short a one ends the march.
 
     Returns
@@ -164,7 +165,7 @@ def march(
             if split and reversal < 0 and s[at + HALF] <= NEARLY_STOPPED:
                 # next to a stop: so short a way is braked evenly
                 split, even = False, True
-        if record and not split:
+        if record > NOTHING and not split:
             if s[chained + KINK] > 0.0 and not noted:
                 used = _note(events, used, BREAK, s[at + LEFT], time, w)
                 noted = True
@@ -201,10 +202,15 @@ def march(
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
                 used = _note(events, used, kind, angle, time + elapsed, w_top)
             if reversal >= 0:
-                angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, w, rho, load)
+                if record == EVERYTHING:
+                    angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, w, rho, load)
+                else:
+                    # of a place that is off by d energy and time are by its square
+                    weights_to(s, x)
+                    angle, elapsed, w_turn = np.nan, np.nan, np.nan
                 used = _note(events, used, REVERSAL, angle, time + elapsed, w_turn)
                 good, e_right, length, shrunk, turned_source = turn(
-                    s, at, side, reversal, rho, mu, load, strict, record, source
+                    s, at, side, reversal, rho, mu, load, strict, record > NOTHING, source
                 )
                 split = not good
         if split:

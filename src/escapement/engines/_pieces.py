@@ -11,7 +11,7 @@ from escapement.dynamics import bend
 from escapement.engines._gauss import WEIGHTS, N, cumulate, dot, whole
 from escapement.engines._inside import rough, run_over
 from escapement.engines._locate import weights_to
-from escapement.engines._march import EVENTS, march
+from escapement.engines._march import EVENTS, EVERYTHING, march
 from escapement.engines._panels import (
     DG,
     ENDS,
@@ -79,7 +79,7 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
     filled = 0
     rising = 0.0
-    record = starts.size > 0  # a value: see `handoffs`
+    record = EVERYTHING
     for k in range(starts.size):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, _x, _s, side, rising, count, used = march(
