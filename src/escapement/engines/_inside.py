@@ -9,10 +9,12 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import bend
 from escapement.engines._gauss import (
+    LAST,
+    LAST_BUT_ONE,
     POINTS,
+    WEIGHTS,
     N,
     points_of,
-    tail_of,
 )
 from escapement.engines._panels import (
     ALPHA,
@@ -148,10 +150,15 @@ def dips(s):
     return count > 0
 
 
-@jit
-def rough(s, limit):
-    """Whether the slowness is less smooth than `limit`."""
-    return tail_of(s, F) > limit * s[F + N // 2]
+@jit(reorders=True)
+def duration(s):
+    """Time over the panel, and how rough the slowness is: its last coefficients, relative."""
+    total = last = last_but_one = 0.0
+    for i in range(points_of(s)):
+        total += WEIGHTS[i] * s[F + i]
+        last += LAST[i] * s[F + i]
+        last_but_one += LAST_BUT_ONE[i] * s[F + i]
+    return total, (abs(last) + abs(last_but_one)) / s[F + N // 2]
 
 
 @jit
@@ -163,25 +170,25 @@ def find_extremum(s, at, side, w_left, w_right, last, mu, load):
     changes, place : how many, and the point after the last one.
     """
     at &= PLACES
-    previous = rate_at_end(s, at, 0, side, w_left, mu, load)
-    changes = 0
-    place = -1
-    slower = 0
     lost = bend(side, mu)
+    slower = 0
     for i in range(points_of(s)):
         a = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * (s[at + DG + i] * s[W + i] + load)
         s[A + i] = a
         slower += a <= 0.0
-    if last < N or (0 < slower < N) or (slower == 0) != (previous > 0.0):
-        for i in range(last):
-            a = s[A + i]
-            if a * previous < 0.0:
-                changes += 1
-                place = i
-            previous = a if a != 0.0 else previous
+    changes = 0
+    place = -1
+    first = s[A] if last > 0 else 1.0
+    if first * rate_at_end(s, at, 0, side, w_left, mu, load) < 0.0:
+        changes, place = 1, 0
+    if 0 < slower < N:
+        for i in range(1, points_of(s)):
+            change = ((s[A + i - 1] <= 0.0) != (s[A + i] <= 0.0)) & (i < last)
+            changes += change
+            place = i if change else place
     # on a reversal the driver turns free of the follower and gains speed
-    a = rate_at_end(s, at, 1, side, w_right, mu, load) if last == N else 1.0
-    if a * previous < 0.0:
+    final = rate_at_end(s, at, 1, side, w_right, mu, load) if last == N else 1.0
+    if last > 0 and s[A + last - 1] * final < 0.0:
         changes += 1
         place = last
     return changes, place

@@ -18,9 +18,8 @@ from escapement.engines._gauss import (
     points_of,
     root_between,
     to_powers,
-    whole,
 )
-from escapement.engines._inside import MERGED, contact_at_end, rate_at_end, rough
+from escapement.engines._inside import MERGED, contact_at_end, duration, rate_at_end
 from escapement.engines._panels import (
     ALPHA,
     BETA,
@@ -175,13 +174,14 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
         bad += record and i >= reversal and slower
     # the time of the other side, and what the part before the reversal differs by
     cumulate(s, WORK, K)
-    length = whole(s, F) + dot(s, Q, K)
+    length, roughness = duration(s)
+    length += dot(s, Q, K)
     e_right = s[two + RIGHT] * fictive + s[two + RIGHT + 1]
     w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
     bad += not w_right > 0.0
     bad += apart and side * contact_at_end(s, at, 1, w_right, rho, load) > 0.0
     bad += record and rate_at_end(s, at, 1, -side, w_right, mu, load) <= 0.0
-    good = bad == 0 and not rough(s, max(strict, s[two + NOISE]))
+    good = bad == 0 and roughness <= max(strict, s[two + NOISE])
     source = (alpha * source + beta - beta_other) / alpha_other
     source = s[two + RIGHT] * source + s[two + RIGHT + 1]
     exponent = b - b_other + s[two + RIGHT + 2]

@@ -9,17 +9,17 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import side_at
-from escapement.engines._gauss import N, whole
+from escapement.engines._gauss import N
 from escapement.engines._inside import (
     MERGED,
     braking,
     clearly_against,
     contact_at_end,
     dips,
+    duration,
     find_extremum,
     first_against,
     rate_at_end,
-    rough,
     run_over,
     start_slowly,
 )
@@ -33,17 +33,16 @@ from escapement.engines._panels import (
     NEXT,
     NOISE,
     RIGHT,
+    SHARP,
     SMALLEST,
     START,
     TAIL,
     UNBUILT,
     A,
     C,
-    F,
     halve,
     place_of,
     solution_of,
-    tail_of_inverse,
 )
 from escapement.engines._solve import solve_side
 from escapement.status import Status
@@ -119,13 +118,13 @@ def march(
             solve_side(s, at, side, rho, mu, load)
         if w == 0.0 or energy <= SLOW * s[to + RIGHT + 1]:
             slope = braking(s, at, side, w, rho, mu, load)
-            if slope > 0.0 and tail_of_inverse(s, at) > strict:
+            if slope > 0.0 and s[at + SHARP] > strict:
                 # over the square root of the angle it would be rougher still
                 s[to + TAIL] = 1.0
             elif slope > 0.0:
                 start_slowly(s, at, path, rho, w / (2.0 * slope * s[at + HALF]))
                 at, to = START, solution_of(START, side)
-                s[to + TAIL] = tail_of_inverse(s, at)
+                s[to + TAIL] = s[at + SHARP]
                 if s[to + TAIL] <= strict:
                     solve_side(s, at, side, rho, mu, load)
         tail = s[to + TAIL]
@@ -133,6 +132,7 @@ def march(
         split = tail > (strict if at == START else loose)
         reversal, extremum = -1, -1
         even = False
+        passed = 0.0
         e_right = s[to + RIGHT] * energy + s[to + RIGHT + 1]
         w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
         c_right = 1.0
@@ -161,7 +161,8 @@ def march(
         if not split:
             # near a stop the errors of all panels have one sign, hence the tenth
             limit = strict if reversal >= 0 else 0.1 * loose
-            split = rough(s, max(limit, s[to + NOISE]))
+            passed, roughness = duration(s)
+            split = roughness > max(limit, s[to + NOISE])
             if split and reversal < 0 and s[at + HALF] <= NEARLY_STOPPED:
                 # next to a stop: so short a way is braked evenly
                 split, even = False, True
@@ -232,7 +233,7 @@ def march(
             if even:
                 time += 4.0 * s[at + HALF] / (np.sqrt(w) + np.sqrt(w_right))
             else:
-                time += whole(s, F)
+                time += passed
             exponent += s[to + RIGHT + 2]
             source = s[to + RIGHT] * source + s[to + RIGHT + 1]
         if used >= events.shape[0]:

@@ -29,8 +29,9 @@ PANELS = START
 
 # geometry of a panel. NEXT: panel to its right, or -1. KINK: whether its left end is a
 # break of the mechanism. INTERVAL, CELL: where the mechanism's cells have it. STEP: driver
+# angle by x at the points, SHARP: relative size of the last coefficients of INVERSE,
 # angle by x at the points, ENDS: g, |u|, g' at the left end, then at the right end
-LEFT, HALF, NEXT, KINK, INTERVAL, CELL = range(6)
+LEFT, HALF, NEXT, KINK, INTERVAL, CELL, SHARP = range(7)
 G, U, DG, INVERSE, STEP = (WORK + 8 + N * i for i in range(5))
 ENDS = WORK + 8 + 5 * N
 # its solution for either side: alpha, beta, b = int B at the points, then the three at the
@@ -111,14 +112,10 @@ def _complete(s, at, rho):
     for i in range(points_of(s)):
         s[at + INVERSE + i] = 1.0 / (rho + s[at + G + i] * s[at + G + i])
         s[at + STEP + i] = half
+    largest = max(s[at + INVERSE], s[at + INVERSE + N - 1])
+    s[at + SHARP] = tail_of(s, at + INVERSE) / largest
     s[at + FORWARD + TAIL] = UNBUILT
     s[at + BACKWARD + TAIL] = UNBUILT
-
-
-@jit
-def tail_of_inverse(s, at):
-    """Relative size of the last coefficients of 1/(rho + g^2)."""
-    return tail_of(s, at + INVERSE) / max(s[at + INVERSE], s[at + INVERSE + N - 1])
 
 
 @jit
@@ -163,7 +160,7 @@ def lay_out(s, path, breaks, cells, rho, loose):
     while following >= 0.0:
         panel = int(following)
         at = place_of(panel)
-        while tail_of_inverse(s, at) > COARSE * loose and count < MAX_PANELS // 8:
+        while s[at + SHARP] > COARSE * loose and count < MAX_PANELS // 8:
             count = halve(s, panel, path, cells, rho, count)
         following = s[at + NEXT]
     return count

@@ -8,8 +8,8 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import bend
-from escapement.engines._gauss import WEIGHTS, N, cumulate, dot, whole
-from escapement.engines._inside import rough, run_over
+from escapement.engines._gauss import WEIGHTS, N, cumulate, dot
+from escapement.engines._inside import duration, run_over
 from escapement.engines._locate import weights_to
 from escapement.engines._march import EVENTS, EVERYTHING, march
 from escapement.engines._panels import (
@@ -145,7 +145,8 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
         energy = w * (rho + s[at + ENDS] ** 2)
         _against, stopped = run_over(s, at, side, energy, rho, load)
         good = s[to + TAIL] <= strict and stopped == 0
-        good = good and not rough(s, max(strict, s[to + NOISE]))
+        length, roughness = duration(s)
+        good = good and roughness <= max(strict, s[to + NOISE])
         even = right - left <= _EVEN
         middle = 0.5 * (left + right)
         if not good and not even and waiting < 80 and left < middle < right:
@@ -157,7 +158,8 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
         next_w = max(next_w, 0.0)
         loss += half * _lost(s, at, side, rho, mu, load)
         even = even and not good
-        length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w)) if even else whole(s, F)
+        if even:
+            length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w))
         cumulate(s, F, K)
         for j in range(times.size):
             t = times[j] - now

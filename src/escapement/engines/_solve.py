@@ -24,6 +24,7 @@ from escapement.engines._panels import (
     INVERSE,
     NOISE,
     RIGHT,
+    SHARP,
     SOLVED,
     STEP,
     TAIL,
@@ -31,7 +32,6 @@ from escapement.engines._panels import (
     G,
     U,
     solution_of,
-    tail_of_inverse,
 )
 from escapement.mechanisms._slotted import PLACES
 
@@ -102,7 +102,7 @@ def solve_side(s, at, side, rho, mu, load):
     tail = tail_of(s, SOLVED + B) / max(lost, 1e-300)
     tail = max(tail, tail_of(s, SOLVED + ALPHA) / max(1.0, alpha))
     tail = max(tail, tail_of(s, SOLVED + BETA) / max(largest, 1e-300))
-    tail = max(tail, tail_of_inverse(s, at))
+    tail = max(tail, s[at + SHARP])
     noise *= max(1.0, abs(total))
     if tail < noise:
         tail = 0.0
