@@ -4,6 +4,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import free_turn
+from escapement.engines._locate import place_exactly
 from escapement.engines._march import (
     EVENTS,
     EVENTS_OF_ONE,
@@ -33,6 +34,7 @@ from escapement.mechanisms._slotted import transmission_at
 from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 
 SEEN = 128  # extrema of a transient that are kept
+SINCE, LEADING = EVENTS, EVENTS + 1  # its engagement's start, whether it leads
 PATIENCE = 40  # engagements after which the terminal cycle is looked for in any case
 
 
@@ -40,26 +42,27 @@ PATIENCE = 40  # engagements after which the terminal cycle is looked for in any
 def workspace(breaks):
     """Panel store, events of an engagement and extrema seen, for `figures`."""
     most = EVENTS_OF_ONE + 4 * breaks.size
-    return new_store(MAX_PANELS), np.empty((most, EVENTS)), np.empty((SEEN + 2 * most, EVENTS))
+    return new_store(MAX_PANELS), np.empty((most, EVENTS)), np.empty((SEEN + 2 * most, EVENTS + 2))
 
 
 @jit
-def _judge(kind, time, w, leading, calm, out):
+def _judge(events, i, since, leading, calm, path, mu, load, out):
     """Let one extremum of the transient decide on rise and settling time.
 
     Only the greatest and the least speed of an engagement tend to the terminal
     ones, so only they can unsettle a motion. Returns how many in a row did not.
     """
-    error = abs(np.sqrt(w) / (out[V_MAX] if kind == MAXIMUM else out[V_MIN]) - 1.0)
+    final = out[V_MAX] if events[i, 0] == MAXIMUM else out[V_MIN]
+    error = abs(np.sqrt(events[i, 3]) / final - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
-        out[RISE] = time
+        out[RISE] = since + place_exactly(events, i, path, mu, load)[1]
     if not leading:
         return calm
     if error > SETTLING_BAND:
         out[SETTLING] = np.nan
         return 0
     if np.isnan(out[SETTLING]):
-        out[SETTLING] = time
+        out[SETTLING] = since + place_exactly(events, i, path, mu, load)[1]
     return calm + 1
 
 
@@ -112,6 +115,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
         if dwell > 0.0:
             if rising < 0.0:
                 events[used, 0], events[used, 2], events[used, 3] = MINIMUM, length, exit_w
+                events[used, 4] = 0.0
                 used += 1
             rising = 1.0
         for i in range(used):
@@ -120,10 +124,11 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
                 continue
             leading = _leads(events, used, i)
             if found:
-                calm = _judge(kind, time + events[i, 2], events[i, 3], leading, calm, out)
+                calm = _judge(events, i, time, leading, calm, path, mu, load, out)
             elif not sought:
-                seen[filled, 0], seen[filled, 1] = kind, time + events[i, 2]
-                seen[filled, 2], seen[filled, 3] = events[i, 3], leading
+                for j in range(EVENTS):
+                    seen[filled, j] = events[i, j]
+                seen[filled, SINCE], seen[filled, LEADING] = time, leading
                 filled += 1
         following, free = free_turn(exit_w, dwell, rho)
         time += length + free
@@ -144,7 +149,8 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
                 if status in (NOT_CONVERGED, NO_TERMINAL):
                     return status
                 for i in range(filled if found else 0):
-                    calm = _judge(seen[i, 0], seen[i, 1], seen[i, 2], seen[i, 3] > 0.0, calm, out)
+                    leading = seen[i, LEADING] > 0.0
+                    calm = _judge(seen, i, seen[i, SINCE], leading, calm, path, mu, load, out)
                 # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) engagements
                 if found and out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                     return OK

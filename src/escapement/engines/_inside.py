@@ -85,29 +85,35 @@ def start_slowly(s, at, path, rho, way):
 
 
 @jit
-def run_over(s, at, side, energy, rho, load):
-    """Energy, speed, slowness and contact at the points.
+def run_over(s, at, side, energy, rho, mu, load):
+    """Energy, speed, slowness, contact and sign of the acceleration at the points.
 
     Returns
     -------
-    against, stopped : points where the other side carries the force, and where
-        there is no speed left.
+    against, stopped, slower : points where the other side carries the force, where
+        there is no speed left, and where the driver gains none.
     """
     at &= PLACES
     to = solution_of(at, side) & PLACES
+    lost = bend(side, mu)
     against = 0
     stopped = 0
+    slower = 0
     for i in range(points_of(s)):
         e = s[to + ALPHA + i] * energy + s[to + BETA + i]
         w = e * s[at + INVERSE + i]
-        c = side * (rho * (s[at + DG + i] * w + load) + s[at + G + i])
+        moment = s[at + DG + i] * w + load
+        c = side * (rho * moment + s[at + G + i])
+        a = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * moment
         s[E + i] = e
         s[W + i] = w
         s[C + i] = c
+        s[A + i] = a
         s[F + i] = s[at + STEP + i] / np.sqrt(w)
         against += c <= 0.0
         stopped += not w > 0.0
-    return against, stopped
+        slower += a <= 0.0
+    return against, stopped, slower
 
 
 @jit
@@ -162,33 +168,23 @@ def duration(s):
 
 
 @jit
-def find_extremum(s, at, side, w_left, w_right, last, mu, load):
+def find_extremum(s, last, first, final):
     """Changes of sign of the acceleration before point `last` (N: over the panel).
+
+    `first` and `final` have its sign at the left end, and at the right end or reversal.
 
     Returns
     -------
     changes, place : how many, and the point after the last one.
     """
-    at &= PLACES
-    lost = bend(side, mu)
-    slower = 0
-    for i in range(points_of(s)):
-        a = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * (s[at + DG + i] * s[W + i] + load)
-        s[A + i] = a
-        slower += a <= 0.0
-    changes = 0
-    place = -1
-    first = s[A] if last > 0 else 1.0
-    if first * rate_at_end(s, at, 0, side, w_left, mu, load) < 0.0:
-        changes, place = 1, 0
-    if 0 < slower < N:
-        for i in range(1, points_of(s)):
-            change = ((s[A + i - 1] <= 0.0) != (s[A + i] <= 0.0)) & (i < last)
-            changes += change
-            place = i if change else place
-    # on a reversal the driver turns free of the follower and gains speed
-    final = rate_at_end(s, at, 1, side, w_right, mu, load) if last == N else 1.0
-    if last > 0 and s[A + last - 1] * final < 0.0:
+    if last == 0:
+        return (1, 0) if first * final < 0.0 else (0, -1)
+    changes, place = (1, 0) if first * s[A] < 0.0 else (0, -1)
+    for i in range(1, last):
+        if (s[A + i - 1] <= 0.0) != (s[A + i] <= 0.0):
+            changes += 1
+            place = i
+    if s[A + last - 1] * final < 0.0:
         changes += 1
         place = last
     return changes, place

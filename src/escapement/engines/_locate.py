@@ -40,6 +40,7 @@ from escapement.engines._panels import (
     Q,
     U,
     V,
+    W,
     solution_of,
 )
 from escapement.mechanisms._slotted import PLACES, transmission_at
@@ -118,13 +119,28 @@ def state_inside(s, at, x, path, rho):
 
 
 @jit
-def extremum_at(s, at, side, x, slope, path, rho, mu, load):
+def extremum_at(s, at, x):
     """Angle, time since the left end and w of an extremum located at x."""
-    angle, elapsed, w, g, u, dg = state_inside(s, at, x, path, rho)
-    # a last step of Newton's with the evaluated transmission
-    way = (1.0 - (g + bend(side, mu) * u) * (dg * w + load)) / -slope
-    way = way if abs(way) < 1e-4 else 0.0
-    return angle + s[at + HALF] * way, elapsed + way * s[at + HALF] / np.sqrt(w), w
+    weights_to(s, x)
+    cumulate(s, F, K)
+    return s[at + LEFT] + s[at + HALF] * (1.0 + x), dot(s, Q, K), dot(s, V, W)
+
+
+@jit
+def place_exactly(events, i, path, mu, load):
+    """Angle and time of an event; of an extremum with the evaluated transmission.
+
+    The acceleration is rougher than what its panel was made for. A last step of
+    Newton's changes the speed by nothing, and is taken only where a time is given.
+    """
+    angle, time, w = events[i, 1], events[i, 2], events[i, 3]
+    slope, half = events[i, 4], events[i, 5]
+    if slope == 0.0:
+        return angle, time
+    g, u, dg = transmission_at(path, angle)
+    way = (1.0 - (g + bend(half, mu) * abs(u)) * (dg * w + load)) / -slope
+    way = abs(half) * (way if abs(way) < 1e-4 else 0.0)
+    return angle + way, time + way / np.sqrt(w)
 
 
 @jit

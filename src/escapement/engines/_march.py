@@ -53,7 +53,8 @@ SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one 
 NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
 NOTHING, EXTREMA, EVERYTHING = np.int64(0), np.int64(1), np.int64(2)  # what a march records
-EVENTS = 4  # columns of an event: kind, angle from dead centre, time, w
+EVENTS = 6  # columns of an event: kind, angle from dead centre, time, w; of an extremum
+# in a panel also the slope of the acceleration there, and half the panel times the side
 EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
 
 
@@ -64,6 +65,7 @@ def _note(events, used, kind, angle, time, w):
         events[used, 1] = angle
         events[used, 2] = time
         events[used, 3] = w
+        events[used, 4] = 0.0
         used += 1
     return used
 
@@ -92,7 +94,7 @@ def march(
     loose, strict : tail allowed in a panel for whole-panel integrals, and for
         values inside it.
     record : NOTHING, EXTREMA, or EVERYTHING: also where and when reversals are.
-    events : array (k, 4) to be filled; too short a one ends the march.
+    events : array (k, 6) to be filled; too short a one ends the march.
 
     Returns
     -------
@@ -130,14 +132,14 @@ def march(
         tail = s[to + TAIL]
         # next to rest an error of the energy counts in full
         split = tail > (strict if at == START else loose)
-        reversal, extremum = -1, -1
+        reversal, extremum, changes = -1, -1, 0
         even = False
         passed = 0.0
         e_right = s[to + RIGHT] * energy + s[to + RIGHT + 1]
         w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
         c_right = 1.0
         if not split:
-            against, stopped = run_over(s, at, side, energy, rho, load)
+            against, stopped, slower = run_over(s, at, side, energy, rho, mu, load)
             if at == START and against > 0:
                 against = clearly_against(s)
             c_right = side * contact_at_end(s, at, 1, w_right, rho, load)
@@ -166,6 +168,7 @@ def march(
             if split and reversal < 0 and s[at + HALF] <= NEARLY_STOPPED:
                 # next to a stop: so short a way is braked evenly
                 split, even = False, True
+        now, final = 1.0, 1.0
         if record > NOTHING and not split:
             if s[chained + KINK] > 0.0 and not noted:
                 used = _note(events, used, BREAK, s[at + LEFT], time, w)
@@ -175,8 +178,13 @@ def march(
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
                 used = _note(events, used, kind, s[at + LEFT], time, w)
             rising = np.sign(now) if now != 0.0 else rising
-            last = N if reversal < 0 else reversal
-            changes, extremum = find_extremum(s, at, side, w, w_right, last, mu, load)
+            # on a reversal the driver turns free of the follower and gains speed
+            final, last = 1.0, reversal
+            if reversal < 0:
+                final, last = rate_at_end(s, at, 1, side, w_right, mu, load), N
+            gains = slower == 0 and now > 0.0 and final > 0.0
+            if not gains and not (slower == N and now < 0.0 and final < 0.0):
+                changes, extremum = find_extremum(s, last, now, final)
             split = changes > 1 or (changes == 1 and (tail > strict or at == START))
         if reversal >= 0 and not split:
             other = solution_of(at, -side)
@@ -186,7 +194,7 @@ def march(
         before = used
         length, shrunk, turned_source = 0.0, 0.0, 0.0
         if not split and (reversal >= 0 or extremum >= 0):
-            high, a_right, x, slope = 1.0, 1.0, 1.0, 0.0
+            high, x, slope = 1.0, 1.0, 0.0
             if reversal >= 0:
                 c_left = side * contact_at_end(s, at, 0, w, rho, load)
                 # rounding alone may have it that the force is on the other side all along
@@ -195,13 +203,11 @@ def march(
                     x, slope = locate(s, C, reversal, c_left, c_right, 1.0)
                 high = x
             if extremum >= 0:
-                a_left = rate_at_end(s, at, 0, side, w, mu, load)
-                if reversal < 0:
-                    a_right = rate_at_end(s, at, 1, side, w_right, mu, load)
-                top, bent = locate(s, A, extremum, a_left, a_right, high)
-                angle, elapsed, w_top = extremum_at(s, at, side, top, bent, path, rho, mu, load)
+                top, bent = locate(s, A, extremum, now, final, high)
+                angle, elapsed, w_top = extremum_at(s, at, top)
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
                 used = _note(events, used, kind, angle, time + elapsed, w_top)
+                events[used - 1, 4], events[used - 1, 5] = bent, side * s[at + HALF]
             if reversal >= 0:
                 if record == EVERYTHING:
                     angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, w, rho, load)

@@ -10,7 +10,7 @@ from escapement._jit import jit
 from escapement.dynamics import bend
 from escapement.engines._gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines._inside import duration, run_over
-from escapement.engines._locate import weights_to
+from escapement.engines._locate import place_exactly, weights_to
 from escapement.engines._march import EVENTS, EVERYTHING, march
 from escapement.engines._panels import (
     DG,
@@ -96,8 +96,8 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         first = side if flips % 2 == 0 else -side
         filled = _put(table, filled, k, -1.0, first, starts[k], squares[k])
         for i in range(used):
-            time = starts[k] + events[i, 2]
-            filled = _put(table, filled, k, events[i, 0], events[i, 1], time, events[i, 3])
+            angle, time = place_exactly(events, i, path, mu, load)
+            filled = _put(table, filled, k, events[i, 0], angle, starts[k] + time, events[i, 3])
         if status != 0:
             break
         if dwell > 0.0:
@@ -143,7 +143,7 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
         solve_side(s, at, side, rho, mu, load)
         half = 0.5 * (right - left)
         energy = w * (rho + s[at + ENDS] ** 2)
-        _against, stopped = run_over(s, at, side, energy, rho, load)
+        _against, stopped, _slower = run_over(s, at, side, energy, rho, mu, load)
         good = s[to + TAIL] <= strict and stopped == 0
         length, roughness = duration(s)
         good = good and roughness <= max(strict, s[to + NOISE])
