@@ -127,7 +127,7 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
     loss, length : work lost in friction over the piece, and its duration.
     """
     _loose, strict = tolerances(rtol)
-    s = new_store(0)
+    s = new_store(1)
     at = place_of(0)
     to = solution_of(at, side)
     ends = np.empty(80)
