@@ -4,7 +4,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, free_turn
-from escapement.engines._march import EVENTS, EVENTS_OF_ONE, NOTHING, OK, PAINLEVE, march
+from escapement.engines._march import EVENTS, EVENTS_OF_ONE, OK, PAINLEVE, TIME, march
 from escapement.engines._panels import ENDS, MAX_PANELS, lay_out, new_store, place_of, tidy, tolerances
 from escapement.mechanisms._slotted import transmission_at
 
@@ -35,7 +35,7 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
     time, carry, carry_w = 0.0, 0.0, 0.0
     inertia = store[place_of(0) + ENDS] ** 2 + rho
     start = w
-    record = NOTHING
+    record = TIME
     same = inertia == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
         count = tidy(store, count, path, breaks, cells, rho, loose)

@@ -36,9 +36,9 @@ from escapement.engines._panels import (
     V,
     W,
     solution_of,
-    survey,
+    complete,
 )
-from escapement.mechanisms._slotted import PLACES
+from escapement.mechanisms._slotted import PLACES, transmission_on
 
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
 
@@ -79,7 +79,11 @@ def start_slowly(s, at, path, rho, way):
         y = 0.5 * ((last + first) + (last - first) * POINTS[i])
         s[K + i] = 2.0 * (y * y - way) - 1.0
         s[V + i] = 2.0 * half * (last - first) * y
-    survey(s, START, path, rho, left, left + 2.0 * half)
+    transmission_on(path, left, half, s, K, START + G)
+    for i in range(6):
+        s[START + ENDS + i] = s[at + ENDS + i]
+    s[START + LEFT], s[START + HALF] = left, half
+    complete(s, START, rho)
     for i in range(N):
         s[START + STEP + i] = s[V + i]
 

@@ -52,7 +52,7 @@ STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(St
 SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one of a start
 NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
-NOTHING, EXTREMA, EVERYTHING = np.int64(0), np.int64(1), np.int64(2)  # what a march records
+MAP, TIME, EXTREMA, EVERYTHING = (np.int64(i) for i in range(4))  # what a march is asked for
 EVENTS = 6  # columns of an event: kind, angle from dead centre, time, w; of an extremum
 # in a panel also the slope of the acceleration there, and half the panel times the side
 EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
@@ -93,7 +93,8 @@ def march(
         before the entry (0: none).
     loose, strict : tail allowed in a panel for whole-panel integrals, and for
         values inside it.
-    record : NOTHING, EXTREMA, or EVERYTHING: also where and when reversals are.
+    record : MAP: only the map from w to w, blind for a pair of reversals inside a panel;
+        TIME, EXTREMA, or EVERYTHING: also where and when reversals are.
     events : array (k, 6) to be filled; too short a one ends the march.
 
     Returns
@@ -138,7 +139,10 @@ def march(
         e_right = s[to + RIGHT] * energy + s[to + RIGHT + 1]
         w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
         c_right = 1.0
-        if not split:
+        if record == MAP and not split:
+            c_right = side * contact_at_end(s, at, 1, w_right, rho, load)
+        uneventful = record == MAP and c_right > 0.0 and w_right > 0.0
+        if not split and not uneventful:
             against, stopped, slower = run_over(s, at, side, energy, rho, mu, load)
             if at == START and against > 0:
                 against = clearly_against(s)
@@ -160,7 +164,7 @@ def march(
                     reversal = reversal if c_right <= 0.0 else -1
             else:
                 split = dips(s)
-        if not split:
+        if not split and not uneventful:
             # near a stop the errors of all panels have one sign, hence the tenth
             limit = strict if reversal >= 0 else 0.1 * loose
             passed, roughness = duration(s)
@@ -169,7 +173,7 @@ def march(
                 # next to a stop: so short a way is braked evenly
                 split, even = False, True
         now, final = 1.0, 1.0
-        if record > NOTHING and not split:
+        if record > TIME and not split:
             if s[chained + KINK] > 0.0 and not noted:
                 used = _note(events, used, BREAK, s[at + LEFT], time, w)
                 noted = True
@@ -217,7 +221,7 @@ def march(
                     angle, elapsed, w_turn = np.nan, np.nan, np.nan
                 used = _note(events, used, REVERSAL, angle, time + elapsed, w_turn)
                 good, e_right, length, shrunk, turned_source = turn(
-                    s, at, side, reversal, rho, mu, load, strict, record > NOTHING, source
+                    s, at, side, reversal, rho, mu, load, strict, record > TIME, source
                 )
                 split = not good
         if split:

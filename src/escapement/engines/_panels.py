@@ -83,7 +83,7 @@ def survey(s, at, path, rho, left, right):
     s[at + ENDS], s[at + ENDS + 1], s[at + ENDS + 2] = g, abs(u), dg
     g, u, dg = transmission_at(path, right)
     s[at + ENDS + 3], s[at + ENDS + 4], s[at + ENDS + 5] = g, abs(u), dg
-    _complete(s, at, rho)
+    complete(s, at, rho)
 
 
 @jit
@@ -102,11 +102,12 @@ def recall(s, at, path, cells, rho, left, right):
         s[at + G + i] = cells[interval, cell, AT_G + i]
     for i in range(6):
         s[at + ENDS + i] = cells[interval, cell, AT_ENDS + i]
-    _complete(s, at, rho)
+    complete(s, at, rho)
 
 
 @jit
-def _complete(s, at, rho):
+def complete(s, at, rho):
+    """Fill what follows from a panel's transmission and half width; it is not solved yet."""
     at &= PLACES
     half = s[at + HALF]
     for i in range(points_of(s)):

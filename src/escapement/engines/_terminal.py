@@ -12,9 +12,9 @@ from escapement._jit import jit
 from escapement.dynamics import free_turn
 from escapement.engines._march import (
     EXTREMA,
+    MAP,
     MAXIMUM,
     MINIMUM,
-    NOTHING,
     NO_TERMINAL,
     NOT_CONVERGED,
     OK,
@@ -82,12 +82,12 @@ def terminal_cycle(
     loose, strict = tolerances(rtol)
     ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     plain, patience = 0, 20
-    near = better_before != before
+    near = False
     for _ in range(MAX_ENGAGEMENTS):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict,
-            EXTREMA if near else NOTHING, events,
+            EXTREMA if near else MAP, events,
         )  # fmt: skip
         if status == STALL and plain == 0:
             # Newton overshot into a stop: follow the motion itself for a while, without the
