@@ -46,7 +46,7 @@ def workspace(breaks):
 
 
 @jit
-def _judge(events, i, since, leading, calm, path, mu, load, out):
+def _judge(events, i, since, leading, calm, path, rho, mu, load, out):
     """Let one extremum of the transient decide on rise and settling time.
 
     Only the greatest and the least speed of an engagement tend to the terminal
@@ -55,14 +55,14 @@ def _judge(events, i, since, leading, calm, path, mu, load, out):
     final = out[V_MAX] if events[i, 0] == MAXIMUM else out[V_MIN]
     error = abs(np.sqrt(events[i, 3]) / final - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
-        out[RISE] = since + place_exactly(events, i, path, mu, load)[1]
+        out[RISE] = since + place_exactly(events, i, path, rho, mu, load)[1]
     if not leading:
         return calm
     if error > SETTLING_BAND:
         out[SETTLING] = np.nan
         return 0
     if np.isnan(out[SETTLING]):
-        out[SETTLING] = since + place_exactly(events, i, path, mu, load)[1]
+        out[SETTLING] = since + place_exactly(events, i, path, rho, mu, load)[1]
     return calm + 1
 
 
@@ -124,7 +124,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
                 continue
             leading = _leads(events, used, i)
             if found:
-                calm = _judge(events, i, time, leading, calm, path, mu, load, out)
+                calm = _judge(events, i, time, leading, calm, path, rho, mu, load, out)
             elif not sought:
                 for j in range(EVENTS):
                     seen[filled, j] = events[i, j]
@@ -150,7 +150,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
                     return status
                 for i in range(filled if found else 0):
                     leading = seen[i, LEADING] > 0.0
-                    calm = _judge(seen, i, seen[i, SINCE], leading, calm, path, mu, load, out)
+                    calm = _judge(seen, i, seen[i, SINCE], leading, calm, path, rho, mu, load, out)
                 # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) engagements
                 if found and out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                     return OK

@@ -80,14 +80,8 @@ def locate(s, values, place, left, right, high):
     value_high = right
     if place < N and POINTS[place] < high:
         high, value_high = POINTS[place], s[values + place]
-    # the chord, then the parabola through one more point
-    slope = (value_high - value_low) / (high - low)
-    x = low - value_low / slope
-    third = place + 1 if place < N // 2 else place - 2
-    third_x = POINTS[third]
-    curve = ((s[values + third] - value_low) / (third_x - low) - slope) / (third_x - high)
-    x -= curve * (x - low) * (x - high) / (slope + curve * (2.0 * x - low - high))
-    if not low < x < high:
+    x = low - value_low * (high - low) / (value_high - value_low)
+    if not low <= x <= high:
         x = 0.5 * (low + high)
     x, slope = root_between(s, K, x, low, high, value_low < 0.0)
     if place == 0:
@@ -120,27 +114,29 @@ def state_inside(s, at, x, path, rho):
 
 @jit
 def extremum_at(s, at, x):
-    """Angle, time since the left end and w of an extremum located at x."""
+    """Angle, time since the left end, w and energy of an extremum located at x."""
     weights_to(s, x)
     cumulate(s, F, K)
-    return s[at + LEFT] + s[at + HALF] * (1.0 + x), dot(s, Q, K), dot(s, V, W)
+    angle = s[at + LEFT] + s[at + HALF] * (1.0 + x)
+    return angle, dot(s, Q, K), dot(s, V, W), dot(s, V, E)
 
 
 @jit
-def place_exactly(events, i, path, mu, load):
-    """Angle and time of an event; of an extremum with the evaluated transmission.
+def place_exactly(events, i, path, rho, mu, load):
+    """Angle, time and w of an event; of an extremum with the evaluated transmission.
 
-    The acceleration is rougher than what its panel was made for. A last step of
-    Newton's changes the speed by nothing, and is taken only where a time is given.
+    The acceleration is rougher than what its panel was made for: a last step of
+    Newton's, taken only where the time is wanted. The speed does not change on it.
     """
     angle, time, w = events[i, 1], events[i, 2], events[i, 3]
     slope, half = events[i, 4], events[i, 5]
     if slope == 0.0:
-        return angle, time
+        return angle, time, w
     g, u, dg = transmission_at(path, angle)
+    w = events[i, 6] / (rho + g * g)
     way = (1.0 - (g + bend(half, mu) * abs(u)) * (dg * w + load)) / -slope
     way = abs(half) * (way if abs(way) < 1e-4 else 0.0)
-    return angle + way, time + way / np.sqrt(w)
+    return angle + way, time + way / np.sqrt(w), w
 
 
 @jit

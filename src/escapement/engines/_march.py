@@ -53,8 +53,8 @@ SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one 
 NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
 MAP, TIME, EXTREMA, EVERYTHING = (np.int64(i) for i in range(4))  # what a march is asked for
-EVENTS = 6  # columns of an event: kind, angle from dead centre, time, w; of an extremum
-# in a panel also the slope of the acceleration there, and half the panel times the side
+EVENTS = 7  # columns of an event: kind, angle from dead centre, time, w; of an extremum
+# in a panel also the slope of the acceleration there, half the panel times the side, energy
 EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
 
 
@@ -95,7 +95,7 @@ def march(
         values inside it.
     record : MAP: only the map from w to w, blind for a pair of reversals inside a panel;
         TIME, EXTREMA, or EVERYTHING: also where and when reversals are.
-    events : array (k, 6) to be filled; too short a one ends the march.
+    events : array (k, 7) to be filled; too short a one ends the march.
 
     Returns
     -------
@@ -208,10 +208,11 @@ def march(
                 high = x
             if extremum >= 0:
                 top, bent = locate(s, A, extremum, now, final, high)
-                angle, elapsed, w_top = extremum_at(s, at, top)
+                angle, elapsed, w_top, e_top = extremum_at(s, at, top)
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
                 used = _note(events, used, kind, angle, time + elapsed, w_top)
                 events[used - 1, 4], events[used - 1, 5] = bent, side * s[at + HALF]
+                events[used - 1, 6] = e_top
             if reversal >= 0:
                 if record == EVERYTHING:
                     angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, w, rho, load)

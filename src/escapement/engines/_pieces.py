@@ -96,8 +96,8 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         first = side if flips % 2 == 0 else -side
         filled = _put(table, filled, k, -1.0, first, starts[k], squares[k])
         for i in range(used):
-            angle, time = place_exactly(events, i, path, mu, load)
-            filled = _put(table, filled, k, events[i, 0], angle, starts[k] + time, events[i, 3])
+            angle, time, w = place_exactly(events, i, path, rho, mu, load)
+            filled = _put(table, filled, k, events[i, 0], angle, starts[k] + time, w)
         if status != 0:
             break
         if dwell > 0.0:
