@@ -11,6 +11,7 @@ import pytest
 
 import escapement
 from escapement import _jit
+from escapement.engines import _gauss, _panels
 
 PACKAGE = Path(escapement.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
@@ -175,3 +176,10 @@ print(len(motion.handoff_times), "scipy.integrate" in sys.modules)
 """
     )
     assert run(code) == "20 False"
+
+
+def test_a_store_has_room_for_its_panels_and_says_how_many_points_they_have():
+    for most in (1, 2, 3, 100, _panels.MAX_PANELS):
+        store = _panels.new_store(most)
+        assert store.size >= _panels.place_of(most)
+        assert _gauss.points_of(store) == _gauss.N

@@ -72,11 +72,12 @@ def _tolerate_full_disk(dispatcher: Any) -> None:
 
 
 def jit(function: Any = None, *, allocates: bool = False, reorders: bool = False) -> Any:
-    """Compile on first call, cached on disk, GIL released, no fast-math.
+    """Compile on first call, cached on disk, GIL released.
 
     A kernel that makes or returns arrays must say that it `allocates`. All others are
     spared the counting of references: two atomic operations for every array of every
-    call, as much as the work of a short kernel.
+    call, as much as the work of a short kernel. No arithmetic is changed, but for a
+    kernel that says that it `reorders` its sums: they become vector code.
 
     Division by zero follows IEEE 754 (`error_model="numpy"`): kernels report
     through a status code and never raise.

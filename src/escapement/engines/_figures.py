@@ -18,7 +18,15 @@ from escapement.engines._march import (
     march,
     turned,
 )
-from escapement.engines._panels import ENDS, MAX_PANELS, lay_out, new_store, place_of, tidy, tolerances
+from escapement.engines._panels import (
+    ENDS,
+    MAX_PANELS,
+    lay_out,
+    new_store,
+    place_of,
+    tidy,
+    tolerances,
+)
 from escapement.engines._terminal import (
     CONTRACTION,
     FIGURES,

@@ -41,8 +41,10 @@ CUMULATE = (_integrated(POINTS).T @ TRANSFORM).T.copy()
 
 @jit
 def points_of(s):
-    """N, unknown to the compiler: a loop it knows the length of it unrolls instead of
-    making vector code. A store's size has this bit set (`new_store`).
+    """N, unknown to the compiler.
+
+    A loop over the points that it knows the length of it unrolls; of this one it makes
+    vector code. The size of a store has the bit set (`new_store`).
     """
     return s.size & N
 

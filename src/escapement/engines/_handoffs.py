@@ -5,7 +5,15 @@ import numpy as np
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, free_turn
 from escapement.engines._march import EVENTS, EVENTS_OF_ONE, OK, PAINLEVE, TIME, march
-from escapement.engines._panels import ENDS, MAX_PANELS, lay_out, new_store, place_of, tidy, tolerances
+from escapement.engines._panels import (
+    ENDS,
+    MAX_PANELS,
+    lay_out,
+    new_store,
+    place_of,
+    tidy,
+    tolerances,
+)
 from escapement.mechanisms._slotted import transmission_at
 
 

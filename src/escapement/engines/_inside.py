@@ -35,8 +35,8 @@ from escapement.engines._panels import (
     U,
     V,
     W,
-    solution_of,
     complete,
+    solution_of,
 )
 from escapement.mechanisms._slotted import PLACES, transmission_on
 

@@ -53,8 +53,8 @@ SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one 
 NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
 MAP, TIME, EXTREMA, EVERYTHING = (np.int64(i) for i in range(4))  # what a march is asked for
-EVENTS = 7  # columns of an event: kind, angle from dead centre, time, w; of an extremum
-# in a panel also the slope of the acceleration there, half the panel times the side, energy
+EVENTS = 7  # columns of an event: kind, angle from dead centre, time, w, and for
+# `place_exactly` slope of the acceleration by x, side times half the panel, energy; or 0
 EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
 
 

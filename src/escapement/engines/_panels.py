@@ -28,9 +28,9 @@ START = WORK + 16 * N  # the panel a motion starts in, over the square root of t
 PANELS = START
 
 # geometry of a panel. NEXT: panel to its right, or -1. KINK: whether its left end is a
-# break of the mechanism. INTERVAL, CELL: where the mechanism's cells have it. STEP: driver
-# angle by x at the points, SHARP: relative size of the last coefficients of INVERSE,
-# angle by x at the points, ENDS: g, |u|, g' at the left end, then at the right end
+# break of the mechanism. INTERVAL, CELL: where the mechanism's cells have it. SHARP: size of
+# the last coefficients of INVERSE, 1/(rho + g^2), relative. STEP: driver angle by x at the
+# points, ENDS: g, |u|, g' at the left end, then at the right end
 LEFT, HALF, NEXT, KINK, INTERVAL, CELL, SHARP = range(7)
 G, U, DG, INVERSE, STEP = (WORK + 8 + N * i for i in range(5))
 ENDS = WORK + 8 + 5 * N
@@ -48,7 +48,10 @@ SMALLEST = 1e-13  # of a radian: no panel is halved below this
 
 @jit(allocates=True)
 def new_store(most):
-    """An empty store for `most` panels; untouched memory costs nothing."""
+    """An empty store for `most` panels, its size N more than a multiple of 2 N.
+
+    Untouched memory costs nothing.
+    """
     return np.empty((place_of(most) // (2 * N) + 1) * 2 * N + N)
 
 

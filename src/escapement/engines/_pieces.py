@@ -15,6 +15,7 @@ from escapement.engines._march import EVENTS, EVERYTHING, march
 from escapement.engines._panels import (
     DG,
     ENDS,
+    MAX_PANELS,
     NOISE,
     RIGHT,
     TAIL,
@@ -27,7 +28,6 @@ from escapement.engines._panels import (
     V,
     W,
     at_gauss_points,
-    MAX_PANELS,
     lay_out,
     new_store,
     place_of,
