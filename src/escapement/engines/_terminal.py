@@ -19,6 +19,7 @@ from escapement.engines._march import (
     NOT_CONVERGED,
     OK,
     STALL,
+    TIME,
     march,
     turned,
 )
@@ -82,18 +83,18 @@ def terminal_cycle(
     loose, strict = tolerances(rtol)
     ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     plain, patience = 0, 20
-    near = False
+    near, glance = False, MAP
     for _ in range(MAX_ENGAGEMENTS):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict,
-            EXTREMA if near else MAP, events,
+            EXTREMA if near else glance, events,
         )  # fmt: skip
         if status == STALL and plain == 0:
             # Newton overshot into a stop: follow the motion itself for a while, without the
             # panels of that stop
             count = lay_out(store, path, breaks, cells, rho, loose)
-            w, plain, near = last_good, patience, False
+            w, plain, near, glance = last_good, patience, False, TIME
             patience *= 2
             continue
         if status != OK:
@@ -105,6 +106,9 @@ def terminal_cycle(
         # small changes of a motion that is only followed prove nothing
         if near and sound and change <= 0.2 * rtol * w:
             break
+        if near:
+            # should the map alone have been blind for something
+            glance = TIME
         if not sound and is_table(path) and w < last_good < (1.0 + BOUNDLESS) * w:
             return NO_TERMINAL, count
         # the next change is about the square of this one
