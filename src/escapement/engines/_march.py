@@ -138,15 +138,13 @@ def march(
         passed = 0.0
         e_right = s[to + RIGHT] * energy + s[to + RIGHT + 1]
         w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
-        c_right = 1.0
-        if record == MAP and not split:
-            c_right = side * contact_at_end(s, at, 1, w_right, rho, load)
-        uneventful = record == MAP and c_right > 0.0 and w_right > 0.0
-        if not split and not uneventful:
+        c_right = side * contact_at_end(s, at, 1, w_right, rho, load)
+        # where only the map is asked for, the right end says whether more has to be known
+        inside = record != MAP or not (c_right > 0.0 and w_right > 0.0)
+        if inside and not split:
             against, stopped, slower = run_over(s, at, side, energy, rho, mu, load)
             if at == START and against > 0:
                 against = clearly_against(s)
-            c_right = side * contact_at_end(s, at, 1, w_right, rho, load)
             if stopped > 0 or not w_right > 0.0:
                 if against == 0 and s[at + HALF] <= NEARLY_STOPPED:
                     way = -w / braking(s, at, side, w, rho, mu, load)
@@ -164,7 +162,7 @@ def march(
                     reversal = reversal if c_right <= 0.0 else -1
             else:
                 split = dips(s)
-        if not split and not uneventful:
+        if inside and not split:
             # near a stop the errors of all panels have one sign, hence the tenth
             limit = strict if reversal >= 0 else 0.1 * loose
             passed, roughness = duration(s)
