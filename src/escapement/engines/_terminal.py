@@ -83,7 +83,8 @@ def terminal_cycle(
     loose, strict = tolerances(rtol)
     ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     plain, patience = 0, 20
-    near, glance = False, MAP
+    # a load often turns the pin twice inside a panel, which the map alone is blind for
+    near, glance = False, MAP if load == 0.0 else TIME
     for _ in range(MAX_ENGAGEMENTS):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
@@ -106,8 +107,8 @@ def terminal_cycle(
         # small changes of a motion that is only followed prove nothing
         if near and sound and change <= 0.2 * rtol * w:
             break
-        if near:
-            # should the map alone have been blind for something
+        if near or not sound:
+            # should the map alone have been blind for something after all
             glance = TIME
         if not sound and is_table(path) and w < last_good < (1.0 + BOUNDLESS) * w:
             return NO_TERMINAL, count
