@@ -150,3 +150,19 @@ def test_much_friction_makes_a_load_a_help():
         esc.terminal(drive(24, 1, 0.2417, 6.63, load)).velocity_mean for load in (0.05, 0.5)
     )
     assert loaded > easy
+
+
+@pytest.mark.parametrize(
+    ("slots", "pins", "ratio", "friction", "load", "speed"),
+    [(22, 1, 8.95, 0.0921, 20.1, 397.0), (17, 2, 147.0, 0.659, 4.975, 0.76)],
+)
+def test_a_load_that_turns_the_pin_twice_between_points(slots, pins, ratio, friction, load, speed):
+    """The cycle is found, and is one: an engagement gives back the speed it began with."""
+    wheel = esc.Geneva(slots=slots, pins=pins)
+    timer = esc.Escapement(wheel, esc.Inertia(ratio, 1.0), 1.0, friction, load)
+    figures = esc.terminal(timer, initial_speed=speed)
+    assert figures.status is Status.OK
+    assert len(figures.reversal_angles) == 2
+    start = figures.handoff_velocity
+    motion = esc.simulate(timer, engagements=1, initial_speed=start, engine="ivp")
+    assert motion.handoff_velocities[0] == pytest.approx(start, rel=1e-9)
