@@ -78,7 +78,7 @@ def stall_message(angle: float, engagement: int) -> str:
     )
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(eq=False)  # not frozen, which would take longer to fill than an engagement to solve
 class Motion:
     """Motion of an escapement, exact between its handoffs and reversals.
 
@@ -107,31 +107,6 @@ class Motion:
     handoff_velocities: FloatArray
     status: Status
     message: str
-
-    def __init__(
-        self,
-        escapement: Escapement,
-        engine: str,
-        rtol: float,
-        trajectory: Trajectory,
-        end_time: float,
-        handoff_times: FloatArray,
-        handoff_velocities: FloatArray,
-        status: Status,
-        message: str,
-    ) -> None:
-        # all at once: one by one, as a frozen class does it, takes as long as an engagement
-        self.__dict__.update(
-            escapement=escapement,
-            engine=engine,
-            rtol=rtol,
-            trajectory=trajectory,
-            end_time=end_time,
-            handoff_times=handoff_times,
-            handoff_velocities=handoff_velocities,
-            status=status,
-            message=message,
-        )
 
     @property
     def reversals(self) -> Events:

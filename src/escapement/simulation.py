@@ -1,7 +1,7 @@
 """The two functions a user calls: a motion, and the terminal cycle's figures."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from typing import Any
 
@@ -17,7 +17,6 @@ from escapement.status import MESSAGES, Status
 DEFAULT_ENGAGEMENTS = 20
 LONGEST = {"energy": 10_000_000, "ivp": 10_000}
 """Engagements of one motion: what fits into a gigabyte, in seconds or a minute."""
-_USUAL = Solver()
 FASTEST = 1e100  # initial speed in units of sqrt(torque / I_f): its square stays a double
 
 
@@ -66,8 +65,8 @@ def simulate(
     InvalidValue
         When an argument breaks its rule.
     """
-    solver = _solver(engine, rtol, atol, method, max_step)
-    settings = _settings(escapement, solver, initial_speed)
+    arguments = _arguments(engine, rtol, atol, method, max_step)
+    settings = _settings(escapement, arguments, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
             "engagements and duration must not both be given, got "
@@ -99,20 +98,22 @@ def _engine(name: str) -> Any:
     return import_module(f"escapement.engines._{name}")
 
 
-def _solver(
-    engine: str,
-    rtol: float | None,
-    atol: float | None,
-    method: str | None,
-    max_step: float | None,
-) -> Solver:
-    """The settings, checked; the usual ones once and for all."""
-    if engine is DEFAULT_ENGINE and rtol is atol is method is max_step is None:
-        return _USUAL
-    return Solver(engine, rtol, atol, method, max_step)
+@lru_cache(typed=True)
+def _known(*settings: Any) -> dict[str, Any]:
+    return Solver(*settings).arguments
 
 
-def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> dict[str, Any]:
+def _arguments(*settings: Any) -> dict[str, Any]:
+    """What an engine takes of the settings of a `Solver`, checked once and for all."""
+    try:
+        return _known(*settings)
+    except TypeError:  # not hashable, such as an array
+        return Solver(*settings).arguments
+
+
+def _settings(
+    escapement: Escapement, arguments: dict[str, Any], initial_speed: float
+) -> dict[str, Any]:
     """What both functions of an engine take beside the escapement."""
     if not isinstance(escapement, Escapement):
         raise _validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
@@ -121,7 +122,7 @@ def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> d
     if speed * escapement.time_unit > FASTEST:
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
         raise _validate.fail("initial_speed", most, initial_speed, remedy)
-    return solver.arguments | {"initial_speed": speed}
+    return {**arguments, "initial_speed": speed}
 
 
 def terminal(
@@ -150,8 +151,8 @@ def terminal(
         With `status` NO_TERMINAL without friction, STALL when the drive cannot
         carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
     """
-    solver = _solver(engine, rtol, atol, method, max_step)
-    settings = _settings(escapement, solver, initial_speed)
+    arguments = _arguments(engine, rtol, atol, method, max_step)
+    settings = _settings(escapement, arguments, initial_speed)
     mechanism = escapement.mechanism
     base = Figures(critical_friction=critical_friction(mechanism, escapement.inertia))
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)

@@ -31,7 +31,7 @@ def tabulate_cells(path, breaks, levels):
     most = 2**levels
     table = np.empty((breaks.size - 1, most, _COLUMNS))
     edges = np.empty((most, 2))
-    line = np.empty(_COLUMNS + N)
+    line = np.empty(5 * N)  # its size has the bit N set, as transmission_on expects
     for i in range(N):
         line[_COLUMNS + i] = POINTS[i]
     for interval in range(breaks.size - 1):
@@ -55,14 +55,20 @@ def tabulate_cells(path, breaks, levels):
 
 _known: dict[tuple[int, bytes], tuple[FloatArray, FloatArray, FloatArray]] = {}
 _MOST_KNOWN = 64
+_last: tuple[Any, tuple[Any, ...]] = None, ()  # scene and numbers of the last call
 
 
 def with_cells(scene: tuple[Any, ...]) -> tuple[Any, ...]:
     """A scene's numbers for the kernels: cells, path, edges, and what follows.
 
     `scene` begins with path and breaks; the edges are those of its smooth intervals.
-    Mechanisms keep their path, so those last used are known by that array.
+    Mechanisms keep their path, so those last used are known by that array. An
+    escapement keeps its scene.
     """
+    global _last
+    before, numbers = _last
+    if scene is before:
+        return numbers
     path, breaks, *rest = scene
     key = id(path), breaks.tobytes()
     known = _known.get(key)
@@ -71,7 +77,9 @@ def with_cells(scene: tuple[Any, ...]) -> tuple[Any, ...]:
         if len(_known) >= _MOST_KNOWN:
             _known.clear()
         known = _known[key] = path, edges, tabulate_cells(path, edges, _levels(edges))
-    return known[2], path, known[1], *rest
+    numbers = known[2], path, known[1], *rest
+    _last = scene, numbers
+    return numbers
 
 
 def _levels(edges: FloatArray) -> int:

@@ -60,7 +60,8 @@ def transmission_on(path, left, half, s, points, to):
     The sine and cosine of the steps come from their power series, accurate to
     rounding for half angles of up to 0.75; those of the sums from the addition
     theorem. 16 values each of g, |u| and g' are written to s[to], s[to + 16] and s[to + 32] on
-    (places rather than slices: making a slice takes as long as four points).
+    (places rather than slices: making a slice takes as long as four points). The size of
+    `s` has the bit 16 set.
     """
     to &= PLACES
     points &= PLACES
@@ -76,24 +77,28 @@ def transmission_on(path, left, half, s, points, to):
     before, behind = path[0] * ((left - path[7]) + half), path[0] * ((left + path[7]) + half)
     sine_b, cosine_b = np.sin(before), np.cos(before)
     sine_a, cosine_a = np.sin(behind), np.cos(behind)
-    for i in range(BLOCK):
+    l0, l1, g1, u1, total, g2 = path[1], path[2], path[4], path[5], path[6], path[8]
+    # 16 times, which the compiler must not know: it makes vector code of such a loop only
+    for i in range(s.size & BLOCK):
         d = step * s[points + i]
         z = d * d
-        odd = 1.0 - z / 210.0 * (1.0 - z / 272.0 * (1.0 - z / 342.0))
-        odd = 1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0 * odd))
-        odd = d * (1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * odd)))
-        even = 1.0 - z / 182.0 * (1.0 - z / 240.0 * (1.0 - z / 306.0))
-        even = 1.0 - z / 56.0 * (1.0 - z / 90.0 * (1.0 - z / 132.0 * even))
-        even = 1.0 - z / 2.0 * (1.0 - z / 12.0 * (1.0 - z / 30.0 * even))
+        odd = 1.0 - z * (1.0 / 210.0) * (1.0 - z * (1.0 / 272.0) * (1.0 - z * (1.0 / 342.0)))
+        odd = 1.0 - z * (1.0 / 72.0) * (1.0 - z * (1.0 / 110.0) * (1.0 - z * (1.0 / 156.0) * odd))
+        odd = d * (
+            1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0) * (1.0 - z * (1.0 / 42.0) * odd))
+        )
+        even = 1.0 - z * (1.0 / 182.0) * (1.0 - z * (1.0 / 240.0) * (1.0 - z * (1.0 / 306.0)))
+        even = 1.0 - z * (1.0 / 56.0) * (1.0 - z * (1.0 / 90.0) * (1.0 - z * (1.0 / 132.0) * even))
+        even = 1.0 - z * 0.5 * (1.0 - z * (1.0 / 12.0) * (1.0 - z * (1.0 / 30.0) * even))
         sine = sine_m * even + cosine_m * odd
         cosine = cosine_m * even - sine_m * odd
-        inverse = 1.0 / (path[1] + path[2] * sine * sine)
+        inverse = 1.0 / (l0 + l1 * sine * sine)
         product = (sine_b * even + cosine_b * odd) * (sine_a * even + cosine_a * odd)
-        ratio = (path[8] + path[4] * product) * inverse
-        slide = path[5] * sine * cosine * inverse
+        ratio = (g2 + g1 * product) * inverse
+        slide = u1 * sine * cosine * inverse
         s[to + i] = ratio
         s[to + BLOCK + i] = abs(slide)
-        s[to + 2 * BLOCK + i] = slide * (path[6] - 2.0 * ratio)
+        s[to + 2 * BLOCK + i] = slide * (total - 2.0 * ratio)
 
 
 @jit
