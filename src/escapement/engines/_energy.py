@@ -11,8 +11,9 @@ import numpy as np
 
 from escapement._validate import fail
 from escapement.engines._cells import with_cells
+from escapement.engines._events import BREAK, MAXIMUM, REVERSAL
 from escapement.engines._handoffs import handoffs
-from escapement.engines._march import BREAK, MAXIMUM, OK, PAINLEVE, REVERSAL, STALL
+from escapement.engines._march import OK, PAINLEVE, STALL
 from escapement.engines._pieces import events_of, follow, states_in
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message

@@ -13,7 +13,7 @@ from escapement.model import FloatArray, Mechanism, dwell_angle
 @jit(allocates=True)
 def solve_scenes(cells, path, breaks, dwell, rho, mu, load, w, rtol, table, status):
     """Fill table[i] and status[i] for every scene i; natural units."""
-    store, events, seen = workspace(breaks)
+    store, events = workspace(breaks)
     for i in range(rho.size):
         loss = losses(path, mu[i])
         if beyond_painleve(path, rho[i], loss[1], breaks[0], breaks[-1]):
@@ -21,7 +21,7 @@ def solve_scenes(cells, path, breaks, dwell, rho, mu, load, w, rtol, table, stat
         else:
             status[i] = figures(
                 cells, path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
-                store, events, seen, table[i],
+                store, events, table[i],
             )  # fmt: skip
         if status[i] != OK:
             for k in range(FIGURES):

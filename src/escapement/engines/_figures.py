@@ -4,22 +4,31 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import free_turn
-from escapement.engines._locate import place_exactly
-from escapement.engines._march import (
+from escapement.engines._events import (
     EVENTS,
     EVENTS_OF_ONE,
-    EXTREMA,
+    KIND,
     MAXIMUM,
     MINIMUM,
+    NONE,
+    ROUGH,
+    SQUARE,
+    TIME,
+    note,
+    place,
+    turned,
+)
+from escapement.engines._march import (
+    EXTREMA,
     NO_TERMINAL,
     NOT_CONVERGED,
     OK,
     STALL,
     march,
-    turned,
 )
 from escapement.engines._panels import (
     ENDS,
+    HEAD,
     MAX_PANELS,
     lay_out,
     new_store,
@@ -41,57 +50,71 @@ from escapement.engines._terminal import (
 from escapement.mechanisms._slotted import transmission_at
 from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 
-SEEN = 128  # extrema of a transient that are kept
+SEEN = 256  # events of a transient that are kept
 SINCE, LEADING = EVENTS, EVENTS + 1  # its engagement's start, whether it leads
 PATIENCE = 40  # engagements after which the terminal cycle is looked for in any case
+NOT_YET = np.int64(0)
 
 
 @jit(allocates=True)
 def workspace(breaks):
-    """Panel store, events of an engagement and extrema seen, for `figures`."""
-    most = EVENTS_OF_ONE + 4 * breaks.size
-    return new_store(MAX_PANELS), np.empty((most, EVENTS)), np.empty((SEEN + 2 * most, EVENTS + 2))
+    """Panel store and events, for `figures`."""
+    return new_store(MAX_PANELS), np.empty((SEEN + 2 * _most(breaks), EVENTS + 2))
 
 
 @jit
-def _judge(events, i, since, leading, calm, path, rho, mu, load, out):
+def _most(breaks):
+    """Room for the events of an engagement."""
+    return EVENTS_OF_ONE + 4 * breaks.size
+
+
+@jit
+def _judge(events, i, calm, s, path, rho, mu, load, out):
     """Let one extremum of the transient decide on rise and settling time.
 
     Only the greatest and the least speed of an engagement tend to the terminal
     ones, so only they can unsettle a motion. Returns how many in a row did not.
     """
-    final = out[V_MAX] if events[i, 0] == MAXIMUM else out[V_MIN]
-    error = abs(np.sqrt(events[i, 3]) / final - 1.0)
+    final = out[V_MAX] if events[i, KIND] == MAXIMUM else out[V_MIN]
+    error = abs(np.sqrt(events[i, SQUARE]) / final - 1.0)
+    if not (abs(error - RISE_BAND) > ROUGH and abs(error - SETTLING_BAND) > ROUGH):
+        place(events, i, s, path, rho, mu, load)
+        error = abs(np.sqrt(events[i, SQUARE]) / final - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
-        out[RISE] = since + place_exactly(events, i, path, rho, mu, load)[1]
-    if not leading:
+        place(events, i, s, path, rho, mu, load)
+        out[RISE] = events[i, SINCE] + events[i, TIME]
+    if not events[i, LEADING] > 0.0:
         return calm
     if error > SETTLING_BAND:
         out[SETTLING] = np.nan
         return 0
     if np.isnan(out[SETTLING]):
-        out[SETTLING] = since + place_exactly(events, i, path, rho, mu, load)[1]
+        place(events, i, s, path, rho, mu, load)
+        out[SETTLING] = events[i, SINCE] + events[i, TIME]
     return calm + 1
 
 
 @jit
-def _leads(events, used, i):
+def _leads(events, first, used, i, s, path, rho, mu, load):
     """Whether no other extremum of its kind in the engagement goes further."""
-    for j in range(used):
-        if events[j, 0] == events[i, 0]:
-            if events[i, 0] == MAXIMUM and events[j, 3] > events[i, 3]:
-                return False
-            if events[i, 0] == MINIMUM and events[j, 3] < events[i, 3]:
-                return False
+    for j in range(first, used):
+        if j == i or events[j, KIND] != events[i, KIND]:
+            continue
+        if not abs(events[j, SQUARE] / events[i, SQUARE] - 1.0) > ROUGH:
+            place(events, i, s, path, rho, mu, load)
+            place(events, j, s, path, rho, mu, load)
+        further = events[j, SQUARE] > events[i, SQUARE]
+        if further == (events[i, KIND] == MAXIMUM) and events[j, SQUARE] != events[i, SQUARE]:
+            return False
     return True
 
 
 @jit
-def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, seen, out):
+def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, its
-    extrema kept in `seen`; Newton's method finds the terminal cycle from there;
+    extrema kept; Newton's method finds the terminal cycle from there;
     only a motion that settles slowly is followed again. On a stall out[0:2]
     holds its angle and the engagement.
     """
@@ -101,17 +124,18 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     count = lay_out(store, path, breaks, cells, rho, loose)
-    ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    ends = (store[place_of(HEAD) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     time, rising = 0.0, 0.0
-    filled = 0
-    found, calm, sought = False, 0, False
+    first = NONE
+    found, calm, sought = False, NOT_YET, False
     before, better_before = w, w
     record = EXTREMA
     for k in range(MAX_ENGAGEMENTS):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _s, rising, count, used = march(
-            store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, record, events
-        )
+            store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, record, events,
+            first,
+        )  # fmt: skip
         if status != OK:
             for i in range(FIGURES):
                 out[i] = np.nan
@@ -122,43 +146,37 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, s
             return NO_TERMINAL if source + 2.0 * dwell > 0.0 else STALL
         if dwell > 0.0:
             if rising < 0.0:
-                events[used, 0], events[used, 2], events[used, 3] = MINIMUM, length, exit_w
-                events[used, 4] = 0.0
-                used += 1
+                used = note(events, used, MINIMUM, breaks[-1], length, exit_w)
             rising = 1.0
-        for i in range(used):
-            kind = events[i, 0]
-            if kind != MAXIMUM and kind != MINIMUM:
-                continue
-            leading = _leads(events, used, i)
-            if found:
-                calm = _judge(events, i, time, leading, calm, path, rho, mu, load, out)
-            elif not sought:
-                for j in range(EVENTS):
-                    seen[filled, j] = events[i, j]
-                seen[filled, SINCE], seen[filled, LEADING] = time, leading
-                filled += 1
+        for i in range(first, used):
+            if MINIMUM <= events[i, KIND] <= MAXIMUM:
+                events[i, SINCE] = time
+                events[i, LEADING] = _leads(events, first, used, i, store, path, rho, mu, load)
+                if found:
+                    calm = _judge(events, i, calm, store, path, rho, mu, load, out)
         following, free = free_turn(exit_w, dwell, rho)
         time += length + free
         if not sought:
-            turning = turned(events, used)
+            turning = turned(events, first, used)
+            first = used
             better, _shrink, sound = closer(w, exit_w, exponent, source, rho, ends, turning)
             # its entry speed is within twice the band: it may be the first that is settled
             settled = sound and abs(better - w) <= 4.0 * SETTLING_BAND * better
-            if settled or k == PATIENCE or filled + events.shape[0] > seen.shape[0]:
+            if settled or k == PATIENCE or used + _most(breaks) > events.shape[0]:
                 start = better if better > 0.0 else following
                 if sound and better > 0.0 and better_before != before:
                     start = beyond(w, better, before, better_before)
                 status, count = terminal_cycle(
                     store, count, cells, path, breaks, dwell, rho, mu, load, start, following, w,
-                    better, rtol, events, out,
+                    better, rtol, events, used, out,
                 )  # fmt: skip
                 sought, found = True, status == OK
                 if status in (NOT_CONVERGED, NO_TERMINAL):
                     return status
-                for i in range(filled if found else 0):
-                    leading = seen[i, LEADING] > 0.0
-                    calm = _judge(seen, i, seen[i, SINCE], leading, calm, path, rho, mu, load, out)
+                for i in range(used if found else 0):
+                    if MINIMUM <= events[i, KIND] <= MAXIMUM:
+                        calm = _judge(events, i, calm, store, path, rho, mu, load, out)
+                first = NONE
                 # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) engagements
                 if found and out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                     return OK

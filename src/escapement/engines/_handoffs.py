@@ -4,9 +4,11 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, free_turn
-from escapement.engines._march import EVENTS, EVENTS_OF_ONE, OK, PAINLEVE, TIME, march
+from escapement.engines._events import EVENTS, EVENTS_OF_ONE, NONE
+from escapement.engines._march import OK, PAINLEVE, TIME, march
 from escapement.engines._panels import (
     ENDS,
+    HEAD,
     MAX_PANELS,
     lay_out,
     new_store,
@@ -41,14 +43,28 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
     events = np.empty((EVENTS_OF_ONE + 4 * breaks.size, EVENTS))
     count = lay_out(store, path, breaks, cells, rho, loose)
     time, carry, carry_w = 0.0, 0.0, 0.0
-    inertia = store[place_of(0) + ENDS] ** 2 + rho
+    inertia = store[place_of(HEAD) + ENDS] ** 2 + rho
     start = w
     record = TIME
     same = inertia == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, exponent, source, _side, _r, count, _u = march(
-            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, record, events
+            store,
+            count,
+            path,
+            cells,
+            rho,
+            mu,
+            load,
+            w,
+            0.0,
+            0.0,
+            loose,
+            strict,
+            record,
+            events,
+            NONE,
         )
         if status != OK:
             times[k] = (time + length) * clock

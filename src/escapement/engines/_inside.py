@@ -40,19 +40,20 @@ from escapement.engines._panels import (
 )
 from escapement.mechanisms._slotted import PLACES, transmission_on
 
+LEFT_END, RIGHT_END = np.int64(0), np.int64(1)
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
 
 
 @jit
 def rate_at_end(s, at, end, side, w, mu, load):
-    """J theta_ddot at the left (0) or right (1) end: the sign of the acceleration."""
+    """J theta_ddot at an end of a panel: the sign of the acceleration."""
     to = at + ENDS + 3 * end
     return 1.0 - (s[to] + bend(side, mu) * s[to + 1]) * (s[to + 2] * w + load)
 
 
 @jit
 def contact_at_end(s, at, end, w, rho, load):
-    """Contact function at the left (0) or right (1) end."""
+    """Contact function at an end of a panel."""
     to = at + ENDS + 3 * end
     return rho * (s[to + 2] * w + load) + s[to]
 
@@ -62,7 +63,7 @@ def braking(s, at, side, w, rho, mu, load):
     """Slope of w by driver angle at the left end."""
     g = s[at + ENDS]
     j = rho + g * (g + bend(side, mu) * s[at + ENDS + 1])
-    return 2.0 * rate_at_end(s, at, 0, side, w, mu, load) / j
+    return 2.0 * rate_at_end(s, at, LEFT_END, side, w, mu, load) / j
 
 
 @jit

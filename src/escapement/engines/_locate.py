@@ -19,7 +19,7 @@ from escapement.engines._gauss import (
     root_between,
     to_powers,
 )
-from escapement.engines._inside import MERGED, contact_at_end, duration, rate_at_end
+from escapement.engines._inside import MERGED, RIGHT_END, contact_at_end, duration, rate_at_end
 from escapement.engines._panels import (
     ALPHA,
     BETA,
@@ -40,7 +40,6 @@ from escapement.engines._panels import (
     Q,
     U,
     V,
-    W,
     solution_of,
 )
 from escapement.mechanisms._slotted import PLACES, transmission_at
@@ -113,33 +112,6 @@ def state_inside(s, at, x, path, rho):
 
 
 @jit
-def extremum_at(s, at, x):
-    """Angle, time since the left end, w and energy of an extremum located at x."""
-    weights_to(s, x)
-    cumulate(s, F, K)
-    angle = s[at + LEFT] + s[at + HALF] * (1.0 + x)
-    return angle, dot(s, Q, K), dot(s, V, W), dot(s, V, E)
-
-
-@jit
-def place_exactly(events, i, path, rho, mu, load):
-    """Angle, time and w of an event; of an extremum with the evaluated transmission.
-
-    The acceleration is rougher than what its panel was made for: a last step of
-    Newton's, taken only where the time is wanted. The speed does not change on it.
-    """
-    angle, time, w = events[i, 1], events[i, 2], events[i, 3]
-    slope, half = events[i, 4], events[i, 5]
-    if slope == 0.0:
-        return angle, time, w
-    g, u, dg = transmission_at(path, angle)
-    w = events[i, 6] / (rho + g * g)
-    way = (1.0 - (g + bend(half, mu) * abs(u)) * (dg * w + load)) / -slope
-    way = abs(half) * (way if abs(way) < 1e-4 else 0.0)
-    return angle + way, time + way / np.sqrt(w), w
-
-
-@jit
 def reversal_at(s, at, side, x, slope, path, w, rho, load):
     """Angle, time since the left end, where w is known, and w of a reversal located at x."""
     if x <= -1.0:
@@ -191,8 +163,8 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
     e_right = s[two + RIGHT] * fictive + s[two + RIGHT + 1]
     w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
     bad += not w_right > 0.0
-    bad += apart and side * contact_at_end(s, at, 1, w_right, rho, load) > 0.0
-    bad += record and rate_at_end(s, at, 1, -side, w_right, mu, load) <= 0.0
+    bad += apart and side * contact_at_end(s, at, RIGHT_END, w_right, rho, load) > 0.0
+    bad += record and rate_at_end(s, at, RIGHT_END, -side, w_right, mu, load) <= 0.0
     good = bad == 0 and roughness <= max(strict, s[two + NOISE])
     source = (alpha * source + beta - beta_other) / alpha_other
     source = s[two + RIGHT] * source + s[two + RIGHT + 1]

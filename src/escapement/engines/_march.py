@@ -9,9 +9,12 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import side_at
+from escapement.engines._events import BREAK, MAXIMUM, MINIMUM, REVERSAL, note, note_extremum
 from escapement.engines._gauss import N
 from escapement.engines._inside import (
+    LEFT_END,
     MERGED,
+    RIGHT_END,
     braking,
     clearly_against,
     contact_at_end,
@@ -23,10 +26,11 @@ from escapement.engines._inside import (
     run_over,
     start_slowly,
 )
-from escapement.engines._locate import extremum_at, locate, reversal_at, turn, weights_to
+from escapement.engines._locate import locate, reversal_at, turn, weights_to
 from escapement.engines._panels import (
     ENDS,
     HALF,
+    HEAD,
     KINK,
     LEFT,
     MAX_PANELS,
@@ -38,7 +42,6 @@ from escapement.engines._panels import (
     START,
     TAIL,
     UNBUILT,
-    A,
     C,
     halve,
     place_of,
@@ -51,37 +54,12 @@ OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
 SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one of a start
 NEARLY_STOPPED = 4e-13  # half width of a panel in which a stop is taken as even braking
-REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
 MAP, TIME, EXTREMA, EVERYTHING = (np.int64(i) for i in range(4))  # what a march is asked for
-EVENTS = 7  # columns of an event: kind, angle from dead centre, time, w, and for
-# `place_exactly` slope of the acceleration by x, side times half the panel, energy; or 0
-EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
-
-
-@jit
-def _note(events, used, kind, angle, time, w):
-    if used < events.shape[0]:
-        events[used, 0] = kind
-        events[used, 1] = angle
-        events[used, 2] = time
-        events[used, 3] = w
-        events[used, 4] = 0.0
-        used += 1
-    return used
-
-
-@jit
-def turned(events, used):
-    """Whether the events of an engagement hold a pin reversal."""
-    count = 0
-    for i in range(used):
-        count += events[i, 0] == REVERSAL
-    return count > 0
 
 
 @jit
 def march(
-    s, count, path, cells, rho, mu, load, w, side, rising, loose, strict, record, events
+    s, count, path, cells, rho, mu, load, w, side, rising, loose, strict, record, events, used
 ):  # fmt: skip
     """Advance from entry to exit of one engagement.
 
@@ -95,23 +73,23 @@ def march(
         values inside it.
     record : MAP: only the map from w to w, blind for a pair of reversals inside a panel;
         TIME, EXTREMA, or EVERYTHING: also where and when reversals are.
-    events : array (k, 7) to be filled; too short a one ends the march.
+    events, used : array (k, EVENTS) to be filled from row `used` on; too short a one
+        ends the march.
 
     Returns
     -------
-    status, w, time, exponent, source, side, rising, count, events_used
+    status, w, time, exponent, source, side, rising, count, used
         w_out (rho + g_out^2) = exp(-exponent) w_in (rho + g_in^2) + source for the
         side switched at the same angles. On a stall w is the angle.
     """
-    used = 0
     time, exponent, source = 0.0, 0.0, 0.0
-    panel = 0
+    panel = HEAD
     noted = False
-    at = place_of(0)
+    at = place_of(HEAD)
     energy = w * (rho + s[at + ENDS] ** 2)
     if side == 0.0:
         side = side_at(s[at + ENDS], s[at + ENDS + 2], w, rho, load)
-    if w == 0.0 and rate_at_end(s, at, 0, side, 0.0, mu, load) <= 0.0:
+    if w == 0.0 and rate_at_end(s, at, LEFT_END, side, 0.0, mu, load) <= 0.0:
         return STALL, s[at + LEFT], time, exponent, source, side, rising, count, used
     while panel >= 0:
         chained = place_of(panel)
@@ -138,7 +116,7 @@ def march(
         passed = 0.0
         e_right = s[to + RIGHT] * energy + s[to + RIGHT + 1]
         w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
-        c_right = side * contact_at_end(s, at, 1, w_right, rho, load)
+        c_right = side * contact_at_end(s, at, RIGHT_END, w_right, rho, load)
         # where only the map is asked for, the right end says whether more has to be known
         inside = record != MAP or not (c_right > 0.0 and w_right > 0.0)
         if inside and not split:
@@ -173,17 +151,17 @@ def march(
         now, final = 1.0, 1.0
         if record > TIME and not split:
             if s[chained + KINK] > 0.0 and not noted:
-                used = _note(events, used, BREAK, s[at + LEFT], time, w)
+                used = note(events, used, BREAK, s[at + LEFT], time, w)
                 noted = True
-            now = rate_at_end(s, at, 0, side, w, mu, load)
+            now = rate_at_end(s, at, LEFT_END, side, w, mu, load)
             if now * rising < 0.0:
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
-                used = _note(events, used, kind, s[at + LEFT], time, w)
+                used = note(events, used, kind, s[at + LEFT], time, w)
             rising = np.sign(now) if now != 0.0 else rising
             # on a reversal the driver turns free of the follower and gains speed
             final, last = 1.0, reversal
             if reversal < 0:
-                final, last = rate_at_end(s, at, 1, side, w_right, mu, load), N
+                final, last = rate_at_end(s, at, RIGHT_END, side, w_right, mu, load), N
             gains = slower == 0 and now > 0.0 and final > 0.0
             if not gains and not (slower == N and now < 0.0 and final < 0.0):
                 changes, extremum = find_extremum(s, last, now, final)
@@ -198,19 +176,17 @@ def march(
         if not split and (reversal >= 0 or extremum >= 0):
             high, x, slope = 1.0, 1.0, 0.0
             if reversal >= 0:
-                c_left = side * contact_at_end(s, at, 0, w, rho, load)
+                c_left = side * contact_at_end(s, at, LEFT_END, w, rho, load)
                 # rounding alone may have it that the force is on the other side all along
                 x = -1.0
                 if c_left > 0.0:
                     x, slope = locate(s, C, reversal, c_left, c_right, 1.0)
                 high = x
             if extremum >= 0:
-                top, bent = locate(s, A, extremum, now, final, high)
-                angle, elapsed, w_top, e_top = extremum_at(s, at, top)
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
-                used = _note(events, used, kind, angle, time + elapsed, w_top)
-                events[used - 1, 4], events[used - 1, 5] = bent, side * s[at + HALF]
-                events[used - 1, 6] = e_top
+                used = note_extremum(
+                    events, used, kind, s, at, side, time, extremum, now, final, high, rho, mu
+                )
             if reversal >= 0:
                 if record == EVERYTHING:
                     angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, w, rho, load)
@@ -218,7 +194,7 @@ def march(
                     # of a place that is off by d energy and time are by its square
                     weights_to(s, x)
                     angle, elapsed, w_turn = np.nan, np.nan, np.nan
-                used = _note(events, used, REVERSAL, angle, time + elapsed, w_turn)
+                used = note(events, used, REVERSAL, angle, time + elapsed, w_turn)
                 good, e_right, length, shrunk, turned_source = turn(
                     s, at, side, reversal, rho, mu, load, strict, record > TIME, source
                 )
@@ -248,6 +224,6 @@ def march(
         if used >= events.shape[0]:
             return NOT_CONVERGED, w, time, exponent, source, side, rising, count, used
         energy, w = e_right, w_right
-        panel = int(s[chained + NEXT])
+        panel = np.int64(s[chained + NEXT])
         noted = False
     return OK, w, time, exponent, source, side, rising, count, used

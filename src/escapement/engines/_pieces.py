@@ -8,13 +8,15 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import bend
+from escapement.engines._events import ANGLE, EVENTS, KIND, NONE, REVERSAL, SQUARE, TIME, place
 from escapement.engines._gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines._inside import duration, run_over
-from escapement.engines._locate import place_exactly, weights_to
-from escapement.engines._march import EVENTS, EVERYTHING, march
+from escapement.engines._locate import weights_to
+from escapement.engines._march import EVERYTHING, march
 from escapement.engines._panels import (
     DG,
     ENDS,
+    HEAD,
     MAX_PANELS,
     NOISE,
     RIGHT,
@@ -40,6 +42,7 @@ from escapement.engines._solve import solve_side
 from escapement.mechanisms._slotted import transmission_at
 
 EVENT_COLUMNS = 5  # engagement, kind, angle, time from the start, w
+ONE = np.int64(1)
 _MOST = 64  # events of one engagement
 _EVEN = 1e-12  # width below which the acceleration is constant [rad]
 
@@ -77,14 +80,14 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     events = np.empty((_MOST + 4 * breaks.size, EVENTS))
     count = lay_out(store, path, breaks, cells, rho, loose)
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
-    filled = 0
+    filled = NONE
     rising = 0.0
     record = EVERYTHING
     for k in range(starts.size):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, _x, _s, side, rising, count, used = march(
             store, count, path, cells, rho, mu, load, squares[k], 0.0, rising,
-            loose, strict, record, events,
+            loose, strict, record, events, NONE,
         )  # fmt: skip
         if filled + used + 2 > table.shape[0]:
             larger = np.empty((2 * table.shape[0] + used, EVENT_COLUMNS))
@@ -92,12 +95,13 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
             table = larger
         flips = 0
         for i in range(used):
-            flips += events[i, 0] == 0.0
+            flips += events[i, KIND] == REVERSAL
         first = side if flips % 2 == 0 else -side
         filled = _put(table, filled, k, -1.0, first, starts[k], squares[k])
         for i in range(used):
-            angle, time, w = place_exactly(events, i, path, rho, mu, load)
-            filled = _put(table, filled, k, events[i, 0], angle, starts[k] + time, w)
+            place(events, i, store, path, rho, mu, load)
+            angle, time, w = events[i, ANGLE], events[i, TIME], events[i, SQUARE]
+            filled = _put(table, filled, k, events[i, KIND], angle, starts[k] + time, w)
         if status != 0:
             break
         if dwell > 0.0:
@@ -127,8 +131,8 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
     loss, length : work lost in friction over the piece, and its duration.
     """
     _loose, strict = tolerances(rtol)
-    s = new_store(1)
-    at = place_of(0)
+    s = new_store(ONE)
+    at = place_of(HEAD)
     to = solution_of(at, side)
     ends = np.empty(80)
     waiting = 0

@@ -10,20 +10,18 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import free_turn
+from escapement.engines._events import KIND, MAXIMUM, MINIMUM, ROUGH, SQUARE, place, turned
 from escapement.engines._march import (
     EXTREMA,
     MAP,
-    MAXIMUM,
-    MINIMUM,
     NO_TERMINAL,
     NOT_CONVERGED,
     OK,
     STALL,
     TIME,
     march,
-    turned,
 )
-from escapement.engines._panels import ENDS, lay_out, place_of, tidy, tolerances
+from escapement.engines._panels import ENDS, HEAD, lay_out, place_of, tidy, tolerances
 from escapement.mechanisms._slotted import transmission_at
 from escapement.mechanisms._table import is_table
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
@@ -69,19 +67,20 @@ def beyond(w, better, before, better_before):
 @jit
 def terminal_cycle(
     store, count, cells, path, breaks, dwell, rho, mu, load, w, last_good, before,
-    better_before, rtol, events, out,
+    better_before, rtol, events, first, out,
 ):  # fmt: skip
-    """Terminal cycle by Newton's method from w; fills out, events hold its extrema.
+    """Terminal cycle by Newton's method from w; fills out.
 
     `last_good` is where to go on from when that stalls; `better_before` what a step
-    from `before` gave, equal ones counting for nothing.
+    from `before` gave, equal ones counting for nothing. Events may be noted from row
+    `first` on.
 
     Returns
     -------
     status, count
     """
     loose, strict = tolerances(rtol)
-    ends = (store[place_of(0) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
+    ends = (store[place_of(HEAD) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     plain, patience = 0, 20
     # a load often turns the pin twice inside a panel, which the map alone is blind for
     near, glance = False, MAP if load == 0.0 else TIME
@@ -89,7 +88,7 @@ def terminal_cycle(
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
             store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict,
-            EXTREMA if near else glance, events,
+            EXTREMA if near else glance, events, first,
         )  # fmt: skip
         if status == STALL and plain == 0:
             # Newton overshot into a stop: follow the motion itself for a while, without the
@@ -100,7 +99,7 @@ def terminal_cycle(
             continue
         if status != OK:
             return status, count
-        turning = turned(events, used)
+        turning = turned(events, first, used)
         better, shrink, sound = closer(w, exit_w, exponent, source, rho, ends, turning)
         last_good = exit_w + ends[2]
         change = abs(better - w)
@@ -126,9 +125,13 @@ def terminal_cycle(
     else:
         return NOT_CONVERGED, count
     fast, slow = max(w, exit_w), min(w, exit_w)
-    for i in range(used):
-        if events[i, 0] == MAXIMUM or events[i, 0] == MINIMUM:
-            fast, slow = max(fast, events[i, 3]), min(slow, events[i, 3])
+    for i in range(first, used):
+        if not MINIMUM <= events[i, KIND] <= MAXIMUM:
+            continue
+        # only what may be the greatest or the least has to be exact
+        if not slow * (1.0 + ROUGH) < events[i, SQUARE] < fast * (1.0 - ROUGH):
+            place(events, i, store, path, rho, mu, load)
+        fast, slow = max(fast, events[i, SQUARE]), min(slow, events[i, SQUARE])
     out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
     out[PERIOD] = length + free_turn(exit_w, dwell, rho)[1]
     out[W_HANDOFF], out[CONTRACTION] = better, shrink
