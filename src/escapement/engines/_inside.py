@@ -1,4 +1,4 @@
-"""What a march meets inside one panel: speeds, reversals, extrema, a start from rest.
+"""What a march meets inside one panel: speeds, reversals, extrema.
 
 All of it works on values at the panel's points, kept in the scratch; a march decides
 what is asked of which panel.
@@ -11,7 +11,6 @@ from escapement.dynamics import bend
 from escapement.engines._gauss import (
     LAST,
     LAST_BUT_ONE,
-    POINTS,
     WEIGHTS,
     N,
     points_of,
@@ -21,24 +20,18 @@ from escapement.engines._panels import (
     BETA,
     DG,
     ENDS,
-    HALF,
     INVERSE,
-    LEFT,
-    START,
     STEP,
     A,
     C,
     E,
     F,
     G,
-    K,
     U,
-    V,
     W,
-    complete,
     solution_of,
 )
-from escapement.mechanisms._slotted import PLACES, transmission_on
+from escapement.mechanisms._slotted import PLACES
 
 LEFT_END, RIGHT_END = np.int64(0), np.int64(1)
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
@@ -59,37 +52,6 @@ def contact_at_end(s, at, end, w, rho, load):
 
 
 @jit
-def braking(s, at, side, w, rho, mu, load):
-    """Slope of w by driver angle at the left end."""
-    g = s[at + ENDS]
-    j = rho + g * (g + bend(side, mu) * s[at + ENDS + 1])
-    return 2.0 * rate_at_end(s, at, LEFT_END, side, w, mu, load) / j
-
-
-@jit
-def start_slowly(s, at, path, rho, way):
-    """Fill the start's panel: that at `at`, over the square root of the angle.
-
-    From rest w grows like the angle, and 1/sqrt(w) is singular; over
-    y = sqrt(way + (theta - left)/length), with the speed zero at y = 0, neither is.
-    `way` is how far before the left end that lies, in lengths of the panel.
-    """
-    left, half = s[at + LEFT], s[at + HALF]
-    first, last = np.sqrt(way), np.sqrt(1.0 + way)
-    for i in range(N):
-        y = 0.5 * ((last + first) + (last - first) * POINTS[i])
-        s[K + i] = 2.0 * (y * y - way) - 1.0
-        s[V + i] = 2.0 * half * (last - first) * y
-    transmission_on(path, left, half, s, K, START + G)
-    for i in range(6):
-        s[START + ENDS + i] = s[at + ENDS + i]
-    s[START + LEFT], s[START + HALF] = left, half
-    complete(s, START, rho)
-    for i in range(N):
-        s[START + STEP + i] = s[V + i]
-
-
-@jit
 def run_over(s, at, side, energy, rho, mu, load):
     """Energy, speed, slowness, contact and sign of the acceleration at the points.
 
@@ -99,7 +61,7 @@ def run_over(s, at, side, energy, rho, mu, load):
         there is no speed left, and where the driver gains none.
     """
     at &= PLACES
-    to = solution_of(at, side) & PLACES
+    to = solution_of(at, side)
     lost = bend(side, mu)
     against = 0
     stopped = 0
@@ -119,21 +81,6 @@ def run_over(s, at, side, energy, rho, mu, load):
         stopped += not w > 0.0
         slower += a <= 0.0
     return against, stopped, slower
-
-
-@jit
-def clearly_against(s):
-    """Points where the other side carries a force beyond rounding.
-
-    Next to the stop of a mesh, known from a table, g and g' are rounding errors.
-    """
-    largest = 0.0
-    for i in range(points_of(s)):
-        largest = max(largest, s[C + i])
-    count = 0
-    for i in range(N):
-        count += s[C + i] < -1e-9 * largest
-    return count
 
 
 @jit

@@ -137,7 +137,7 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
         good is False where the panel is too coarse for this.
     """
     at &= PLACES
-    one, two = solution_of(at, side) & PLACES, solution_of(at, -side) & PLACES
+    one, two = solution_of(at, side), solution_of(at, -side)
     e = dot(s, V, E)
     alpha, beta, b = dot(s, V, one + ALPHA), dot(s, V, one + BETA), dot(s, V, one + B)
     alpha_other, beta_other = dot(s, V, two + ALPHA), dot(s, V, two + BETA)

@@ -15,8 +15,6 @@ from escapement.engines._inside import (
     LEFT_END,
     MERGED,
     RIGHT_END,
-    braking,
-    clearly_against,
     contact_at_end,
     dips,
     duration,
@@ -24,7 +22,6 @@ from escapement.engines._inside import (
     first_against,
     rate_at_end,
     run_over,
-    start_slowly,
 )
 from escapement.engines._locate import locate, reversal_at, turn, weights_to
 from escapement.engines._panels import (
@@ -37,7 +34,6 @@ from escapement.engines._panels import (
     NEXT,
     NOISE,
     RIGHT,
-    SHARP,
     SMALLEST,
     START,
     TAIL,
@@ -48,6 +44,7 @@ from escapement.engines._panels import (
     solution_of,
 )
 from escapement.engines._solve import solve_side
+from escapement.engines._start import begin, braking, clearly_against
 from escapement.status import Status
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
@@ -98,16 +95,8 @@ def march(
         if w > 0.0 and s[to + TAIL] == UNBUILT:
             solve_side(s, at, side, rho, mu, load)
         if w == 0.0 or energy <= SLOW * s[to + RIGHT + 1]:
-            slope = braking(s, at, side, w, rho, mu, load)
-            if slope > 0.0 and s[at + SHARP] > strict:
-                # over the square root of the angle it would be rougher still
-                s[to + TAIL] = 1.0
-            elif slope > 0.0:
-                start_slowly(s, at, path, rho, w / (2.0 * slope * s[at + HALF]))
-                at, to = START, solution_of(START, side)
-                s[to + TAIL] = s[at + SHARP]
-                if s[to + TAIL] <= strict:
-                    solve_side(s, at, side, rho, mu, load)
+            at = begin(s, at, side, path, rho, mu, load, w, strict)
+            to = solution_of(at, side)
         tail = s[to + TAIL]
         # next to rest an error of the energy counts in full
         split = tail > (strict if at == START else loose)
@@ -165,7 +154,7 @@ def march(
             gains = slower == 0 and now > 0.0 and final > 0.0
             if not gains and not (slower == N and now < 0.0 and final < 0.0):
                 changes, extremum = find_extremum(s, last, now, final)
-            split = changes > 1 or (changes == 1 and (tail > strict or at == START))
+            split = changes > 1 or (changes == 1 and at == START)
         if reversal >= 0 and not split:
             other = solution_of(at, -side)
             if s[other + TAIL] == UNBUILT:
@@ -185,8 +174,9 @@ def march(
             if extremum >= 0:
                 kind = MAXIMUM if rising > 0.0 else MINIMUM
                 used = note_extremum(
-                    events, used, kind, s, at, side, time, extremum, now, final, high, rho, mu
-                )
+                    events, used, kind, s, at, side, time, energy, extremum, now, final, high,
+                    tail > strict, mu,
+                )  # fmt: skip
             if reversal >= 0:
                 if record == EVERYTHING:
                     angle, elapsed, w_turn = reversal_at(s, at, side, x, slope, path, w, rho, load)

@@ -108,7 +108,7 @@ def solve_side(s, at, side, rho, mu, load):
         tail = 0.0
     if not tail < 1.0 or abs(total) > 20.0:
         tail = 1.0
-    to = solution_of(at, side) & PLACES
+    to = solution_of(at, side)
     for i in range(3 * points_of(s)):
         s[to + i] = s[SOLVED + i]
     s[to + RIGHT], s[to + RIGHT + 1], s[to + RIGHT + 2] = alpha, alpha * source, total
