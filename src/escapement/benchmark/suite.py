@@ -29,7 +29,7 @@ class Effort:
 FULL = Effort(
     problems=PROBLEMS,
     decades=1,
-    longest=0.5,
+    longest=1.0,
     rounds=5,
     engagements=(1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 10_000, 100_000),
     cases=(1, 3, 10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000),

@@ -36,9 +36,8 @@ from escapement.mechanisms._slotted import PLACES, transmission_at
 REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
 # columns of an event. ANGLE, TIME: from dead centre, since the entry; of an extremum that is
 # not PLACED those of its panel's left end, SQUARE being rough. The rest: by what it is placed
-KIND, ANGLE, TIME, SQUARE, PLACED, COARSE, WIDTH, SIDE, ENERGY, POINT, FIRST, FINAL, HIGH = range(
-    13
-)
+KIND, ANGLE, TIME, SQUARE, PLACED = range(5)
+COARSE, WIDTH, SIDE, ENERGY, POINT, FIRST, FINAL, HIGH = range(5, 13)
 VALUES = 16
 EVENTS = VALUES + 4 * N
 EVENTS_OF_ONE = 16  # room for those of an engagement, beside its breaks
