@@ -6,7 +6,6 @@ from escapement._jit import jit
 from escapement.dynamics import free_turn
 from escapement.engines._events import (
     EVENTS,
-    EVENTS_OF_ONE,
     KIND,
     MAXIMUM,
     MINIMUM,
@@ -14,6 +13,7 @@ from escapement.engines._events import (
     ROUGH,
     SQUARE,
     TIME,
+    most_events,
     note,
     place,
     turned,
@@ -53,19 +53,12 @@ from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 SEEN = 256  # events of a transient that are kept
 SINCE, LEADING = EVENTS, EVENTS + 1  # its engagement's start, whether it leads
 PATIENCE = 40  # engagements after which the terminal cycle is looked for in any case
-NOT_YET = np.int64(0)
 
 
 @jit(allocates=True)
 def workspace(breaks):
     """Panel store and events, for `figures`."""
-    return new_store(MAX_PANELS), np.empty((SEEN + 2 * _most(breaks), EVENTS + 2))
-
-
-@jit
-def _most(breaks):
-    """Room for the events of an engagement."""
-    return EVENTS_OF_ONE + 4 * breaks.size
+    return new_store(MAX_PANELS), np.empty((SEEN + 2 * most_events(breaks), EVENTS + 2))
 
 
 @jit
@@ -127,7 +120,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
     ends = (store[place_of(HEAD) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     time, rising = 0.0, 0.0
     first = NONE
-    found, calm, sought = False, NOT_YET, False
+    found, calm, sought = False, NONE, False
     before, better_before = w, w
     record = EXTREMA
     for k in range(MAX_ENGAGEMENTS):
@@ -162,7 +155,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
             better, _shrink, sound = closer(w, exit_w, exponent, source, rho, ends, turning)
             # its entry speed is within twice the band: it may be the first that is settled
             settled = sound and abs(better - w) <= 4.0 * SETTLING_BAND * better
-            if settled or k == PATIENCE or used + _most(breaks) > events.shape[0]:
+            if settled or k == PATIENCE or used + most_events(breaks) > events.shape[0]:
                 start = better if better > 0.0 else following
                 if sound and better > 0.0 and better_before != before:
                     start = beyond(w, better, before, better_before)

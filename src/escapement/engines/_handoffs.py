@@ -4,7 +4,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, free_turn
-from escapement.engines._events import EVENTS, EVENTS_OF_ONE, NONE
+from escapement.engines._events import EVENTS, NONE, most_events
 from escapement.engines._march import OK, PAINLEVE, TIME, march
 from escapement.engines._panels import (
     ENDS,
@@ -40,7 +40,7 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
     store = new_store(MAX_PANELS)
-    events = np.empty((EVENTS_OF_ONE + 4 * breaks.size, EVENTS))
+    events = np.empty((most_events(breaks), EVENTS))
     count = lay_out(store, path, breaks, cells, rho, loose)
     time, carry, carry_w = 0.0, 0.0, 0.0
     inertia = store[place_of(HEAD) + ENDS] ** 2 + rho
