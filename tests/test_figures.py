@@ -166,3 +166,39 @@ def test_a_load_that_turns_the_pin_twice_between_points(slots, pins, ratio, fric
     start = figures.handoff_velocity
     motion = esc.simulate(timer, engagements=1, initial_speed=start, engine="ivp")
     assert motion.handoff_velocities[0] == pytest.approx(start, rel=1e-9)
+
+
+@pytest.mark.parametrize("engine", BOTH)
+def test_peaks_are_sampled_only_when_asked_for(engine, monkeypatch):
+    """Speeds and times of the fast engine need no state of any motion; peaks need one each."""
+    looked = []
+    state = esc.Motion._state
+
+    def watched(motion, *places):
+        looked.append(motion)
+        return state(motion, *places)
+
+    monkeypatch.setattr(esc.Motion, "_state", watched)
+    figures = esc.terminal(drive(mu=0.3), engine=engine)
+    assert figures.rise_time > 0.0
+    if engine == "energy":
+        assert not looked
+    before = len(looked)
+    assert figures.acceleration_max > 0.0
+    once = len(looked)
+    assert once > before
+    assert figures.follower_acceleration_max > 0.0
+    assert len(looked) == once
+
+
+def test_terminal_motion_is_the_engagement_that_repeats_itself():
+    """What the figures are read from is at hand; there is none without a terminal cycle."""
+    figures = esc.terminal(drive(mu=0.3))
+    assert figures.motion.end_time == pytest.approx(figures.period, rel=1e-11)
+    (end,) = figures.motion.handoff_velocities
+    assert end == pytest.approx(figures.handoff_velocity, rel=1e-11)
+    none = esc.terminal(drive(mu=0.0))
+    assert none.motion is None
+    assert np.isnan(none.acceleration_max)
+    assert np.isnan(none.energy_residual)
+    assert none.reversal_angles == ()

@@ -5,12 +5,13 @@ time compare the extrema of the motion from its start with that cycle.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from escapement._peaks import peaks
 from escapement.motion import Extrema, Motion
 from escapement.status import MESSAGES, Status
 
@@ -22,7 +23,6 @@ MAX_ENGAGEMENTS = 1_000_000
 """A rise or settling time beyond this many engagements is not given."""
 BOUNDLESS = 1e-12
 """A gain over w below which a ratio that no loss outweighs is constant to rounding [-]."""
-_NEAREST = 1e-9  # of a piece: how close to its ends a peak is looked for
 
 NAN = math.nan
 
@@ -30,6 +30,9 @@ NAN = math.nan
 @dataclass(frozen=True)
 class Figures:
     """Figures of merit of an escapement; NaN where there is none.
+
+    What the terminal engagement's motion has to be sampled for is worked out when first
+    asked for: acceleration_max to reversal_angles.
 
     velocity_max, velocity_min : extremes of the terminal driver speed [rad/s].
     velocity_mean : cell angle over period [rad/s].
@@ -45,10 +48,11 @@ class Figures:
     contact_moment_max : greatest magnitude of the moment on the follower [N m].
     contact_force_max : greatest magnitude of the force on the pin [N]; NaN
         without a crank radius.
-    critical_friction : Painleve limit [-].
     energy_residual : energy unaccounted for over the terminal cycle, of the
         work done [-].
     reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
+    critical_friction : Painleve limit [-].
+    motion : one engagement of the terminal cycle, None where there is none.
     status, message : outcome, and why in a sentence.
     """
 
@@ -60,13 +64,8 @@ class Figures:
     settling_time: float = NAN
     handoff_velocity: float = NAN
     contraction: float = NAN
-    acceleration_max: float = NAN
-    follower_acceleration_max: float = NAN
-    contact_moment_max: float = NAN
-    contact_force_max: float = NAN
     critical_friction: float = NAN
-    energy_residual: float = NAN
-    reversal_angles: tuple[float, ...] = ()
+    motion: Motion | None = field(default=None, repr=False, compare=False)
     status: Status = Status.OK
     message: str = MESSAGES[Status.OK]
 
@@ -75,35 +74,67 @@ class Figures:
         """(max + min)/2, the thesis' average terminal velocity [rad/s]."""
         return (self.velocity_max + self.velocity_min) / 2.0
 
+    @cached_property
+    def _peaks(self) -> list[float]:
+        return [NAN] * 4 if self.motion is None else peaks(self.motion)
+
+    @property
+    def acceleration_max(self) -> float:
+        """Greatest driver acceleration [rad/s^2]."""
+        return self._peaks[0]
+
+    @property
+    def follower_acceleration_max(self) -> float:
+        """Greatest follower acceleration [rad/s^2]."""
+        return self._peaks[1]
+
+    @property
+    def contact_moment_max(self) -> float:
+        """Greatest moment on the follower [N m]."""
+        return self._peaks[2]
+
+    @property
+    def contact_force_max(self) -> float:
+        """Greatest force on the pin [N]."""
+        return self._peaks[3]
+
+    @property
+    def energy_residual(self) -> float:
+        """Energy unaccounted for, of the work done [-]."""
+        return NAN if self.motion is None else self.motion.ledger.residual
+
+    @property
+    def reversal_angles(self) -> tuple[float, ...]:
+        """Pin reversals, from dead centre [rad]."""
+        if self.motion is None:
+            return ()
+        turned, cell = self.motion.reversals, self.motion.escapement.mechanism.cell_angle
+        return tuple((turned.theta - turned.engagement * cell).tolist())
+
     def as_dict(self) -> dict[str, Any]:
-        """Fields by name, with the published average beside the mean."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return values | {"velocity_average_published": self.velocity_average_published}
+        """All figures by name, with the published average beside the mean."""
+        return {name: getattr(self, name) for name in _NAMES}
+
+
+_NAMES = (
+    *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
+    *("rise_time", "settling_time", "handoff_velocity", "contraction", "acceleration_max"),
+    *("follower_acceleration_max", "contact_moment_max", "contact_force_max"),
+    *("critical_friction", "energy_residual", "reversal_angles", "status", "message"),
+)
 
 
 def read_cycle(cycle: Motion, base: Figures) -> Figures:
     """Terminal figures from one engagement that starts at the terminal speed."""
     speeds = np.concatenate([cycle.extrema.theta_dot, cycle.at([0.0, cycle.end_time]).theta_dot])
-    mechanism = cycle.escapement.mechanism
-    cell = mechanism.cell_angle
-    names = ["theta_ddot", "phi_ddot", "contact_moment"]
-    if getattr(mechanism, "crank_radius", None) is not None:
-        names.append("contact_force")
-    acceleration, follower_acceleration, moment, *force = _peaks(cycle, names)
-    turned = cycle.reversals.theta - cycle.reversals.engagement * cell
     return replace(
         base,
         velocity_max=float(speeds.max()),
         velocity_min=float(speeds.min()),
-        velocity_mean=float(cell / cycle.end_time),
+        velocity_mean=float(cycle.escapement.mechanism.cell_angle / cycle.end_time),
         period=float(cycle.end_time),
         handoff_velocity=float(cycle.handoff_velocities[0]),
-        acceleration_max=acceleration,
-        follower_acceleration_max=follower_acceleration,
-        contact_moment_max=moment,
-        contact_force_max=force[0] if force else NAN,
-        energy_residual=cycle.ledger.residual,
-        reversal_angles=tuple(turned.tolist()),
+        motion=cycle,
     )
 
 
@@ -138,55 +169,3 @@ def _leading(extrema: Extrema) -> np.ndarray:
             if same.size:
                 chosen.append(int(same[best(extrema.theta_dot[same])]))
     return np.array(sorted(chosen), dtype=int)
-
-
-def _peaks(motion: Motion, names: Sequence[str]) -> list[float]:
-    """Greatest magnitudes of quantities over all pieces, one-sided at boundaries.
-
-    Each grid zooms in on the best point of the one before; a parabola through the
-    last three, some 1e-6 of a piece apart, gives what lies between them.
-    """
-    bounds = np.append(motion.trajectory.start, motion.end_time)
-    pieces = np.arange(bounds.size - 1)[:, None]
-    # a row for all quantities at first, then one for each
-    grid = _looks(motion, pieces, bounds)[None]
-    for size in (33, 33, 33, 0):
-        state = motion.within(pieces, grid)
-        columns = [getattr(state, name) for name in names]
-        values = np.abs([column[min(row, grid.shape[0] - 1)] for row, column in enumerate(columns)])
-        best = values.argmax(axis=-1, keepdims=True)
-        grid = np.broadcast_to(grid, values.shape)
-        low = np.take_along_axis(grid, np.maximum(best - 1, 0), axis=-1)[..., 0]
-        high = np.take_along_axis(grid, np.minimum(best + 1, grid.shape[-1] - 1), axis=-1)[..., 0]
-        if size:
-            grid = np.linspace(low, high, size, axis=-1)
-    return [
-        max(_summit(line[max(i - 1, 0) : i + 2]) for line, (i,) in zip(lines, places, strict=True))
-        for lines, places in zip(values, best, strict=True)
-    ]
-
-
-def _looks(motion: Motion, pieces: np.ndarray, bounds: np.ndarray) -> np.ndarray:
-    """Times within each piece at which no peak is overlooked, a row a piece.
-
-    Next to the ends of a piece a light driver's acceleration peaks within an angle of
-    sqrt(rho), and a slow one passes much of the angle in little of the time: so they
-    are even in time as well as in angle, and ever closer towards both ends.
-    """
-    ends = np.geomspace(_NEAREST, 0.25, 48)
-    shares = np.unique(np.concatenate([np.linspace(0.0, 1.0, 129), ends, 1.0 - ends]))
-    low, high = bounds[:-1, None], bounds[1:, None]
-    by_time = low + (high - low) * shares
-    theta = motion.within(pieces, by_time).theta
-    angles = theta[:, :1] + (theta[:, -1:] - theta[:, :1]) * shares
-    by_angle = np.array(list(map(np.interp, angles, theta, by_time)))
-    return np.sort(np.concatenate([by_time, by_angle], axis=1), axis=1)
-
-
-def _summit(values: np.ndarray) -> float:
-    """Top of the parabola through three even samples, the middle one the greatest."""
-    top = float(values.max())
-    if values.size < 3:
-        return top
-    bend = 2.0 * values[1] - values[0] - values[2]
-    return top + float((values[2] - values[0]) ** 2 / (8.0 * bend)) if bend > 0.0 else top

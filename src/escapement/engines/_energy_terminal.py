@@ -17,7 +17,7 @@ from escapement.engines._terminal import (
     V_MIN,
     W_HANDOFF,
 )
-from escapement.metrics import Figures, read_cycle
+from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.motion import stall_message
 from escapement.status import MESSAGES, Status
@@ -47,7 +47,7 @@ def terminal(
     if np.isnan(out[SETTLING]):
         message = "rise and settling time are not given: beyond 1 000 000 engagements"
     return replace(
-        read_cycle(cycle, base),
+        base,
         velocity_max=float(out[V_MAX] / clock),
         velocity_min=float(out[V_MIN] / clock),
         velocity_mean=float(cell / (out[PERIOD] * clock)),
@@ -56,5 +56,6 @@ def terminal(
         settling_time=float(out[SETTLING] * clock),
         handoff_velocity=handoff,
         contraction=float(out[CONTRACTION]),
+        motion=cycle,
         message=message,
     )
