@@ -1,6 +1,5 @@
 """Mechanisms from tables: accuracy of the spline, of what it says of itself, and motions."""
 
-import json
 import math
 
 import numpy as np
@@ -9,29 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.errors import InputFileError, InvalidValue, MissingInput
+from escapement.errors import InvalidValue
 from escapement.mechanisms._periodic_spline import interpolating, smoothing
 from escapement.model import Mechanism
-
-DRIVE = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
-ANGLES = np.linspace(*DRIVE.breaks, 401)
-INERTIA = esc.Inertia(1e-5, 2e-5)
-
-
-def exact(rows, sense=-1.0):
-    theta = np.linspace(*DRIVE.breaks, rows + 1)
-    return esc.Tabulated(theta, sense * DRIVE.follower_angle(theta))
-
-
-def measured(rows, noise, seed=1, cells=3.0):
-    """Rows at random angles over some cells, in the order of their making."""
-    random = np.random.default_rng(seed)
-    theta = random.uniform(-cells, cells, rows) * DRIVE.cell_angle
-    phi = -DRIVE.follower_angle(theta) + noise * random.standard_normal(rows)
-    return esc.Tabulated(
-        theta, phi, measured=True, cell_angle=DRIVE.cell_angle, follower_step=DRIVE.follower_step
-    )
-
+from tabulated_drive import ANGLES, DRIVE, INERTIA, exact, measured
 
 # --- the spline ---------------------------------------------------------------------------
 
@@ -218,97 +198,6 @@ def test_a_motion_of_a_table_is_written_and_read(table, tmp_path):
     np.testing.assert_allclose(again.at(times).theta_dot, motion.at(times).theta_dot, rtol=1e-9)
 
 
-# --- reading, and what cannot be ----------------------------------------------------------
-
-
-def test_csv(tmp_path):
-    theta = np.degrees(np.linspace(*DRIVE.breaks, 41))
-    rows = [f"{a!r},{b!r}" for a, b in zip(
-        theta.tolist(), np.degrees(-DRIVE.follower_angle(np.radians(theta))).tolist(), strict=True
-    )]  # fmt: skip
-    place = tmp_path / "table.csv"
-    place.write_text("# a drive\ndriver (deg),follower (deg)\n\n" + "\n".join(rows) + "\n")
-    table = esc.Tabulated.from_csv(place)
-    found = table.transmission(ANGLES).g
-    np.testing.assert_allclose(found, exact(40).transmission(ANGLES).g, rtol=0.0, atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "line",
-    ["{:.3f} {:.3f}", "{:.3f}   {:.3f} ", "{:.3f}; {:.3f}", "{:.3f}\t{:.3f}", '"{:.3f}","{:.3f}"'],
-)
-def test_what_parts_the_columns(tmp_path, line):
-    theta = np.linspace(0.0, 90.0, 31)
-    phi = theta - 20.0 * np.sin(np.radians(4.0 * theta)) / 4.0
-    place = tmp_path / "table.csv"
-    lines = [line.format(*row) for row in zip(theta, phi, strict=True)]
-    for text in (lines, [row.replace(".", ",") for row in lines]):
-        if text is lines or line[6] in ";\t":
-            place.write_text("theta phi\n" + "\n".join(text) + "\n")
-            table = esc.Tabulated.from_csv(place)
-            np.testing.assert_allclose(table.theta, np.radians(theta), rtol=1e-12)
-            np.testing.assert_allclose(table.phi, np.radians(phi), atol=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("1 2\n3 4 5\n", ["two numbers", "line 2", "'3 4 5'", "semicolon"]),
-        ("a,b\n1,2\n3\n", ["two numbers", "line 3", "'3'"]),
-        ("1,2\n3,four\n", ["two numbers", "line 2", "four"]),
-        ("1,2\n3,nan\n", ["two numbers", "line 2"]),
-    ],
-)
-def test_tables_that_cannot_be_read(tmp_path, text, words):
-    place = tmp_path / "table.csv"
-    place.write_text(text)
-    with pytest.raises(InputFileError) as caught:
-        esc.Tabulated.from_csv(place)
-    assert "\n" not in str(caught.value)
-    assert all(word in str(caught.value) for word in words)
-
-
-def test_tables_that_are_not_there_or_no_text(tmp_path):
-    with pytest.raises(MissingInput, match="must exist"):
-        esc.Tabulated.from_csv(tmp_path / "nothing.csv")
-    place = tmp_path / "binary.csv"
-    place.write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputFileError, match="text file"):
-        esc.Tabulated.from_csv(place)
-
-
-LINE = np.linspace(0.0, 1.0, 20)
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: esc.Tabulated([0, 1, 2], [0, 1, 2]), ["theta", "at least 12 rows", "3"]),
-        (lambda: esc.Tabulated(LINE, LINE[:-1]), ["phi", "as long as theta, 20", "19"]),
-        (lambda: esc.Tabulated(LINE, np.where(LINE > 0.9, np.nan, LINE)), ["phi", "finite"]),
-        (lambda: esc.Tabulated("abc", LINE), ["theta", "list of numbers", "'abc'"]),
-        (lambda: esc.Tabulated([LINE], [LINE]), ["theta", "one-dimensional"]),
-        (lambda: esc.Tabulated(LINE[::-1], LINE), ["must ascend", "got 0.9", "sort the table"]),
-        (lambda: esc.Tabulated(LINE, 0.0 * LINE), ["follower_step", "greater than 0", "turned on"]),
-        (lambda: esc.Tabulated(LINE, LINE, measured="yes"), ["measured", "true or false"]),
-        (lambda: esc.Tabulated(LINE, LINE, cell_angle=1.0), ["must come with", "both"]),
-        (
-            lambda: esc.Tabulated(np.arange(700.0), np.arange(700.0)),
-            ["theta", "at most 601 rows", "700", "measured"],
-        ),
-        (
-            lambda: esc.Tabulated(LINE % 0.5, LINE, cell_angle=0.5, follower_step=1.0).spline,
-            ["theta must differ", "measured"],
-        ),
-    ],
-)  # fmt: skip
-def test_tables_that_cannot_be(make, words):
-    with pytest.raises(InvalidValue) as caught:
-        make()
-    assert "\n" not in str(caught.value)
-    assert all(word in str(caught.value) for word in words)
-
-
 def test_a_follower_that_turns_back_has_kinematics_and_no_motion():
     theta = np.linspace(0.0, 2.0 * math.pi, 61)
     table = esc.Tabulated(theta, theta + 2.0 * np.sin(theta))
@@ -330,64 +219,6 @@ def test_its_repr_is_short_and_tells_tables_apart():
     moved = esc.Tabulated(table.theta, 1.0 + np.array(table.phi))
     assert len({repr(table), repr(other), repr(moved)}) == 3
     assert repr(esc.Tabulated(table.theta, table.phi)) == repr(table)
-
-
-def test_a_study_holds_the_table():
-    plan_text = json.dumps(
-        {
-            "mechanism": {"kind": "tabulated", "theta": LINE.tolist(), "phi": LINE.tolist()},
-            "inertia": {"driver": 1.0, "follower": 1.0},
-            "torque": 1.0,
-            "sweep": {"efficiency": [0.5, 0.9]},
-        }
-    )
-    from escapement.configuration import parse_plan
-
-    plan = parse_plan(json.loads(plan_text))
-    assert plan.escapement(1).mechanism == esc.Tabulated(LINE, LINE)
-
-
-# --- command line -------------------------------------------------------------------------
-
-
-@pytest.fixture
-def table_file(tmp_path):
-    """The drive as 61 rows of a table."""
-    theta = np.linspace(*DRIVE.breaks, 61)
-    columns = np.degrees(np.column_stack([theta, -DRIVE.follower_angle(theta)]))
-    np.savetxt(tmp_path / "table.csv", columns, delimiter=",", fmt="%.17g")
-
-
-@pytest.mark.usefixtures("table_file")
-def test_commands_take_a_table(report, tmp_path):
-    record = report("mechanism", "tabulated", "--table", "table.csv", "--plot", "g.svg")
-    assert record["cell_angle_deg"] == pytest.approx(202.5)
-    assert record["transmission_max"] == pytest.approx(DRIVE.ratio_max, rel=1e-5)
-    assert record["noise_deg"] == 0.0
-    assert (tmp_path / "g.svg").stat().st_size > 1000
-    options = ("--torque", 0.01, "--driver-inertia", 1e-5, "--follower-inertia", 2e-5)
-    found = report("run", "tabulated", "--table", "table.csv", *options, "--efficiency", 0.9)
-    truth = esc.terminal(esc.Escapement(DRIVE, INERTIA, 0.01, efficiency=0.9))
-    assert found["velocity_max"] == pytest.approx(truth.velocity_max, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("argv", "code", "words"),
-    [
-        ((), 2, ["--table", "required"]),
-        (("--table", "no.csv"), 66, ["no.csv", "must exist"]),
-        (("--table", "table.csv", "--slots", 4), 2, ["--slots", "tabulated"]),
-        (
-            ("--table", "table.csv", "--cell-angle", 100),
-            2,
-            ["--cell-angle must", "with --follower-step"],
-        ),
-    ],
-)
-@pytest.mark.usefixtures("table_file")
-def test_wrong_use(refusal, argv, code, words):
-    said = refusal(code, "mechanism", "tabulated", *argv)
-    assert all(word in said for word in words)
 
 
 def test_a_measured_table_is_drawn_with_its_doubt():

@@ -30,6 +30,7 @@ _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a s
 _SAMPLES = 2001
 _ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
 _CLOSE = 1e-9  # of a cell: angles this near each other are the same
+_OPEN = {False: 1e-6, True: 0.5}  # of a step: how far exact, measured rows of a cell may miss it
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,13 @@ class Tabulated:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        if self._is_one_cell:
+            turned = abs(float(phi[np.argmax(theta)] - phi[np.argmin(theta)]))
+            if abs(turned - step) > _OPEN[measured] * step:
+                raise _validate.fail(
+                    "follower_step", f"what phi turns from end to end of the cell, {turned!r}", step,
+                    "correct phi, or leave follower_step out",
+                )  # fmt: skip
 
     def __repr__(self) -> str:
         # a study file knows a mechanism of one's own by its repr, so tables that differ
