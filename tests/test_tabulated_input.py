@@ -91,7 +91,7 @@ LINE = np.linspace(0.0, 1.0, 20)
         ),
         (
             lambda: esc.Tabulated(LINE, 0.8 * LINE, follower_step=1.0),
-            ["follower_step", "end of the cell, 0.8, got 1.0", "leave follower_step out"],
+            ["follower_step", "over the cell, 0.8, got 1.0", "leave follower_step out"],
         ),
         (
             lambda: esc.Tabulated(LINE, 0.4 * LINE, measured=True, follower_step=1.0),

@@ -117,7 +117,7 @@ class Tabulated:
             turned = abs(float(phi[np.argmax(theta)] - phi[np.argmin(theta)]))
             if abs(turned - step) > _OPEN[measured] * step:
                 raise _validate.fail(
-                    "follower_step", f"what phi turns from end to end of the cell, {turned!r}", step,
+                    "follower_step", f"what phi turns over the cell, {turned!r}", step,
                     "correct phi, or leave follower_step out",
                 )  # fmt: skip
 
