@@ -1,12 +1,9 @@
-"""What many tests share: the command line, all sources reproduced, calls counted or ended."""
+"""What many tests share: the command line, calls counted or ended."""
 
-import contextlib
-import io
 import json
 import signal
 
 import pytest
-from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement.cli import main
@@ -71,17 +68,6 @@ def solves(monkeypatch):
 
     monkeypatch.setattr(_energy_batch, "solve", count)
     return counted
-
-
-@pytest.fixture(scope="session")
-def reproduced(tmp_path_factory):
-    """Folder and report of `reproduce all`; its pictures are coarse, but all drawn."""
-    folder = tmp_path_factory.mktemp("reproduced") / "all"
-    whole, report = Figure.savefig, io.StringIO()
-    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(report):
-        patch.setattr(Figure, "savefig", lambda *args, **kw: whole(*args, **(kw | {"dpi": 30})))
-        assert main(["reproduce", "all", "-o", str(folder), "--json"]) == 0
-    return folder, json.loads(report.getvalue())
 
 
 @pytest.fixture(scope="session")

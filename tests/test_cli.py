@@ -1,4 +1,4 @@
-"""Command line: what each command prints, writes and returns."""
+"""Command line: what `run`, `mechanism` and `reproduce` print, write and return."""
 
 import json
 import math
@@ -11,9 +11,7 @@ import xarray
 
 import escapement as esc
 from escapement.cli._output import plain
-from escapement.cli._tables import spread
 from escapement.solver import DEFAULT_RTOL, ENGINES, METHODS
-from escapement.store import read_study
 from escapement.store_motion import read_motion
 from escapement.units import INCH, INCH_POUND, POUND_FORCE
 
@@ -24,17 +22,6 @@ MEYER = [
 TIMER = esc.Escapement(
     esc.Geneva(4), esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.10 * INCH_POUND, 0.35
 )
-STUDY = """
-units = "in-lbf-s"
-[mechanism]
-slots = 4
-[inertia]
-driver = 3e-6
-follower = 50e-6
-[sweep]
-friction = {friction}
-torque = [0.08, 0.10, 0.12, 0.14]
-"""
 (REFERENCE,) = [
     case
     for case in json.loads((Path(__file__).parent / "reference" / "motions.json").read_text())
@@ -46,18 +33,6 @@ RUN_KEYS = {
     *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
     *("status", "message", "engine"),
 }
-
-
-@pytest.fixture
-def study(tmp_path):
-    """Writes a study configuration with the given frictions."""
-
-    def write(friction="[0.20, 0.35]"):
-        path = tmp_path / "four.toml"
-        path.write_text(STUDY.format(friction=friction))
-        return path
-
-    return write
 
 
 def test_version(command):
@@ -276,107 +251,10 @@ def test_mechanism_drawing(command, tmp_path):
     assert b"<svg" in (tmp_path / "five.svg").read_bytes()
 
 
-def test_sweep_writes_beside_and_shows_a_table(command, study, tmp_path):
-    code, out, _err = command("sweep", study())
-    assert code == 0
-    found = read_study(tmp_path / "four.h5")
-    lines = out.splitlines()
-    assert len(lines) == 2 + 8
-    assert lines[0].split()[:2] == ["friction", "torque"]
-    first = lines[2].split()
-    assert first[:2] == ["0.2", "0.08"]
-    assert float(first[2]) == pytest.approx(found.results["velocity_max"][0, 0], rel=1e-5)
-
-
-def test_sweep_json_and_units(command, study):
-    code, out, err = command("sweep", study(), "-o", "x.h5", "--quiet", "--json", "--units", "SI")
-    record = json.loads(out)
-    assert (code, err) == (0, "")
-    assert record["output"] == "x.h5"
-    assert (record["cases"], record["failed"]) == (8, 0)
-    assert record["axes"] == {"friction": 2, "torque": 4}
-    assert record["some_cases"][0]["torque"] == pytest.approx(0.08 * INCH_POUND)
-    assert read_study("x.h5").axes["torque"][0] == 0.08
-
-
-def test_sweep_with_failed_cases(command, study):
-    code, out, err = command("sweep", study("[0.35, 0.5]"), "--workers", "1", "--json")
-    record = json.loads(out)
-    assert code == 3
-    assert record["failed"] == 4
-    assert "4 of 8 cases failed" in err
-    assert [case["status"] for case in record["some_cases"]] == ["ok"] * 4 + ["painleve"] * 4
-    assert record["some_cases"][-1]["period"] is None
-
-
-def test_sweep_keeps_an_existing_file_unless_forced(command, study, tmp_path):
-    (tmp_path / "four.h5").write_text("mine")
-    assert command("sweep", study())[0] == 73
-    assert (tmp_path / "four.h5").read_text() == "mine"
-    assert command("sweep", study(), "--force")[0] == 0
-
-
-@pytest.mark.parametrize(
-    ("shape", "cases"), [((1,), 1), ((7,), 7), ((40,), 12), ((4, 25), 12), ((9, 9, 9), 12)]
-)
-def test_spread_covers_both_ends(shape, cases):
-    places = spread(shape, 12)
-    assert len(places) == cases
-    assert len(set(places)) == cases
-    assert tuple(0 for _ in shape) in places
-    assert tuple(size - 1 for size in shape) in places
-
-
-def test_plot_of_a_study(command, study, tmp_path):
-    command("sweep", study())
-    assert command("plot", "four.h5")[0] == 0
-    assert (tmp_path / "four.png").read_bytes().startswith(b"\x89PNG")
-    record = json.loads(command("plot", "four.h5", "-o", "x.pdf", "--units", "SI", "--json")[1])
-    assert record == {"input": "four.h5", "holds": "study", "output": "x.pdf"}
-    assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF")
-
-
 def test_plot_of_a_motion(command):
     command("run", "--friction", ".35", *MEYER, "--engagements", "3", "-o", "m.h5")
     record = json.loads(command("plot", "m.h5", "--json")[1])
     assert record == {"input": "m.h5", "holds": "motion", "output": "m.png"}
-
-
-def test_reproduce_meyer(report, reproduced):
-    folder, rows = reproduced[0] / "meyer", reproduced[1]["meyer"]["rows"]
-    inches = report("reproduce", "meyer", "--units", "in-lbf-s")["rows"]
-    assert len(rows) == 49
-    columns = ("printed", "as_published", "program_1973", "true")
-    figures = {"velocity_max", "velocity_min", "rise_time", "period"}
-    assert all(set(row[column]) == figures for row in rows for column in columns)
-    assert {"slots", "friction", "torque_inlbf"} <= set(rows[0])
-    for row, same in zip(rows, inches, strict=True):
-        assert all(row[column] == same[column] for column in columns)
-        assert same["torque"] == row["torque_inlbf"]
-    written = {path.name for path in folder.iterdir()}
-    assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
-    assert json.loads((folder / "meyer_appendix_e.json").read_text())["rows"] == rows
-    table = (folder / "meyer_appendix_e.csv").read_text().splitlines()
-    assert len(table) == 50
-
-
-def test_reproduce_all_is_each_source_in_a_folder_of_its_own(reproduced):
-    folder, record = reproduced
-    assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
-    assert len(record["meyer"]["rows"]) == 49
-    assert {path.name for path in folder.iterdir()} == set(record)
-    table = (folder / "filemon" / "filemon_table_1.json").read_text()
-    assert json.loads(table) == record["filemon"]
-
-
-def test_reproduce_meyer_prints_rows_reasons_and_counts(command):
-    code, out, err = command("reproduce", "meyer")
-    lines = out.splitlines()
-    assert (code, err) == (0, "")
-    assert sum(line.count("|") == 4 for line in lines) == 2 + 49
-    assert "the heading swaps the inertias" in out
-    assert "the program hard-codes a 90-degree cell" in out
-    assert lines[-3].split() == ["as", "published", "49", "49", "44", "2.7", "%", "47"]
 
 
 def test_json_knows_no_nan():

@@ -1,6 +1,5 @@
 """Filemon (1960): Table I, equations, figures, nomograms and the command line."""
 
-import csv
 import json
 import math
 
@@ -299,13 +298,3 @@ def test_reproduce_json(command):
     assert six["printed"]["F12"] == 0.4707
     assert six["computed"]["F12"] == pytest.approx(0.7409398)
     assert [erratum["column"] for erratum in six["errata"]] == ["F12"]
-
-
-def test_reproduce_fills_a_folder(reproduced):
-    folder = reproduced[0] / "filemon"
-    names = {path.name for path in folder.iterdir()}
-    sheets = {f"filemon_figure_{name}.pdf" for name in SHEETS}
-    plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}
-    assert names == sheets | plain | {"filemon_table_1.json", "filemon_table_1.csv"}
-    with open(folder / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:
-        assert len(list(csv.DictReader(stream))) == 48

@@ -1,6 +1,5 @@
 """Prikhodko (2020): printed numbers, errata, figures and the command line."""
 
-import csv
 import json
 import math
 
@@ -211,30 +210,6 @@ def test_study_over_the_planet_s_radius():
     assert plan.shape == (2,)
     second = plan.escapement(1).mechanism
     assert second == PAPER
-
-
-def test_reproduce(command, reproduced, tmp_path, monkeypatch):
-    # what the pictures show is drawn with those of all sources
-    monkeypatch.setattr(Figure, "savefig", lambda _, stream, **_options: stream.write(b"drawn"))
-    code, out, err = command("reproduce", "prikhodko", "-o", "there")
-    assert code == 0
-    assert "26.9301" in out
-    assert "202.5" in out
-    assert "-157.5" in out
-    assert err == "escapement: tables and figures in there\n"
-    made = {path.name for path in (tmp_path / "there").iterdir()}
-    assert made == {path.name for path in (reproduced[0] / "prikhodko").iterdir()}
-    assert made >= {
-        *("prikhodko.csv", "prikhodko.json", "prikhodko_figure_2.png"),
-        *("prikhodko_figure_3.png", "prikhodko_figure_6.png"),
-        *(f"prikhodko_figure_{number}_synthetic.png" for number in (7, 8, 9)),
-    }
-    text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
-    rows = list(csv.DictReader(text.splitlines()))
-    assert [row["right"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
-    record = reproduced[1]["prikhodko"]
-    assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
-    assert (record["agreeing"], record["judged"]) == (8, 11)
 
 
 def test_run_with_a_mesh_that_loses(command):

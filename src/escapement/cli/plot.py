@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, UsageError
+from escapement.status import Status
 
 if TYPE_CHECKING:
     from escapement.store import Study
@@ -40,6 +41,7 @@ def execute(args: argparse.Namespace) -> int:
     from escapement.store import read_study
     from escapement.store_motion import is_motion, read_motion
 
+    outcomes: dict[str, int] = {}
     if is_motion(args.file):
         if args.units not in (None, "SI"):
             raise UsageError(
@@ -51,12 +53,16 @@ def execute(args: argparse.Namespace) -> int:
         holds, figure = "motion", plot_motion(read_motion(args.file))
     else:
         study = read_study(args.file)
+        outcomes = study.outcomes if "status" in study.results else {}
         holds, figure = "study", plots.plot_study(in_units(study, args.units))
     plots.save(figure, path)
     if args.json:
         _output.print_json({"input": str(args.file), "holds": holds, "output": str(path)})
     else:
         _output.note(f"{holds} drawn in {path}")
+    gaps = [f"{count} {label}" for label, count in outcomes.items() if label != Status.OK.label]
+    if gaps:
+        _output.note(f"of {sum(outcomes.values())} cases these leave gaps: {', '.join(gaps)}")
     return 0
 
 

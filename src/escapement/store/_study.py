@@ -85,6 +85,12 @@ class Study:
         """Number of cases without an answer."""
         return count_failed(self.results["status"])
 
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """Number of cases by the label of their status, of those that occur."""
+        counts = np.bincount(self.results["status"].reshape(-1), minlength=len(Status)).tolist()
+        return {status.label: counts[status] for status in Status if counts[status]}
+
 
 def count_failed(status: NDArray[np.uint8]) -> int:
     """How many statuses say that a case has no answer."""

@@ -1,0 +1,102 @@
+"""Command line: studies that are swept and drawn."""
+
+import json
+
+import pytest
+
+from escapement.cli._tables import spread
+from escapement.store import read_study
+from escapement.units import INCH_POUND
+
+STUDY = """
+units = "in-lbf-s"
+[mechanism]
+slots = 4
+[inertia]
+driver = 3e-6
+follower = 50e-6
+[sweep]
+friction = {friction}
+torque = [0.08, 0.10, 0.12, 0.14]
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    """Writes a study configuration with the given frictions."""
+
+    def write(friction="[0.20, 0.35]"):
+        path = tmp_path / "four.toml"
+        path.write_text(STUDY.format(friction=friction))
+        return path
+
+    return write
+
+
+def test_sweep_writes_beside_and_shows_a_table(command, study, tmp_path):
+    code, out, _err = command("sweep", study())
+    assert code == 0
+    found = read_study(tmp_path / "four.h5")
+    lines = out.splitlines()
+    assert len(lines) == 2 + 8
+    assert lines[0].split()[:2] == ["friction", "torque"]
+    first = lines[2].split()
+    assert first[:2] == ["0.2", "0.08"]
+    assert float(first[2]) == pytest.approx(found.results["velocity_max"][0, 0], rel=1e-5)
+
+
+def test_sweep_json_and_units(command, study):
+    code, out, err = command("sweep", study(), "-o", "x.h5", "--quiet", "--json", "--units", "SI")
+    record = json.loads(out)
+    assert (code, err) == (0, "")
+    assert record["output"] == "x.h5"
+    assert (record["cases"], record["failed"]) == (8, 0)
+    assert record["axes"] == {"friction": 2, "torque": 4}
+    assert record["some_cases"][0]["torque"] == pytest.approx(0.08 * INCH_POUND)
+    assert read_study("x.h5").axes["torque"][0] == 0.08
+
+
+def test_sweep_with_failed_cases(command, study):
+    code, out, err = command("sweep", study("[0.35, 0.5]"), "--workers", "1", "--json")
+    record = json.loads(out)
+    assert code == 3
+    assert record["failed"] == 4
+    assert "4 of 8 cases failed" in err
+    assert [case["status"] for case in record["some_cases"]] == ["ok"] * 4 + ["painleve"] * 4
+    assert record["some_cases"][-1]["period"] is None
+
+
+def test_sweep_keeps_an_existing_file_unless_forced(command, study, tmp_path):
+    (tmp_path / "four.h5").write_text("mine")
+    assert command("sweep", study())[0] == 73
+    assert (tmp_path / "four.h5").read_text() == "mine"
+    assert command("sweep", study(), "--force")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("shape", "cases"), [((1,), 1), ((7,), 7), ((40,), 12), ((4, 25), 12), ((9, 9, 9), 12)]
+)
+def test_spread_covers_both_ends(shape, cases):
+    places = spread(shape, 12)
+    assert len(places) == cases
+    assert len(set(places)) == cases
+    assert tuple(0 for _ in shape) in places
+    assert tuple(size - 1 for size in shape) in places
+
+
+def test_plot_of_a_study(command, study, tmp_path):
+    command("sweep", study())
+    assert command("plot", "four.h5")[0] == 0
+    assert (tmp_path / "four.png").read_bytes().startswith(b"\x89PNG")
+    record = json.loads(command("plot", "four.h5", "-o", "x.pdf", "--units", "SI", "--json")[1])
+    assert record == {"input": "four.h5", "holds": "study", "output": "x.pdf"}
+    assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_plot_names_the_cases_that_leave_gaps(command, study):
+    command("sweep", study("[0.35, 0.5]"))
+    code, _, err = command("plot", "four.h5")
+    assert code == 0
+    gaps = "escapement: of 8 cases these leave gaps: 4 painleve\n"
+    assert err == "escapement: study drawn in four.png\n" + gaps
+    assert read_study("four.h5").outcomes == {"ok": 4, "painleve": 4}

@@ -1,0 +1,112 @@
+"""Command line: what `reproduce` prints and writes of each source."""
+
+import contextlib
+import csv
+import io
+import json
+
+import pytest
+from matplotlib.figure import Figure
+
+from escapement.cli import main
+from escapement.plots.nomograms import SHEETS
+
+
+@pytest.fixture(scope="module")
+def reproduced(tmp_path_factory):
+    """Folder and report of `reproduce all`; its pictures are coarse, but all drawn."""
+    folder = tmp_path_factory.mktemp("reproduced") / "all"
+    whole, report = Figure.savefig, io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(report):
+        patch.setattr(Figure, "savefig", lambda *args, **kw: whole(*args, **(kw | {"dpi": 30})))
+        assert main(["reproduce", "all", "-o", str(folder), "--json"]) == 0
+    return folder, json.loads(report.getvalue())
+
+
+def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
+    folder, record = reproduced
+    assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
+    assert len(record["meyer"]["rows"]) == 49
+    assert {path.name for path in folder.iterdir()} == set(record)
+    table = (folder / "filemon" / "filemon_table_1.json").read_text()
+    assert json.loads(table) == record["filemon"]
+
+
+def test_meyer(report, reproduced):
+    folder, rows = reproduced[0] / "meyer", reproduced[1]["meyer"]["rows"]
+    inches = report("reproduce", "meyer", "--units", "in-lbf-s")["rows"]
+    assert len(rows) == 49
+    columns = ("printed", "as_published", "program_1973", "true")
+    figures = {"velocity_max", "velocity_min", "rise_time", "period"}
+    assert all(set(row[column]) == figures for row in rows for column in columns)
+    assert {"slots", "friction", "torque_inlbf"} <= set(rows[0])
+    for row, same in zip(rows, inches, strict=True):
+        assert all(row[column] == same[column] for column in columns)
+        assert same["torque"] == row["torque_inlbf"]
+    written = {path.name for path in folder.iterdir()}
+    assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
+    assert json.loads((folder / "meyer_appendix_e.json").read_text())["rows"] == rows
+    table = (folder / "meyer_appendix_e.csv").read_text().splitlines()
+    assert len(table) == 50
+
+
+def test_meyer_prints_rows_reasons_and_counts(command):
+    code, out, err = command("reproduce", "meyer")
+    lines = out.splitlines()
+    assert (code, err) == (0, "")
+    assert sum(line.count("|") == 4 for line in lines) == 2 + 49
+    assert "the heading swaps the inertias" in out
+    assert "the program hard-codes a 90-degree cell" in out
+    assert lines[-3].split() == ["as", "published", "49", "49", "44", "2.7", "%", "47"]
+
+
+def test_filemon_fills_a_folder(reproduced):
+    folder = reproduced[0] / "filemon"
+    names = {path.name for path in folder.iterdir()}
+    sheets = {f"filemon_figure_{name}.pdf" for name in SHEETS}
+    plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}
+    assert names == sheets | plain | {"filemon_table_1.json", "filemon_table_1.csv"}
+    with open(folder / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:
+        assert len(list(csv.DictReader(stream))) == 48
+
+
+def test_dijksman_json(reproduced):
+    record = reproduced[1]["dijksman"]
+    assert (record["cells"], record["agreeing"]) == (16, 12)
+    assert len(record["rows"]) == 4
+
+
+def test_dijksman_writes_tables_and_figures(reproduced):
+    folder = reproduced[0] / "dijksman"
+    files = {path.name for path in folder.iterdir()}
+    pictures = {"dijksman_figure_2.png", "dijksman_figures_6_to_9.png"}
+    pictures |= {"dijksman_charts.png", "dijksman_motions.png"}
+    assert files == pictures | {"dijksman_figures.json", "dijksman_figures.csv"}
+    rows = list(csv.DictReader((folder / "dijksman_figures.csv").read_text().splitlines()))
+    assert len(rows) == 16
+    assert sum(row["agrees"] == "no" for row in rows) == 4
+    assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in pictures)
+
+
+def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
+    # what the pictures show is drawn with those of all sources
+    monkeypatch.setattr(Figure, "savefig", lambda _, stream, **_options: stream.write(b"drawn"))
+    code, out, err = command("reproduce", "prikhodko", "-o", "there")
+    assert code == 0
+    assert "26.9301" in out
+    assert "202.5" in out
+    assert "-157.5" in out
+    assert err == "escapement: tables and figures in there\n"
+    made = {path.name for path in (tmp_path / "there").iterdir()}
+    assert made == {path.name for path in (reproduced[0] / "prikhodko").iterdir()}
+    assert made >= {
+        *("prikhodko.csv", "prikhodko.json", "prikhodko_figure_2.png"),
+        *("prikhodko_figure_3.png", "prikhodko_figure_6.png"),
+        *(f"prikhodko_figure_{number}_synthetic.png" for number in (7, 8, 9)),
+    }
+    text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(text.splitlines()))
+    assert [row["right"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
+    record = reproduced[1]["prikhodko"]
+    assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
+    assert (record["agreeing"], record["judged"]) == (8, 11)
