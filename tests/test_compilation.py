@@ -129,6 +129,24 @@ print(f(1.0))
     assert run(code, PYTHONPATH=str(tmp_path), NUMBA_CACHE_DIR=str(cache)) == "2.0"
 
 
+@pytest.mark.parametrize("terminal", [True, False])
+def test_compiling_is_announced_once_and_on_a_terminal_only(tmp_path, terminal):
+    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    code = f"""
+import io, sys
+class Stream(io.StringIO):
+    def isatty(self):
+        return {terminal}
+sys.stderr = Stream()
+from toy.f import f
+f(1.0), f(1)
+print(sys.stderr.getvalue().count("compiling"), sys.stderr.getvalue().count(chr(10)))
+"""
+    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(code, **here) == ("1 1" if terminal else "0 0")
+    assert run(code, **here) == "0 0"
+
+
 def test_the_cache_is_kept_where_it_was_asked_for(tmp_path):
     write_toy(tmp_path, "from toy._jit import jit", 2.0)
     call = "from toy.f import f; import numba; print(f(1.0), numba.config.CACHE_DIR)"

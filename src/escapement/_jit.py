@@ -58,16 +58,31 @@ def _cache_directory() -> str | None:
         return None
 
 
-def _tolerate_full_disk(dispatcher: Any) -> None:
-    """Keep a compiled kernel in memory when its copy cannot be saved."""
+@cache
+def _say_that_it_compiles() -> None:
+    """Tell who sits at a terminal why nothing happens, once a process."""
+    with contextlib.suppress(AttributeError, OSError, ValueError):  # no stderr, or a closed one
+        if sys.stderr.isatty():
+            print("escapement: compiling, which takes up to a minute once", file=sys.stderr)
+
+
+def _watch_cache(dispatcher: Any) -> None:
+    """Say that a kernel has to be compiled; keep it in memory when no copy can be saved."""
     store = dispatcher._cache
-    save = store.save_overload
+    load, save = store.load_overload, store.save_overload
+
+    def load_or_say(signature: Any, context: Any) -> Any:
+        found = load(signature, context)
+        if found is None:
+            _say_that_it_compiles()
+        return found
 
     def save_or_skip(signature: Any, data: Any) -> None:
         # a cache is a convenience: the kernel itself is ready
         with contextlib.suppress(OSError):
             save(signature, data)
 
+    store.load_overload = load_or_say
     store.save_overload = save_or_skip
 
 
@@ -97,5 +112,5 @@ def jit(function: Any = None, *, allocates: bool = False, reorders: bool = False
         dispatcher = numba.njit(cache=True, **options)(function)
     finally:
         config.CACHE_DIR = previous
-    _tolerate_full_disk(dispatcher)
+    _watch_cache(dispatcher)
     return dispatcher
