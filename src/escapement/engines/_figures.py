@@ -160,8 +160,8 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
                 if sound and better > 0.0 and better_before != before:
                     start = beyond(w, better, before, better_before)
                 status, count = terminal_cycle(
-                    store, count, cells, path, breaks, dwell, rho, mu, load, start, following, w,
-                    better, rtol, events, used, out,
+                    store, count, cells, path, breaks, dwell, rho, mu, load, ends, start, following,
+                    w, better, rtol, events, used, out,
                 )  # fmt: skip
                 sought, found = True, status == OK
                 if status in (NOT_CONVERGED, NO_TERMINAL):

@@ -21,8 +21,7 @@ from escapement.engines._march import (
     TIME,
     march,
 )
-from escapement.engines._panels import ENDS, HEAD, lay_out, place_of, tidy, tolerances
-from escapement.mechanisms._slotted import transmission_at
+from escapement.engines._panels import lay_out, tidy, tolerances
 from escapement.mechanisms._table import is_table
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
@@ -66,21 +65,20 @@ def beyond(w, better, before, better_before):
 
 @jit
 def terminal_cycle(
-    store, count, cells, path, breaks, dwell, rho, mu, load, w, last_good, before,
+    store, count, cells, path, breaks, dwell, rho, mu, load, ends, w, last_good, before,
     better_before, rtol, events, first, out,
 ):  # fmt: skip
     """Terminal cycle by Newton's method from w; fills out.
 
-    `last_good` is where to go on from when that stalls; `better_before` what a step
-    from `before` gave, equal ones counting for nothing. Events may be noted from row
-    `first` on.
+    `ends` is what `closer` takes; `last_good` where to go on from when that stalls;
+    `better_before` what a step from `before` gave, equal ones counting for nothing. Events
+    may be noted from row `first` on.
 
     Returns
     -------
     status, count
     """
     loose, strict = tolerances(rtol)
-    ends = (store[place_of(HEAD) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     plain, patience = 0, 20
     # a load often turns the pin twice inside a panel, which the map alone is blind for
     near, glance = False, MAP if load == 0.0 else TIME
