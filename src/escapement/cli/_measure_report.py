@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from escapement.cli import _output
 
 if TYPE_CHECKING:
-    from escapement.measurement import Measurement, NormalityTest
+    from escapement.measurement import Measurement, NormalityTest, Periodogram, ShaftError
 
 _TESTS = {
     "chi_squared": "chi-squared",
@@ -21,14 +21,7 @@ def summarise(result: "Measurement") -> dict[str, Any]:
     def degrees(values: Any) -> list[float]:
         return [math.degrees(value) for value in values]
 
-    fit, spectrum = result.fit, result.periodogram
-    peak = spectrum.peak
-    tests = {
-        "chi_squared": result.chi_squared_test,
-        "chi_squared_published": result.published_test,
-        "anderson_darling": result.anderson_darling_test,
-    }
-    sensor = result.sensor_share
+    fit, sensor = result.fit, result.sensor_share
     return {
         "samples": result.errors.size,
         "missing": result.readings.missing,
@@ -51,26 +44,11 @@ def summarise(result: "Measurement") -> dict[str, Any]:
         "bin_edges_deg": degrees(result.histogram.edges.tolist()),
         "observed": result.histogram.observed,
         "expected": result.histogram.expected,
-        **{name: _described(test) for name, test in tests.items()},
-        "shaft_errors": [
-            {
-                "shaft": error.shaft,
-                "order": error.order,
-                "amplitude_deg": math.degrees(error.amplitude),
-                "standard_error_deg": math.degrees(error.standard_error),
-                "p_value": error.p_value,
-                "turns": error.turns,
-            }
-            for error in result.shaft_errors
-        ],
-        "periodogram_peak": {
-            "cycles_per_input_turn": float(spectrum.frequency[peak]),
-            "amplitude_deg": math.degrees(float(spectrum.amplitude[peak])),
-            "share_of_variance": float(spectrum.power[peak]),
-            "false_alarm_probability": float(
-                spectrum.false_alarm_probability(spectrum.power[peak])
-            ),
-        },
+        "chi_squared": _described(result.chi_squared_test),
+        "chi_squared_published": _described(result.published_test),
+        "anderson_darling": _described(result.anderson_darling_test),
+        "shaft_errors": [_of_shaft(error) for error in result.shaft_errors],
+        "periodogram_peak": _peak(result.periodogram),
         "sensor": None
         if sensor is None
         else {f"{name}_deg": math.degrees(value) for name, value in sensor._asdict().items()},
@@ -83,6 +61,27 @@ def _described(test: "NormalityTest") -> dict[str, Any]:
         "statistic": float(test.statistic),
         "degrees_of_freedom": test.degrees_of_freedom or None,
         "p_value": float(test.p_value),
+    }
+
+
+def _of_shaft(error: "ShaftError") -> dict[str, Any]:
+    return {
+        "shaft": error.shaft,
+        "order": error.order,
+        "amplitude_deg": math.degrees(error.amplitude),
+        "standard_error_deg": math.degrees(error.standard_error),
+        "p_value": error.p_value,
+        "turns": error.turns,
+    }
+
+
+def _peak(spectrum: "Periodogram") -> dict[str, float]:
+    peak = spectrum.peak
+    return {
+        "cycles_per_input_turn": float(spectrum.frequency[peak]),
+        "amplitude_deg": math.degrees(float(spectrum.amplitude[peak])),
+        "share_of_variance": float(spectrum.power[peak]),
+        "false_alarm_probability": float(spectrum.false_alarm_probability(spectrum.power[peak])),
     }
 
 

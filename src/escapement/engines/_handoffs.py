@@ -50,22 +50,9 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
     for k in range(times.size):
         count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, exponent, source, _side, _r, count, _u = march(
-            store,
-            count,
-            path,
-            cells,
-            rho,
-            mu,
-            load,
-            w,
-            0.0,
-            0.0,
-            loose,
-            strict,
-            record,
-            events,
+            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, record, events,
             NONE,
-        )
+        )  # fmt: skip
         if status != OK:
             times[k] = (time + length) * clock
             return status, k, out

@@ -76,31 +76,16 @@ class Tabulated:
 
     def __post_init__(self) -> None:
         theta, phi = (_column(name, getattr(self, name)) for name in ("theta", "phi"))
-        if theta.size != phi.size:
-            raise _validate.fail(
-                "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
-            )
         measured = _validate.truth("measured", self.measured)
-        if not measured and theta.size > MOST_EXACT + 1:
-            raise _validate.fail(
-                "theta", f"at most {MOST_EXACT + 1} rows of an exact table", theta.size,
-                "leave rows out, or say that they are measured",
-            )  # fmt: skip
+        _check_rows(theta, phi, measured)
         cell, step = self.cell_angle, self.follower_step
-        if cell != 0.0 and step == 0.0:
+        if cell == 0.0:
+            cell, step = _one_cell(theta), step or abs(float(phi[-1] - phi[0]))
+        elif step == 0.0:
             raise InvalidValue(
                 "cell_angle must come with follower_step, got it alone; give both, or neither "
                 "for a table of one whole cell"
             )
-        if cell == 0.0:
-            rising = np.diff(theta) > 0.0
-            if not rising.all():
-                late = float(theta[1 + int(np.argmin(rising))])
-                raise InvalidValue(
-                    "theta must ascend from one end of the cell to the other, got "
-                    f"{late!r} out of order; sort the table, or give cell_angle and follower_step"
-                )
-            cell, step = float(theta[-1] - theta[0]), step or abs(float(phi[-1] - phi[0]))
         remedy = "give the angle after which the motion repeats itself"
         checked: dict[str, Any] = {
             "theta": tuple(theta.tolist()),
@@ -116,10 +101,9 @@ class Tabulated:
         if self._is_one_cell:
             turned = abs(float(phi[np.argmax(theta)] - phi[np.argmin(theta)]))
             if abs(turned - step) > _OPEN[measured] * step:
-                raise _validate.fail(
-                    "follower_step", f"what phi turns over the cell, {turned!r}", step,
-                    "correct phi, or leave follower_step out",
-                )  # fmt: skip
+                rule = f"what phi turns over the cell, {turned!r}"
+                remedy = "correct phi, or leave follower_step out"
+                raise _validate.fail("follower_step", rule, step, remedy)
 
     def __repr__(self) -> str:
         # a study file knows a mechanism of one's own by its repr, so tables that differ
@@ -289,6 +273,30 @@ def _leaps(x: FloatArray, y: FloatArray, period: float) -> float:
     gaps = np.diff(np.append(x, x[0] + period))
     # readings at one angle scatter too: no gap counts as less than the mean one
     return float((np.diff(np.append(y, y[0])) ** 2 / (gaps + period / x.size)).sum())
+
+
+def _check_rows(theta: FloatArray, phi: FloatArray, measured: bool) -> None:
+    """A follower angle for each driver angle, and of an exact table not too many."""
+    if theta.size != phi.size:
+        raise _validate.fail(
+            "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
+        )
+    if not measured and theta.size > MOST_EXACT + 1:
+        rule = f"at most {MOST_EXACT + 1} rows of an exact table"
+        remedy = "leave rows out, or say that they are measured"
+        raise _validate.fail("theta", rule, theta.size, remedy)
+
+
+def _one_cell(theta: FloatArray) -> float:
+    """The cell of which the rows are the whole, from end to end."""
+    rising = np.diff(theta) > 0.0
+    if not rising.all():
+        late = float(theta[1 + int(np.argmin(rising))])
+        raise InvalidValue(
+            "theta must ascend from one end of the cell to the other, got "
+            f"{late!r} out of order; sort the table, or give cell_angle and follower_step"
+        )
+    return float(theta[-1] - theta[0])
 
 
 def _column(name: str, values: Any) -> FloatArray:
