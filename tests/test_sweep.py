@@ -2,12 +2,7 @@
 
 import io
 import os
-import re
-import signal
-import subprocess
-import sys
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -246,42 +241,6 @@ def test_a_full_disk_ends_the_sweep_and_its_threads(tmp_path, monkeypatch):
 
 def _no_space(*_):
     raise OSError(28, os.strerror(28))
-
-
-INTERRUPTED = """
-import sys, time
-from escapement import simulation
-from escapement.metrics import Figures
-sys.path.insert(0, {folder!r})
-from test_sweep import TIMER, sweep
-def slow(*_, **__):
-    time.sleep(0.02)
-    return Figures()
-simulation.terminal = slow
-try:
-    print("started", flush=True)
-    sweep(TIMER, friction=[0.1] * 100_000, path={path!r}, progress=True, engine="ivp")
-except KeyboardInterrupt:
-    sys.exit(130)
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals differ")
-def test_ctrl_c_ends_a_sweep_at_once_and_keeps_what_is_done(tmp_path):
-    code = INTERRUPTED.format(folder=os.path.dirname(__file__), path=str(tmp_path / "a.h5"))
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    with process:
-        assert process.stdout.readline() == "started\n"
-        partial = tmp_path / "a.h5.partial"
-        while not partial.exists() or b"ESCblk" not in partial.read_bytes():
-            time.sleep(0.05)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=60)  # the whole takes half an hour
-    assert process.returncode == 130, errors
-    assert re.fullmatch(r" +\d+ % \d+ of 100000 cases, .*\n", errors)
-    assert list(tmp_path.iterdir()) == [tmp_path / "a.h5.partial"]
 
 
 @pytest.mark.usefixtures("quick")

@@ -11,7 +11,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, NoReturn
 
 from escapement.errors import EscapementError, InvalidValue, StorageError
 
@@ -72,6 +72,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ArithmeticError as error:
         message = f"a number leaves the range of a double ({error}); choose less extreme values"
         return _complain(message, InvalidValue.exit_code)
+
+
+def program() -> NoReturn:
+    """The command line as a process of its own."""
+    code = main()
+    if code == INTERRUPTED:
+        # an orderly exit would wait for threads that nobody wants any more; all files are closed
+        _discard_output()
+        os._exit(code)
+    sys.exit(code)
 
 
 def _dispatch(argv: list[str]) -> int:

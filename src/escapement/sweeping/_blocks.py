@@ -12,9 +12,13 @@ _AHEAD = 8  # results that may wait while the disk is slow
 
 
 def in_threads(
-    work: Callable[[int], T], numbers: Iterable[int], workers: int
+    work: Callable[[int], T], numbers: Iterable[int], workers: int, stop: Callable[[], None]
 ) -> Generator[T, None, None]:
-    """`work` of every number in order; closing the generator ends the threads."""
+    """`work` of every number in order.
+
+    Closing the generator waits for nothing: work that is not begun never is, and `stop`
+    tells what has begun that nobody wants it any more.
+    """
     waiting: Iterator[int] = iter(numbers)
     running: deque[Future[T]] = deque()
     pool = ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
@@ -26,4 +30,5 @@ def in_threads(
                 return
             yield running.popleft().result()
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        stop()
+        pool.shutdown(wait=False, cancel_futures=True)

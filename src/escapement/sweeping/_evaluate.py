@@ -1,5 +1,7 @@
 """Evaluating consecutive cases of a plan: a bad one never ends the study."""
 
+import threading
+from concurrent.futures import CancelledError
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,11 @@ class Evaluator:
     def __init__(self, plan: StudyPlan) -> None:
         self._plan = plan
         self._shared = shared_scenes(plan) if plan.solver.engine == "energy" else None
+        self._stopped = threading.Event()
+
+    def stop(self) -> None:
+        """Leave the blocks that are being solved, from case to case: CancelledError there."""
+        self._stopped.set()
 
     def __call__(self, start: int, stop: int) -> Columns:
         """Results of the cases start <= case < stop."""
@@ -40,6 +47,8 @@ class Evaluator:
             for name, result in RESULTS.items()
         }
         for row, case in enumerate(range(start, stop)):
+            if self._stopped.is_set():
+                raise CancelledError
             _fill(block, row, self._plan, case)
         return block
 

@@ -160,7 +160,8 @@ def run_plan(
         return stop - start, count_failed(block["status"])
 
     done = failed = 0
-    with _shown(progress) as report, closing(in_threads(work, range(len(cut)), count)) as blocks:
+    solved = in_threads(work, range(len(cut)), count, evaluate.stop)
+    with _shown(progress) as report, closing(solved) as blocks:
         report(done, plan.cases, failed)
         for cases, bad in blocks:
             done, failed = done + cases, failed + bad
@@ -212,7 +213,7 @@ def _blocks(
         def work(number: int) -> Block:
             return encode_block(writer.cut, number, evaluate(*writer.cut.span(number)))
 
-        with closing(in_threads(work, writer.missing, workers)) as blocks:
+        with closing(in_threads(work, writer.missing, workers, evaluate.stop)) as blocks:
             yield blocks
         return
     with (
