@@ -100,3 +100,11 @@ def test_plot_names_the_cases_that_leave_gaps(command, study):
     gaps = "escapement: of 8 cases these leave gaps: 4 painleve\n"
     assert err == "escapement: study drawn in four.png\n" + gaps
     assert read_study("four.h5").outcomes == {"ok": 4, "painleve": 4}
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_mechanism_that_no_case_could_have_is_refused_at_once(refusal, study, workers):
+    path = study()
+    path.write_text(path.read_text().replace("slots = 4", "slots = 4\npins = 9"))
+    said = refusal(2, "sweep", path, "--workers", workers)
+    assert "pins must be at most 4 for 4 slots, got 9" in said

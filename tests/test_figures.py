@@ -1,5 +1,6 @@
 """Figures of merit by their definitions, and the cycle that they belong to."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -197,6 +198,10 @@ def test_terminal_motion_is_the_engagement_that_repeats_itself():
     assert figures.motion.end_time == pytest.approx(figures.period, rel=1e-11)
     (end,) = figures.motion.handoff_velocities
     assert end == pytest.approx(figures.handoff_velocity, rel=1e-11)
+    for load in np.linspace(0.0, 0.3, 40):
+        figures = esc.terminal(drive(mu=0.3, load=load))
+        assert figures.motion.at(figures.period).theta_dot > 0.0  # not a digit beyond its end
+    assert figures != replace(figures, motion=None)  # the peaks are another's
     none = esc.terminal(drive(mu=0.0))
     assert none.motion is None
     assert np.isnan(none.acceleration_max)

@@ -91,11 +91,11 @@ LINE = np.linspace(0.0, 1.0, 20)
         ),
         (
             lambda: esc.Tabulated(LINE, 0.8 * LINE, follower_step=1.0),
-            ["follower_step", "over the cell, 0.8, got 1.0", "leave follower_step out"],
+            ["follower_step", "the cell, 0.8 rad or 45.83662 degrees, got 1.0", "step out"],
         ),
         (
             lambda: esc.Tabulated(LINE, 0.4 * LINE, measured=True, follower_step=1.0),
-            ["follower_step", "0.4, got 1.0"],
+            ["follower_step", "0.4 rad", "got 1.0"],
         ),
     ],
 )  # fmt: skip
@@ -104,6 +104,55 @@ def test_tables_that_cannot_be(make, words):
         make()
     assert "\n" not in str(caught.value)
     assert all(word in str(caught.value) for word in words)
+
+
+# --- printed to a few decimals ------------------------------------------------------------
+
+CELL, STEP = 0.5 * np.pi, np.pi / 3.0
+
+
+def printed(rows, cells, decimals, unit):
+    """A made-up drive that stops at the ends of its cell, rounded."""
+    theta = np.linspace(0.0, cells * CELL, rows)
+    phi = STEP * theta / CELL - 0.6 * STEP / (2.0 * np.pi) * np.sin(4.0 * theta)
+    return [np.round(angles / unit, decimals) * unit for angles in (theta, phi)]
+
+
+@pytest.mark.parametrize("unit", [1.0, np.pi / 180.0], ids=["rad", "degrees"])
+@pytest.mark.parametrize("decimals", [3, 4, 5, 6, 8])
+def test_a_rounded_last_row_is_the_end_of_the_cell(decimals, unit):
+    """With the cell given or not: the slope is wrong by what the rounding makes of it."""
+    theta, phi = printed(61, 1, decimals, unit)
+    if decimals == 3 and unit == 1.0:
+        with pytest.raises(InvalidValue, match=r"phi rounded to 0\.001 rad"):
+            assert esc.Tabulated(theta, phi).spline
+        return
+    given = esc.Tabulated(theta, phi, cell_angle=CELL, follower_step=STEP)
+    angles = np.linspace(0.0, CELL, 201)
+    true = STEP / CELL - 0.6 * STEP * 4.0 / (2.0 * np.pi) * np.cos(4.0 * angles)
+    for table in (given, esc.Tabulated(theta, phi)):
+        off = np.abs(table.transmission(angles).g - true).max()
+        assert off <= 4.0 * 10.0**-decimals * unit / (CELL / 60.0)
+
+
+@pytest.mark.parametrize("decimals", [4, 5, 6, 8])
+def test_rows_that_rounding_brings_together_are_refused_with_the_reason(decimals):
+    """The last of four cells is the first again, and would make a slope of its rounding."""
+    theta, phi = printed(158, 4, decimals, 1.0)
+    with pytest.raises(InvalidValue, match=r"theta must differ .* measured"):
+        assert esc.Tabulated(theta, phi, cell_angle=CELL, follower_step=STEP).spline
+    measured = esc.Tabulated(theta, phi, measured=True, cell_angle=CELL, follower_step=STEP)
+    assert float(measured.transmission(0.5 * CELL).g) == pytest.approx(1.6 * STEP / CELL, rel=0.01)
+
+
+@pytest.mark.parametrize("wrong", [1.4, 2.0])
+def test_a_step_that_measured_rows_do_not_turn_by_is_refused(wrong):
+    theta, phi = printed(61, 1, 4, np.pi / 180.0)
+    phi += 0.003 * np.random.default_rng(4).standard_normal(61)
+    options = {"measured": True, "cell_angle": CELL}
+    assert esc.Tabulated(theta, phi, follower_step=STEP, **options).noise < 0.006
+    with pytest.raises(InvalidValue, match="follower_step must be what phi turns"):
+        esc.Tabulated(theta, phi, follower_step=wrong * STEP, **options)
 
 
 def test_a_study_holds_the_table():

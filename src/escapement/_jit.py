@@ -63,7 +63,10 @@ def _say_that_it_compiles() -> None:
     """Tell who sits at a terminal why nothing happens, once a process."""
     with contextlib.suppress(AttributeError, OSError, ValueError):  # no stderr, or a closed one
         if sys.stderr.isatty():
-            print("escapement: compiling for this machine, once; it takes up to a minute", file=sys.stderr)
+            print(
+                "escapement: compiling for this machine, once; it takes up to a minute",
+                file=sys.stderr,
+            )
 
 
 def _watch_cache(dispatcher: Any) -> None:

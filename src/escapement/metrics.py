@@ -27,7 +27,7 @@ BOUNDLESS = 1e-12
 NAN = math.nan
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # NaN, and what is not worked out yet, would not compare
 class Figures:
     """Figures of merit of an escapement; NaN where there is none.
 
@@ -65,7 +65,7 @@ class Figures:
     handoff_velocity: float = NAN
     contraction: float = NAN
     critical_friction: float = NAN
-    motion: Motion | None = field(default=None, repr=False, compare=False)
+    motion: Motion | None = field(default=None, repr=False)
     status: Status = Status.OK
     message: str = MESSAGES[Status.OK]
 

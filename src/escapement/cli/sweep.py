@@ -71,9 +71,12 @@ def execute(args: argparse.Namespace) -> int:
     else:
         _print_table(plan, cases, args.units or plan.unit_system)
         before = f", {tally.resumed} of them from before" if tally.resumed else ""
-        _output.note(f"{tally.cases} cases in {path}{before}")
+        _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
     if tally.failed:
-        _output.note(f"{tally.failed} of {tally.cases} cases failed, the file's status says why")
+        _output.note(
+            f"{tally.failed} of {tally.cases} cases failed, the file's status says why; so does, "
+            f"of one case, escapement run --from {path} --select"
+        )
     return SOME_FAILED if tally.failed else 0
 
 

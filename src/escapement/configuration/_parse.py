@@ -53,7 +53,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     if not axes and "sample" not in configuration:
         raise InvalidValue(
             "the study must sweep at least one parameter, got none; "
-            "add an axis under [sweep], for example friction = [0.2, 0.3]"
+            "add an axis (of a study file under [sweep]), for example friction = [0.2, 0.3]"
         )
     values = _values(configuration, parameters, {*axes, *drawn})
     sample = _sample(drawn, parameters, axes, values) if "sample" in configuration else None

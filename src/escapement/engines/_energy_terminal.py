@@ -10,7 +10,6 @@ from escapement.engines._figures import figures, workspace
 from escapement.engines._terminal import (
     CONTRACTION,
     FIGURES,
-    PERIOD,
     RISE,
     SETTLING,
     V_MAX,
@@ -42,7 +41,8 @@ def terminal(
     cycle = _energy.simulate(
         escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol
     )
-    cell = escapement.mechanism.cell_angle
+    # to the last digit that of the motion at hand, which may be asked for its end
+    period = float(cycle.end_time)
     message = base.message
     if np.isnan(out[SETTLING]):
         message = "rise and settling time are not given: beyond 1 000 000 engagements"
@@ -50,8 +50,8 @@ def terminal(
         base,
         velocity_max=float(out[V_MAX] / clock),
         velocity_min=float(out[V_MIN] / clock),
-        velocity_mean=float(cell / (out[PERIOD] * clock)),
-        period=float(out[PERIOD] * clock),
+        velocity_mean=escapement.mechanism.cell_angle / period,
+        period=period,
         rise_time=float(out[RISE] * clock),
         settling_time=float(out[SETTLING] * clock),
         handoff_velocity=handoff,

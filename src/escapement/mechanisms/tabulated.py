@@ -30,7 +30,8 @@ _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a s
 _SAMPLES = 2001
 _ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
 _CLOSE = 1e-9  # of a cell: angles this near each other are the same
-_OPEN = {False: 1e-6, True: 0.5}  # of a step: how far exact, measured rows of a cell may miss it
+_OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
+_NEARER = 50.0  # units of the last digit by which exact rows must be apart, for ratios to 2 %
 
 
 @dataclass(frozen=True)
@@ -99,11 +100,23 @@ class Tabulated:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         if self._is_one_cell:
-            turned = abs(float(phi[np.argmax(theta)] - phi[np.argmin(theta)]))
-            if abs(turned - step) > _OPEN[measured] * step:
-                rule = f"what phi turns over the cell, {turned!r}"
-                remedy = "correct phi, or leave follower_step out"
-                raise _validate.fail("follower_step", rule, step, remedy)
+            self._check_step(theta, phi)
+
+    def _check_step(self, theta: FloatArray, phi: FloatArray) -> None:
+        """Whether the rows of a whole cell turn by what they are said to."""
+        step, turned = self.follower_step, abs(float(phi[np.argmax(theta)] - phi[np.argmin(theta)]))
+        doubt = 5.0 * _scatter(theta, phi) if self.measured else 2.0 * _last_digit(phi)
+        missing = abs(float(np.ptp(theta)) - self.cell_angle)
+        if (
+            abs(turned - step)
+            > max(_OPEN[self.measured] * step, doubt) + 3.0 * self._mean * missing
+        ):
+            rule = (
+                f"what phi turns over the cell, {turned:.9g} rad or "
+                f"{math.degrees(turned):.7g} degrees"
+            )
+            remedy = "correct phi, or leave cell_angle and follower_step out"
+            raise _validate.fail("follower_step", rule, step, remedy)
 
     def __repr__(self) -> str:
         # a study file knows a mechanism of one's own by its repr, so tables that differ
@@ -157,10 +170,17 @@ class Tabulated:
         if self.measured:
             return smoothing(folded, rest[order], self.cell_angle)
         x = np.append(folded, folded[0] + self.cell_angle)
-        if np.diff(x).min() <= self._near:
+        gap, digit = float(np.diff(x).min()), _last_digit(np.array(self.phi))
+        if gap <= self._near:
             raise InvalidValue(
                 "theta must differ from row to row in an exact table, cells taken together; "
                 "leave out what repeats itself, or say that the rows are measured"
+            )
+        if np.ptp(rest) > 0.0 and gap * self._mean < _NEARER * digit:
+            raise InvalidValue(
+                f"theta must differ by at least {_NEARER * digit / self._mean:.2g} rad from row to "
+                f"row in an exact table of phi rounded to {digit:.2g} rad, cells taken together, "
+                f"got {gap:.2g}; give more digits, leave rows out, or say that they are measured"
             )
         return interpolating(x, np.append(rest[order], rest[order[0]]))
 
@@ -208,9 +228,12 @@ class Tabulated:
         length = max(self.theta) - min(self.theta)
         return abs(length - self.cell_angle) <= self._near
 
-    @property
+    @cached_property
     def _near(self) -> float:
-        return _CLOSE * self.cell_angle
+        """Driver angles nearer each other than this are the same but for their rounding [rad]."""
+        spacing = self.cell_angle / len(self.theta)
+        rounding = min(2.0 * _last_digit(np.array(self.theta)), 0.01 * spacing)
+        return max(_CLOSE * self.cell_angle, rounding)
 
     @property
     def motion_ratio(self) -> float:
@@ -266,6 +289,26 @@ class Tabulated:
         knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
         inside = knots[(knots > start + self._near) & (knots < end - self._near)].tolist()
         return chebyshev_table(lambda x: self.transmission(x).g, [start, *inside, end], DEGREE)
+
+
+def _last_digit(angles: FloatArray) -> float:
+    """Unit of the last digit that angles are rounded to, in radians or degrees [rad].
+
+    Zero for numbers in full precision.
+    """
+    for decimals in range(10):
+        for unit in (math.radians(1.0), 1.0):
+            digit = unit * 10.0**-decimals
+            whole = angles / digit
+            if np.abs(whole - np.round(whole)).max() < 1e-3:
+                return digit
+    return 0.0
+
+
+def _scatter(theta: FloatArray, phi: FloatArray) -> float:
+    """Standard deviation of scattered rows, roughly and rather too great: from their bends."""
+    bends = np.diff(phi[np.argsort(theta)], 2)
+    return float(1.4826 * np.median(np.abs(bends)) / math.sqrt(6.0))
 
 
 def _leaps(x: FloatArray, y: FloatArray, period: float) -> float:

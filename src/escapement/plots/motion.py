@@ -123,9 +123,11 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None) -> Axes:
     x, y = times * factor, moments * prefix
     ax.axhline(0.0, color=_style.BLACK, lw=0.6)
     ax.plot(x, y, color=_style.BLUE, lw=1.1, label="contact moment")
-    ax.fill_between(
-        x, y, 0.0, where=y < 0.0, color=_style.SKY, alpha=0.45, lw=0, label="follower drives"
-    )
+    driven = y < 0.0
+    if driven.any():
+        ax.fill_between(
+            x, y, 0.0, where=driven, color=_style.SKY, alpha=0.45, lw=0, label="follower drives"
+        )
     _mark_reversals(ax, motion.reversals.time * factor, np.zeros(motion.reversals.time.size))
     _mark_handoffs(ax, motion, factor)
     ax.set(xlabel=label("time", unit), ylabel=label("moment on the follower", moment_unit))
