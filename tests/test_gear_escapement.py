@@ -7,9 +7,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, terminal
+from escapement import (
+    Escapement,
+    GearDriven,
+    Inertia,
+    critical_friction,
+    simulate,
+    sweep,
+    terminal,
+)
 from escapement._curves import CURVES
 from escapement.constant_speed import drive_torque
+from escapement.errors import InvalidValue
 
 
 def test_a_wheel_whose_g_is_rounded_below_zero_starts_from_rest():
@@ -90,3 +99,11 @@ def test_constant_speed_has_a_closed_mean():
         inertia_free = drive_torque(wheel, 20.0, 0.3, 1e-9)
         assert inertia_free.zone == 1
         assert result.torque_max > inertia_free.torque_max
+
+
+def test_fractions_may_be_swept_as_text():
+    drive = Escapement(GearDriven(4, 2, "epicycloid"), Inertia(1e-6, 1e-5), 0.01, friction=0.1)
+    periods = sweep(drive, lobes=[2, "1/2"]).results["period"]
+    np.testing.assert_array_equal(periods, sweep(drive, lobes=[2.0, 0.5]).results["period"])
+    with pytest.raises(InvalidValue, match=r"lobes\[1\] must be a rational number .* 'half'"):
+        sweep(drive, lobes=[2, "half"])

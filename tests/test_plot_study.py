@@ -155,7 +155,7 @@ def test_cases_without_answer_are_counted_in_the_figure():
     study.results["status"][:] = (Status.NO_TERMINAL, Status.OK, Status.PAINLEVE)
     for name in ("velocity_max", "velocity_mean", "velocity_min", "rise_time", "settling_time"):
         study.results[name][[0, 2]] = np.nan
-    note = "2 of 3 cases have no answer: 1 no terminal velocity,\n1 beyond the Painlevé limit"
+    note = "2 of 3 cases leave gaps: 1 no terminal velocity,\n1 beyond the Painlevé limit"
     assert plots.plot_study(study).get_suptitle() == note
     assert plots.plot_lines(study, "rise_time").get_title() == note
 

@@ -145,7 +145,7 @@ def _print_table(record: dict[str, Any], units: str) -> None:
             ("reversals", reversals or "none", "deg" if reversals else ""),
             ("torque max", record["torque_max"], torque),
             ("torque max at", record["torque_max_deg"], "deg"),
-            ("torque mean", record["torque_mean"], torque),
+            ("torque mean to dead centre", record["torque_mean"], torque),
             ("torque max over mean", record["torque_max_over_mean"], ""),
             ("power max", record["power_max"], power),
             ("greatest speed without reversal", record["greatest_speed"], "rad s-1"),

@@ -24,7 +24,8 @@ def axis_values(name: str, form: Any, parameter: Parameter) -> tuple[NDArray[Any
         Name of the axis.
     form : number, sequence, one-dimensional array or mapping
         A mapping holds `start`, `stop` and `num`, and may hold `log`: true for
-        equal ratios instead of equal differences.
+        equal ratios instead of equal differences. Fractions in a sequence may be
+        text, "1/2", where the parameter takes them.
     parameter : Parameter
         The rule every value obeys.
 
@@ -42,6 +43,11 @@ def axis_values(name: str, form: Any, parameter: Parameter) -> tuple[NDArray[Any
     """
     if isinstance(form, Mapping):
         return _even_values(name, form, parameter)
+    if parameter.fraction and isinstance(form, list | tuple):
+        form = [
+            parameter.check(f"{name}[{i}]", x) if isinstance(x, str) else x
+            for i, x in enumerate(form)
+        ]
     values = parameter.check_all(name, _flat(name, form))
     if values.size == 0:
         raise InvalidValue(f"{name} must have at least one value, got an empty axis; give a list")

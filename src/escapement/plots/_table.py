@@ -173,7 +173,7 @@ def printed_name(study: Study, name: str) -> str:
 
 
 def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
-    """How many of the cases shown have no answer, and why; "" for none."""
+    """How many of the cases shown have no number, and why; "" for none."""
     status = np.asarray(study.results.get("status", 0))
     shown = status[index] if status.ndim else status
     counts = {why: int((shown == code).sum()) for code, why in _REASONS.items()}
@@ -181,8 +181,8 @@ def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
     if not lost:
         return ""
     reasons = [f"{count} {why}".replace(" ", _HARD) for why, count in counts.items() if count]
-    verb = "has" if lost == 1 else "have"
-    return f"{lost} of {shown.size} cases {verb} no answer: {', '.join(reasons)}"
+    gaps = "leaves a gap" if lost == 1 else "leave gaps"
+    return f"{lost} of {shown.size} cases {gaps}: {', '.join(reasons)}"
 
 
 def _fixed(study: Study, name: str, index: int) -> str:
