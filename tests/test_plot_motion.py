@@ -58,7 +58,7 @@ def test_phase_portrait_stays_within_the_cell(motion):
 
 def test_phase_portrait_shades_the_dwell(dwelling):
     ax = plots.plot_phase_portrait(dwelling)
-    assert legend_of(ax) == ["dwell", "transient", "last engagement", "pin reversal"]
+    assert legend_of(ax) == ["dwell", "transient", "last whole engagement", "pin reversal"]
     (dwell,) = [patch for patch in ax.patches if patch.get_label() == "dwell"]
     assert dwell.get_x() == pytest.approx(45.0)
     assert dwell.get_width() == pytest.approx(270.0)

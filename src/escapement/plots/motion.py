@@ -83,7 +83,7 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
         state = motion.at(times[start : end + 1])
         angle = np.degrees(state.theta - index * cell)
         if index == last:
-            name = "terminal cycle" if _repeats(motion) else "last engagement"
+            name = "terminal cycle" if _repeats(motion) else "last whole engagement"
             ax.plot(angle, state.theta_dot, color=_style.BLUE, lw=1.8, zorder=3, label=name)
         else:
             name = "transient" if index == 0 else "_"
