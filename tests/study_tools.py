@@ -1,5 +1,7 @@
 """A study of random results, its blocks, and files compared."""
 
+import threading
+
 import numpy as np
 
 from escapement.store import (
@@ -32,6 +34,13 @@ ATTRIBUTES = {
     "rtol": 1e-12,
     "created": "2000-01-01T00:00:00+00:00",
 }
+
+
+def let_go():
+    """Wait until the threads that an interrupted sweep left behind have ended their cases."""
+    for thread in threading.enumerate():
+        if thread.name.startswith("escapement-sweep"):
+            thread.join()
 
 
 def study(shape=(3, 5), seed=0):

@@ -22,7 +22,7 @@ from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.store import SCHEMA_VERSION, _lock, _owned_file, partial_path, read_study
 from escapement.sweeping import _run, sweep, write_plan
-from study_tools import IVP_STUDY, without_date
+from study_tools import IVP_STUDY, let_go, without_date
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
 
@@ -49,6 +49,7 @@ def plan(num=40, **options):
 def interrupted(path, study=None, **options):
     with pytest.raises(KeyboardInterrupt):
         write_plan(plan() if study is None else study, path, **options)
+    let_go()
 
 
 def test_only_what_is_missing_is_computed(tmp_path, solved):
