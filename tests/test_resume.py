@@ -319,7 +319,10 @@ def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatc
 
 def test_who_is_ending():
     assert not _lock.is_ending(os.getpid())
-    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as process:
+    waits = [sys.executable, "-c", "print(flush=True); input()"]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(waits, **pipes) as process:
+        process.stdout.readline()  # one that is being loaded waits for the disk, as one that ends
         assert not _lock.is_ending(process.pid)
         process.kill()
         process.wait()
