@@ -74,8 +74,8 @@ def execute(args: argparse.Namespace) -> int:
         _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
     if tally.failed:
         _output.note(
-            f"{tally.failed} of {tally.cases} cases failed: the file's status says why, of one case "
-            f"in words escapement run --from {path} --select"
+            f"{tally.failed} of {tally.cases} cases failed: the file's status says why, "
+            f"of one case in words escapement run --from {path} --select"
         )
     return SOME_FAILED if tally.failed else 0
 
