@@ -56,6 +56,15 @@ def test_phase_portrait_stays_within_the_cell(motion):
     assert legend_of(ax) == ["transient", "terminal cycle", "pin reversal"]
 
 
+def test_phase_portrait_calls_an_engagement_transient_that_others_follow():
+    first = esc.simulate(timer(), engagements=1)
+    for length, said in ((0.5, "unfinished"), (1.0, "last whole engagement"), (1.2, "_")):
+        motion = esc.simulate(timer(), duration=length * first.end_time)
+        labels = plots.plot_phase_portrait(motion).get_legend_handles_labels()[1]
+        assert "transient" not in labels
+        assert said in [*labels, "_"]
+
+
 def test_phase_portrait_shades_the_dwell(dwelling):
     ax = plots.plot_phase_portrait(dwelling)
     assert legend_of(ax) == ["dwell", "transient", "last whole engagement", "pin reversal"]

@@ -55,6 +55,17 @@ def test_a_selection_that_names_no_case(refusal, selection):
     assert REFUSED[selection] in refusal(2, "run", "--from", "s.h5", "--select", selection)
 
 
+def test_a_case_that_cannot_be_built_is_named_as_selected(tmp_path, command, refusal):
+    pins = STUDY.replace("slots = 4\n", "").replace(
+        "[sweep]", "[sweep]\nslots = [4, 5]\npins = [3, 4]"
+    )
+    (tmp_path / "p.toml").write_text(pins)
+    assert command("sweep", "p.toml", "--quiet")[0] == 3
+    wanted = "slots=5,pins=4,friction=0.2,torque=0.1"
+    said = refusal(2, "run", "--from", "p.h5", "--select", wanted)
+    assert f"--select must name a case that can be built, got '{wanted}': pins must be" in said
+
+
 @pytest.mark.parametrize(
     ("argv", "code", "message"),
     [

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from escapement import _validate
 from escapement.cli import SOME_FAILED, _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, UsageError, number, option, whole
+from escapement.errors import InvalidValue
 from escapement.status import MESSAGES, Status
 from escapement.units import unit_name
 
@@ -139,7 +140,13 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
     plan, case = load_case(args.study, args.select)
     own = {} if "engine" in given else plan.solver.given
     speed = plan.values(case)["initial_speed"]
-    return plan.escapement(case), own | given | {"initial_speed": speed}
+    try:
+        escapement = plan.escapement(case)
+    except InvalidValue as error:
+        raise UsageError(
+            f"--select must name a case that can be built, got {args.select!r}: {error}"
+        ) from None
+    return escapement, own | given | {"initial_speed": speed}
 
 
 def _refuse_beside_study(args: argparse.Namespace) -> None:

@@ -86,7 +86,7 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
             name = "terminal cycle" if _repeats(motion) else "last whole engagement"
             ax.plot(angle, state.theta_dot, color=_style.BLUE, lw=1.8, zorder=3, label=name)
         else:
-            name = "transient" if index == 0 else "_"
+            name = "_" if index > 0 else "transient" if last > 0 else "unfinished"
             ax.plot(angle, state.theta_dot, color=_style.GREY, lw=0.6, alpha=0.7, label=name)
     found = motion.reversals
     local = np.degrees(found.theta - cell * np.floor((found.theta - entry) / cell))

@@ -115,12 +115,16 @@ def _foremost(flat: _Flat, result: str) -> list[str]:
 
 
 def rank_correlation(x: FloatArray, y: FloatArray) -> float:
-    """Spearman's coefficient of two columns, over the rows where both are finite [-]."""
+    """Spearman's coefficient of two columns, over the rows where both are finite [-].
+
+    0 where one of them does not vary.
+    """
+    from scipy.stats import spearmanr
+
     both = np.isfinite(x) & np.isfinite(y)
-    if both.sum() < 2:
+    if not both.any() or np.ptp(x[both]) == 0.0 or np.ptp(y[both]) == 0.0:
         return 0.0
-    ranks = np.array([np.argsort(np.argsort(values[both])) for values in (x, y)], dtype=float)
-    return float(np.corrcoef(ranks)[0, 1])
+    return float(spearmanr(x[both], y[both]).statistic)
 
 
 def _chosen(size: int) -> np.ndarray:
