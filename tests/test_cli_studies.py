@@ -102,6 +102,25 @@ def test_plot_names_the_cases_that_leave_gaps(command, study):
     assert read_study("four.h5").outcomes == {"ok": 4, "painleve": 4}
 
 
+def test_plot_draws_the_slice_that_was_selected(command, refusal, study, tmp_path):
+    path = study()
+    path.write_text(path.read_text().replace("slots = 4\n", "") + "slots = [3, 4, 6]\n")
+    command("sweep", path)
+    assert command("plot", "four.h5", "--select", "slots=6")[0] == 0
+    selected = (tmp_path / "four.png").read_bytes()
+    command("plot", "four.h5")
+    assert (tmp_path / "four.png").read_bytes() != selected
+    for selection, said in {
+        "slots=5": "--select, of four.h5: slots must be a value of the study, got 5; the nearest",
+        "pins=2": "--select, of four.h5: axis must be one of friction, torque, slots, got 'pins'",
+        "slots": "--select must be NAME=VALUE[,NAME=VALUE...], got 'slots'",
+    }.items():
+        assert said in refusal(2, "plot", "four.h5", "--select", selection)
+    inertia = ("--driver-inertia", "3e-6", "--follower-inertia", "5e-5")
+    command("run", "--friction", "0.2", "--torque", "0.01", *inertia, "-o", "m.h5")
+    assert "--select must come with a study" in refusal(2, "plot", "m.h5", "--select", "slots=6")
+
+
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_mechanism_that_no_case_could_have_is_refused_at_once(refusal, study, workers):
     path = study()

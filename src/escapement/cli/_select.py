@@ -1,4 +1,4 @@
-"""One case of a study file: found by its axes, and simulated again as a full motion."""
+"""Cases of a study file, found by the values of its axes."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,9 +8,6 @@ from escapement.errors import InputFileError, InvalidValue
 
 if TYPE_CHECKING:
     from escapement.configuration import StudyPlan
-
-_AGREE = 6e-6
-"""Relative difference below which a value means the one of the axis: six figures, as shown."""
 
 
 def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
@@ -36,7 +33,7 @@ def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
     from escapement.configuration import parse_plan
     from escapement.store import read_configuration, read_sample_case
 
-    wanted = _parse(selection or "")
+    wanted = parse(selection or "")
     configuration = read_configuration(path)
     if "sample" in configuration and "case" in wanted:
         # as it was drawn and computed, not drawn again
@@ -58,7 +55,8 @@ def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
     return plan, int(np.ravel_multi_index(place, plan.shape))
 
 
-def _parse(selection: str) -> dict[str, float]:
+def parse(selection: str) -> dict[str, float]:
+    """Values by name of "friction=0.35,torque=0.1"; UsageError where it reads otherwise."""
     wanted = {}
     for part in filter(None, (part.strip() for part in selection.split(","))):
         name, _, text = part.partition("=")
@@ -87,11 +85,10 @@ def _place(path: Path, name: str, values: Any, wanted: dict[str, float]) -> int:
             f"--select must choose one of the {values.size} values of {name} in {path}, got none; "
             f"add {name}={values[0]:g}"
         )
-    value = wanted[name]
-    nearest = int(abs(values - value).argmin())
-    found = float(values[nearest])
-    if not abs(found - value) <= _AGREE * max(abs(found), abs(value)):
-        raise UsageError(
-            f"{name} must be a value of {path}, got {value:g}; the nearest is {found:.10g}"
-        )
-    return nearest
+    from escapement.store import place_on
+
+    try:
+        return place_on(values, name, wanted[name], path)
+    except InvalidValue as error:
+        # as it stands: the name is one of the file's axes, not an option
+        raise UsageError(str(error)) from None

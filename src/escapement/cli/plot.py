@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, UsageError
+from escapement.errors import InvalidValue
 from escapement.status import Status
 
 if TYPE_CHECKING:
@@ -26,6 +27,12 @@ def configure(parser: Parser) -> None:
         metavar="OUT",
         help=".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)",
     )
+    parser.add_argument(
+        "--select",
+        metavar="NAME=VALUE,...",
+        help="only the cases at these values, in the units of the file: slots=6 of a study of "
+        "slots, friction and torque",
+    )
     _arguments.add_common(
         parser,
         units=None,
@@ -43,6 +50,10 @@ def execute(args: argparse.Namespace) -> int:
 
     outcomes: dict[str, int] = {}
     if is_motion(args.file):
+        if args.select is not None:
+            raise UsageError(
+                f"--select must come with a study, got {args.select!r} and a motion; leave it out"
+            )
         if args.units not in (None, "SI"):
             raise UsageError(
                 f"--units must be SI for a motion, got {args.units!r}; leave it out, only the "
@@ -52,7 +63,7 @@ def execute(args: argparse.Namespace) -> int:
 
         holds, figure = "motion", plot_motion(read_motion(args.file))
     else:
-        study = read_study(args.file)
+        study = _selected(read_study(args.file), args)
         outcomes = study.outcomes if "status" in study.results else {}
         holds, figure = "study", plots.plot_study(in_units(study, args.units))
     plots.save(figure, path)
@@ -64,6 +75,15 @@ def execute(args: argparse.Namespace) -> int:
     if gaps:
         _output.note(f"of {sum(outcomes.values())} cases these leave gaps: {', '.join(gaps)}")
     return 0
+
+
+def _selected(study: "Study", args: argparse.Namespace) -> "Study":
+    from escapement.cli._select import parse
+
+    try:
+        return study.at(**parse(args.select or ""))
+    except InvalidValue as error:
+        raise UsageError(f"--select, of {args.file}: {error}") from None
 
 
 def in_units(study: "Study", system: str | None) -> "Study":

@@ -137,8 +137,9 @@ def plot_study(study: Study) -> Figure:
         One varied axis: rise and settling time, and the terminal velocities.
         Two: rise time and mean velocity, a line for each value of the second;
         with five points or more on both, maps below. More: the first
-        two, the others at their middle value, which the title tells. A sample is
-        drawn by `plot_sample`, or with axes beside it by `plot_spread`.
+        two, the others at their middle value, which the title tells; `study.at(slots=6)`
+        is the slice at another. A sample is drawn by `plot_sample`, or with axes beside it
+        by `plot_spread`.
 
     Raises
     ------

@@ -2,16 +2,21 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from escapement import _validate
+from escapement.errors import InvalidValue
 from escapement.status import Status
 
 SCHEMA_VERSION = 1
 """Version of the file layout: raised when an older reader would misread a newer file."""
+
+_AGREE = 6e-6
+"""Relative difference below which a value means the one of the axis: six figures, as shown."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,51 @@ class Study:
         """Number of cases by the label of their status, of those that occur."""
         counts = np.bincount(self.results["status"].reshape(-1), minlength=len(Status)).tolist()
         return {status.label: counts[status] for status in Status if counts[status]}
+
+    def at(self, **values: float) -> "Study":
+        """The cases at given values of some axes, which keep a length of 1.
+
+        Parameters
+        ----------
+        values : float
+            By name of the axis, to six figures: `study.at(slots=6)`.
+
+        Raises
+        ------
+        InvalidValue
+            For a name that is no axis, or a value that is not on it.
+        """
+        for name in values:
+            _validate.choice("axis", name, tuple(self.axes))
+        kept = {name: slice(None) for name in self.axes}
+        for name, value in values.items():
+            place = place_on(self.axes[name], name, value, "the study")
+            kept[name] = slice(place, place + 1)
+        grid = tuple(kept.values())
+        case = kept.get("case", slice(None))
+        return replace(
+            self,
+            axes={name: axis[kept[name]] for name, axis in self.axes.items()},
+            results={name: found[grid] for name, found in self.results.items()},
+            sampled={name: drawn[case] for name, drawn in self.sampled.items()},
+        )
+
+
+def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
+    """Index of a value on an axis of the owner's, told by six figures.
+
+    Raises
+    ------
+    InvalidValue
+        When it is not there.
+    """
+    nearest = int(abs(axis - value).argmin())
+    found = float(axis[nearest])
+    if not abs(found - value) <= _AGREE * max(abs(found), abs(value)):
+        raise InvalidValue(
+            f"{name} must be a value of {owner}, got {value:g}; the nearest is {found:.10g}"
+        )
+    return nearest
 
 
 def count_failed(status: NDArray[np.uint8]) -> int:
