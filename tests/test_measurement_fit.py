@@ -83,6 +83,19 @@ def test_known_zeros_are_kept_and_the_mean_error_remains():
     assert result.mean == pytest.approx(0.3 * DEG, abs=4 * 0.2 * DEG / math.sqrt(600))
 
 
+@pytest.mark.parametrize("drive", [esc.Geneva(7, pins=1), PRIKHODKO], ids=["seven", "planetary"])
+@pytest.mark.parametrize("start", [-0.2, 10.0, 185.0, 230.0, 359.0])
+def test_with_known_zeros_the_first_turn_of_the_input_is_the_right_one(drive, start):
+    angle = np.radians(np.linspace(start, start + 155.0, 200))
+    noise = 0.05 * DEG * np.random.default_rng(0).standard_normal(angle.size)
+    output = measurement.position(drive, angle) + noise
+    readings = esc.Readings(np.mod(angle, 2.0 * np.pi), output)
+    result = esc.measure(readings, drive, zeros=(0.0, 0.0))
+    assert result.fit.sense == 1
+    assert result.standard_deviation == pytest.approx(0.05 * DEG, rel=0.2)
+    np.testing.assert_allclose(result.errors, noise, atol=1e-9)
+
+
 def test_wrapped_or_counting_on_is_the_same():
     plain = read(noise=0.3 * DEG)
     turned = esc.Readings(np.mod(plain.input, 2 * np.pi), np.mod(plain.output, 2 * np.pi))

@@ -21,7 +21,7 @@ from escapement.measurement.normality import (
     chi_squared,
     published_chi_squared,
 )
-from escapement.measurement.readings import FARTHEST, WITHIN, Readings, wraps
+from escapement.measurement.readings import FARTHEST, TURN, WITHIN, Readings, wraps
 from escapement.measurement.shafts import ShaftError, shaft_errors
 from escapement.measurement.spectrum import Periodogram, periodogram
 from escapement.model import FloatArray, Mechanism, is_mechanism
@@ -206,6 +206,14 @@ def measure(
     # turns are counted before samples without an output are left out: their input tells
     angle, output = taken.counted_input[taken.complete], taken.output[taken.complete]
     found = fit(mechanism, angle, output, wraps(output), known)
+    first = np.flatnonzero(np.isfinite(taken.input))[0]
+    turns = round(float(taken.input[first] - taken.counted_input[first]) / TURN)
+    if known is not None and turns != 0:
+        # a first reading of nearly a turn may be jitter below zero, or just that
+        other = angle + turns * TURN
+        standing = fit(mechanism, other, output, wraps(output), known)
+        if standing.errors @ standing.errors < found.errors @ found.errors:
+            angle, found = other, standing
     # rounding alone is no measurement
     if not np.ptp(found.errors) > 1e-13 * max(1.0, float(np.abs(output).max())):
         raise InvalidValue(
