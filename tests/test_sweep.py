@@ -10,7 +10,7 @@ import pytest
 from escapement import simulation, solver
 from escapement.configuration import parse_plan, plan_from
 from escapement.errors import CannotCreate, InvalidValue, StorageError
-from escapement.mechanisms import Geneva
+from escapement.mechanisms import GearDriven, Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.progress import Progress, describe, duration
@@ -177,6 +177,16 @@ def test_a_bad_case_is_marked_and_the_rest_goes_on(monkeypatch):
     grid = sweep(TIMER, slots=[3, 6], pins=[3, 4])
     beyond = Status.PAINLEVE  # three slots at these inertias: friction 0.35 is too much
     assert grid.results["status"].tolist() == [[beyond, beyond], [0, Status.INVALID]]
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_a_mechanism_that_has_no_motion_is_marked_too(engine):
+    # the pins of 12 stations and 4 lobes go through the wheel's centre
+    wheel = GearDriven(12, 3, "hypocycloid")
+    model = Escapement(wheel, Inertia(3e-7, 5e-6), torque=0.01, friction=0.05)
+    study = sweep(model, lobes=[3, 4], engine=engine)
+    assert study.outcomes == {"ok": 1, "invalid": 1}
+    assert np.isfinite(study.results["period"]).tolist() == [True, False]
 
 
 def test_a_study_says_in_a_line_what_it_is():

@@ -76,6 +76,15 @@ def free_turn(w, angle, rho):
 
 
 @jit
+def gains_alike(g_in, g_out, rho, mu):
+    """Whether every engagement adds the same energy: without friction, and g^2 alike at its ends.
+
+    Only Meyer's published cells do not end as they begin.
+    """
+    return mu == 0.0 and abs((g_out - g_in) * (g_out + g_in)) <= 1e-12 * (rho + g_out * g_out)
+
+
+@jit
 def side_at(g, dg, w, rho, load):
     """Side that carries the force where a piece begins: +1 or -1.
 

@@ -6,8 +6,9 @@ from importlib import import_module
 from typing import Any
 
 from escapement import _validate
-from escapement.dynamics import critical_friction, painleve_message
+from escapement.dynamics import critical_friction, gains_alike, painleve_message
 from escapement.errors import InvalidValue
+from escapement.mechanisms._slotted import transmission_at
 from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.motion import Motion
@@ -142,8 +143,8 @@ def terminal(
     escapement, engine, rtol, atol, method, max_step :
         As for `simulate`.
     initial_speed : float
-        Driver speed at the first pin entry [rad/s]; only the rise and the
-        settling time depend on it.
+        Driver speed at the first pin entry [rad/s]: rise and settling time depend on it,
+        and with a load whether the drive gets past where it would stall from rest.
 
     Returns
     -------
@@ -158,10 +159,16 @@ def terminal(
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)
     if message is not None:
         return replace(base, status=Status.PAINLEVE, message=message)
-    if escapement.loss[0] == 0.0:
+    if escapement.loss[0] == 0.0 and _gains_alike(escapement):
         status, message = _without_friction(escapement, engine, settings)
         return replace(base, status=status, message=message)
     return _engine(f"{engine}_terminal").terminal(escapement, base, **settings)
+
+
+def _gains_alike(escapement: Escapement) -> bool:
+    path, breaks = escapement.mechanism.path, escapement.mechanism.breaks
+    entry, exit_ = (transmission_at(path, angle)[0] for angle in (breaks[0], breaks[-1]))
+    return bool(gains_alike(entry, exit_, escapement.inertia_ratio, 0.0))
 
 
 def _without_friction(

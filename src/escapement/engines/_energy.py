@@ -22,6 +22,7 @@ from escapement.status import MESSAGES, Status
 _ENTRY, _EXIT = -1.0, 4.0
 _NOWHERE = np.empty(0)
 _START = np.zeros(1)
+_AT_ONCE = 1 << 15  # engagements between two moments at which Ctrl-C is heard
 _DONE = MESSAGES[Status.OK]
 
 
@@ -48,8 +49,14 @@ class EnergyTrajectory:
         starts = np.concatenate([_START, self.times[: self.turns]]) / clock
         speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
         squares = (speeds * clock) ** 2
-        table = events_of(*with_cells(self.escapement.scene), starts, squares, self.rtol)
-        return table[table[:, 3] * clock <= self.end_time]
+        scene, tables = with_cells(self.escapement.scene), []
+        for first in range(0, starts.size, _AT_ONCE):
+            # from one engagement before: whether the speed was rising decides of an extremum
+            some = slice(max(first - 1, 0), first + _AT_ONCE)
+            table = events_of(*scene, starts[some], squares[some], self.rtol)
+            table[:, 0] += some.start
+            tables.append(table[(table[:, 0] >= first) & (table[:, 3] * clock <= self.end_time)])
+        return np.concatenate(tables)
 
     @cached_property
     def _pieces(self) -> FloatArray:

@@ -3,7 +3,8 @@
 import numpy as np
 
 from escapement._jit import jit
-from escapement.dynamics import free_turn
+from escapement.dynamics import free_turn, gains_alike
+from escapement.engines._cells import AT_ENDS
 from escapement.engines._events import (
     EVENTS,
     KIND,
@@ -27,12 +28,9 @@ from escapement.engines._march import (
     march,
 )
 from escapement.engines._panels import (
-    ENDS,
-    HEAD,
     MAX_PANELS,
     lay_out,
     new_store,
-    place_of,
     tidy,
     tolerances,
 )
@@ -47,7 +45,6 @@ from escapement.engines._terminal import (
     closer,
     terminal_cycle,
 )
-from escapement.mechanisms._slotted import transmission_at
 from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 
 SEEN = 256  # events of a transient that are kept
@@ -113,11 +110,13 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
     """
     for i in range(FIGURES):
         out[i] = np.nan
-    if mu[0] == 0.0 and load == 0.0:
+    last = cells.shape[0] - 1
+    ends = (cells[0, 1, AT_ENDS], cells[last, 1, AT_ENDS + 3], 2.0 * dwell / rho)
+    even = gains_alike(ends[0], ends[1], rho, mu[0])
+    if even and load == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     count = lay_out(store, path, breaks, cells, rho, loose)
-    ends = (store[place_of(HEAD) + ENDS], transmission_at(path, breaks[-1])[0], 2.0 * dwell / rho)
     time, rising = 0.0, 0.0
     first = NONE
     found, calm, sought = False, NONE, False
@@ -134,8 +133,8 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
                 out[i] = np.nan
             out[0], out[1] = exit_w, k
             return status
-        if mu[0] == 0.0:
-            # every engagement adds the same energy: the load stops the motion, or nothing does
+        if even:
+            # the load stops the motion, or nothing does
             return NO_TERMINAL if source + 2.0 * dwell > 0.0 else STALL
         if dwell > 0.0:
             if rising < 0.0:

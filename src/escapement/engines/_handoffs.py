@@ -59,7 +59,7 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
         out, free = free_turn(out, dwell, rho)
         if mu[0] == 0.0 and same:
             # every engagement adds the same energy: no sum, no rounding that adds up
-            out = start + (k + 1) * (source / rho + 2.0 * dwell / rho)
+            out = start + (k + 1) * (source / inertia + 2.0 * dwell / rho)
         elif same and abs(exponent) < 0.1:
             # little is lost: what changes is added, its rounding errors carried along
             change = np.expm1(-exponent) * w + source / inertia + 2.0 * dwell / rho - carry_w

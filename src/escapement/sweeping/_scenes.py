@@ -5,6 +5,7 @@ Without a load and from rest torque is a pure change of clock and leaves all of 
 alone: cases that differ in nothing else share a scene, and a scene is solved once.
 """
 
+import contextlib
 import math
 import threading
 from concurrent.futures import Future
@@ -50,16 +51,14 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
     figures = np.full((6, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
     for rows in _by_mechanism(plan, columns, cases.size):
-        try:
-            mechanism = plan.mechanism(int(cases[rows[0]]))
-        except InvalidValue:
-            continue
         rows = rows[sound[rows]]
         if rows.size == 0:
             continue
-        figures[:, rows], status[rows] = _solve_distinct(
-            mechanism, scene[:, rows], plan.solver.tolerance
-        )
+        # a mechanism that cannot be, or cannot move, is no reason to end the study
+        with contextlib.suppress(InvalidValue):
+            figures[:, rows], status[rows] = _solve_distinct(
+                plan.mechanism(int(cases[rows[0]])), scene[:, rows], plan.solver.tolerance
+            )
     return figures, status
 
 
