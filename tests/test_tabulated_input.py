@@ -1,6 +1,7 @@
 """Tables that are read, refused, or named on the command line."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -123,8 +124,9 @@ def printed(rows, cells, decimals, unit):
 def test_a_rounded_last_row_is_the_end_of_the_cell(decimals, unit):
     """With the cell given or not: the slope is wrong by what the rounding makes of it."""
     theta, phi = printed(61, 1, decimals, unit)
-    if decimals == 3 and unit == 1.0:
-        with pytest.raises(InvalidValue, match=r"phi rounded to 0\.001 rad"):
+    if 10.0**-decimals * unit > 5e-6:
+        # the follower's acceleration would be wrong by more than a fiftieth of its greatest
+        with pytest.raises(InvalidValue, match=r"phi rounded to .* say that they are measured"):
             assert esc.Tabulated(theta, phi).spline
         return
     given = esc.Tabulated(theta, phi, cell_angle=CELL, follower_step=STEP)
@@ -143,6 +145,42 @@ def test_rows_that_rounding_brings_together_are_refused_with_the_reason(decimals
         assert esc.Tabulated(theta, phi, cell_angle=CELL, follower_step=STEP).spline
     measured = esc.Tabulated(theta, phi, measured=True, cell_angle=CELL, follower_step=STEP)
     assert float(measured.transmission(0.5 * CELL).g) == pytest.approx(1.6 * STEP / CELL, rel=0.01)
+
+
+@pytest.mark.parametrize("decimals", [2, 3, 4, 5, 6])
+@pytest.mark.parametrize("rows", [42, 82, 163, 271, 406])
+def test_a_rounded_table_is_refused_or_its_accelerations_are_right(rows, decimals):
+    theta = np.linspace(*DRIVE.breaks, rows)
+    phi = np.radians(np.round(np.degrees(DRIVE.follower_angle(theta)), decimals))
+    angles = np.linspace(*DRIVE.breaks, 5001)
+    true = DRIVE.transmission(angles).dg
+    greatest = np.abs(true).max()
+    try:
+        found = esc.Tabulated(theta, phi).transmission(angles).dg
+    except InvalidValue as error:
+        # rows half as far apart as would do, or nearer, are not refused for nothing
+        assert 4.0 * math.radians(10.0**-decimals) > 0.01 * greatest * (theta[1] - theta[0]) ** 2
+        assert "say that they are measured" in str(error)
+    else:
+        assert np.abs(found - true).max() < 0.025 * greatest
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_the_step_of_a_measured_cell_is_no_two_rows_difference(sense):
+    """As known as the angle of a curve through the rows, with no kink where its ends meet."""
+    theta, noise = np.linspace(*DRIVE.breaks, 2001), np.radians(1.3)
+    angles = np.linspace(*DRIVE.breaks, 1001)
+    true = DRIVE.transmission(angles).g
+    off, doubts = [], []
+    for seed in range(20):
+        scatter = noise * np.random.default_rng(seed).standard_normal(theta.size)
+        table = esc.Tabulated(theta, sense * DRIVE.follower_angle(theta) + scatter, measured=True)
+        off.append(table.follower_step - DRIVE.follower_step)
+        doubts.append(np.abs(table.transmission(angles).g - true) / table.deviation(angles).g)
+    assert np.std(off) < 0.25 * noise
+    assert abs(np.mean(off)) < 3.0 * np.std(off) / math.sqrt(20)
+    assert np.max(doubts) < 5.0
+    assert np.sqrt(np.mean(np.square(doubts))) < 1.5
 
 
 @pytest.mark.parametrize("wrong", [1.4, 2.0])

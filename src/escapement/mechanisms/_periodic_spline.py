@@ -107,6 +107,61 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
     InvalidValue
         When the points are at fewer places than a spline needs.
     """
+    knots, sizes, along, back = _modes(x, y[:, None], period)
+    kept, left = _kept(sizes), along[:, 0]
+    rest = (y @ y - left @ left) + (((1.0 - kept) * left) ** 2).sum(axis=1)
+    free = x.size - kept.sum(axis=1)
+    best = int(np.argmin(np.maximum(rest, 0.0) / free**2))
+    noise = float(np.sqrt(max(rest[best], 0.0) / free[best]))
+    return PeriodicSpline(
+        knots,
+        back @ (kept[best] * left),
+        noise,
+        noise**2 * (back * kept[best]) @ back.T,
+    )
+
+
+def rise_over(x: FloatArray, y: FloatArray, period: float) -> float:
+    """What scattered points rise over a period, beside a smooth spline of that period.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+        As for `smoothing`; y rises evenly beside what repeats itself.
+    """
+    ramp = (x - x[0]) / period
+    _, sizes, along, _ = _modes(x, np.column_stack([y, ramp]), period)
+    kept = _kept(sizes)
+    wave, even = along.T
+    # for each lambda the rise that leaves least, the bending counted
+    rise = (y @ ramp - kept @ (wave * even)) / (ramp @ ramp - kept @ even**2)
+    left = wave - rise[:, None] * even
+    rest = y @ y - 2.0 * rise * (y @ ramp) + rise**2 * (ramp @ ramp)
+    rest += ((kept - 2.0) * kept * left**2).sum(axis=1)
+    free = x.size - 1 - kept.sum(axis=1)
+    return float(rise[np.argmin(np.maximum(rest, 0.0) / free**2)])
+
+
+def _kept(sizes: FloatArray) -> FloatArray:
+    """What is kept of each mode for each lambda of the grid."""
+    return np.asarray(1.0 / (1.0 + np.outer(_GRID, sizes)))
+
+
+def _modes(
+    x: FloatArray, y: FloatArray, period: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Knots, and columns y in the modes that a smooth spline keeps the less the rougher they are.
+
+    Returns
+    -------
+    knots : ndarray, shape (m + 1,)
+    sizes : ndarray, shape (m,)
+        Roughness of each mode.
+    along : ndarray, shape (m, columns)
+        How much of it the points have.
+    back : ndarray, shape (m, m)
+        Modes to coefficients.
+    """
     from scipy.linalg import cholesky, solve_triangular
 
     count = min(MOST_KNOTS, x.size // _ROWS_A_KNOT)
@@ -125,20 +180,9 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
     lower = cholesky(normal, lower=True)
     whitened = solve_triangular(lower, rough * scale, lower=True)
     sizes, axes = np.linalg.eigh(solve_triangular(lower, whitened.T, lower=True))
-    sizes = np.maximum(sizes, 0.0)
     along = axes.T @ solve_triangular(lower, right, lower=True)
-    kept = 1.0 / (1.0 + np.outer(_GRID, sizes))
-    left = (y @ y - along @ along) + (((1.0 - kept) * along) ** 2).sum(axis=1)
-    free = x.size - kept.sum(axis=1)
-    best = int(np.argmin(np.maximum(left, 0.0) / free**2))
     back = solve_triangular(lower, axes, lower=True, trans="T")
-    noise = float(np.sqrt(max(left[best], 0.0) / free[best]))
-    return PeriodicSpline(
-        knots,
-        back @ (kept[best] * along),
-        noise,
-        noise**2 * (back * kept[best]) @ back.T,
-    )
+    return knots, np.maximum(sizes, 0.0), along, back
 
 
 def _apart(knots: FloatArray, gap: float) -> FloatArray:
@@ -174,9 +218,9 @@ def _design(knots: FloatArray, x: FloatArray, order: int) -> FloatArray:
 
 
 def _normal(knots: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Matrix and right-hand side of the least squares, block after block of points."""
+    """Matrix and right-hand sides of the least squares, block after block of points."""
     size = knots.size - 1
-    normal, right = np.zeros((size, size)), np.zeros(size)
+    normal, right = np.zeros((size, size)), np.zeros((size, y.shape[1]))
     for start in range(0, x.size, _BLOCK):
         block = slice(start, start + _BLOCK)
         rows = _design(knots, x[block], 0)

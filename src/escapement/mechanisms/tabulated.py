@@ -18,6 +18,7 @@ from escapement.mechanisms._periodic_spline import (
     DEGREE,
     PeriodicSpline,
     interpolating,
+    rise_over,
     smoothing,
 )
 from escapement.mechanisms._slotted import Transmission
@@ -32,6 +33,7 @@ _ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leave
 _CLOSE = 1e-9  # of a cell: angles this near each other are the same
 _OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
 _NEARER = 50.0  # units of the last digit by which exact rows must be apart, for ratios to 2 %
+_BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ class Tabulated:
         Driver angle after which the motion repeats itself [rad], > 0. Default: that
         of the table.
     follower_step : float, optional
-        What the follower turns in it [rad], > 0 in either sense. Default: likewise.
+        What the follower turns in it [rad], > 0 in either sense. Default: likewise; of
+        measured rows fitted, for two of them would scatter too much.
 
     Raises
     ------
@@ -81,7 +84,8 @@ class Tabulated:
         _check_rows(theta, phi, measured)
         cell, step = self.cell_angle, self.follower_step
         if cell == 0.0:
-            cell, step = _one_cell(theta), step or abs(float(phi[-1] - phi[0]))
+            cell = _one_cell(theta)
+            step = step or abs(rise_over(theta, phi, cell) if measured else float(phi[-1] - phi[0]))
         elif step == 0.0:
             raise InvalidValue(
                 "cell_angle must come with follower_step, got it alone; give both, or neither "
@@ -173,13 +177,17 @@ class Tabulated:
                 "theta must differ from row to row in an exact table, cells taken together; "
                 "leave out what repeats itself, or say that the rows are measured"
             )
-        if np.ptp(rest) > 0.0 and gap * self._mean < _NEARER * digit:
-            raise InvalidValue(
-                f"theta must differ by at least {_NEARER * digit / self._mean:.2g} rad from row to "
-                f"row in an exact table of phi rounded to {digit:.2g} rad, cells taken together, "
-                f"got {gap:.2g}; give more digits, leave rows out, or say that they are measured"
-            )
-        return interpolating(x, np.append(rest[order], rest[order[0]]))
+        spline = interpolating(x, np.append(rest[order], rest[order[0]]))
+        if np.ptp(rest) > 0.0 and digit > 0.0:
+            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max()
+            least = max(_NEARER * digit / self._mean, math.sqrt(_BENT * digit / steepest))
+            if gap < least:
+                raise InvalidValue(
+                    f"theta must differ by at least {least:.2g} rad from row to row in an exact "
+                    f"table of phi rounded to {digit:.2g} rad, cells taken together, got {gap:.2g}; "
+                    "give more digits, leave rows out, or say that they are measured"
+                )
+        return spline
 
     def _rest(self, sense: float) -> FloatArray:
         """Follower angles of the rows less the mean rise, were this their sense."""
