@@ -157,10 +157,9 @@ def test_a_rounded_table_is_refused_or_its_accelerations_are_right(rows, decimal
     greatest = np.abs(true).max()
     try:
         found = esc.Tabulated(theta, phi).transmission(angles).dg
-    except InvalidValue as error:
-        # rows half as far apart as would do, or nearer, are not refused for nothing
+    except InvalidValue:
+        # not for nothing: with half as many digits to spare again it would be taken
         assert 4.0 * math.radians(10.0**-decimals) > 0.01 * greatest * (theta[1] - theta[0]) ** 2
-        assert "say that they are measured" in str(error)
     else:
         assert np.abs(found - true).max() < 0.025 * greatest
 

@@ -183,9 +183,10 @@ class Tabulated:
             least = max(_NEARER * digit / self._mean, math.sqrt(_BENT * digit / steepest))
             if gap < least:
                 raise InvalidValue(
-                    f"theta must differ by at least {least:.2g} rad from row to row in an exact "
-                    f"table of phi rounded to {digit:.2g} rad, cells taken together, got {gap:.2g}; "
-                    "give more digits, leave rows out, or say that they are measured"
+                    f"theta must differ by at least {least:.2g} rad from row to row in an "
+                    f"exact table of phi rounded to {digit:.2g} rad, cells taken together, "
+                    f"got {gap:.2g}; give more digits, leave rows out, or say that they are "
+                    "measured"
                 )
         return spline
 
