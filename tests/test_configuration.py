@@ -106,6 +106,19 @@ def test_a_mechanism_of_the_users_own_is_kept_as_it_is():
         plan_from(escapement, {"slots": [3]})
 
 
+def test_mechanisms_of_the_users_own_are_told_apart_by_their_numbers():
+    class Mine(Geneva):
+        def __repr__(self):
+            return "Mine()"
+
+    plans = [
+        plan_from(Escapement(Mine(slots), Inertia(1.0, 1.0), torque=1.0), {"friction": [0.1]})
+        for slots in (5, 5, 6)
+    ]
+    assert plans[0].configuration == plans[1].configuration
+    assert plans[0].configuration != plans[2].configuration
+
+
 @pytest.mark.parametrize("path", sorted(RUNS.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_studies_of_the_repository_are_valid(path):
     plan = load_plan(path)

@@ -1,8 +1,10 @@
 """A plan from an escapement and the axes to vary it over: all in SI."""
 
+import zlib
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import _validate
@@ -81,7 +83,11 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
     for name, kind in KINDS.items():
         if kind.factory == home:
             return {"kind": name} | _chosen(mechanism, kind), None
-    return {"kind": type(mechanism).__qualname__, "description": repr(mechanism)}, mechanism
+    # two that look alike may differ in what their repr leaves out
+    cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
+    checksum = zlib.crc32(np.concatenate([mechanism.path, cell]).tobytes())
+    description = f"{mechanism!r}, checksum {checksum:08x}"
+    return {"kind": type(mechanism).__qualname__, "description": description}, mechanism
 
 
 def _chosen(mechanism: Mechanism, kind: Kind) -> dict[str, Any]:
