@@ -97,17 +97,21 @@ class EnergyTrajectory:
     def friction_loss(self) -> FloatArray:
         """Work lost in friction over each piece [J]."""
         _cells, path, edges, _dwell, *losses = with_cells(self.escapement.scene)
-        lost = []
         end_time = self.end_time / self.escapement.time_unit
-        for piece, (start, _, sign, angle, end, w) in enumerate(self._pieces.T):
-            if sign == 0.0:
-                lost.append(0.0)
-                continue
-            if piece + 1 == self._pieces.shape[1]:
-                end = self._solve(piece, np.array([end_time - start]))[0][0]
-            none = (_NOWHERE, _NOWHERE, _NOWHERE)
-            lost.append(states_in(path, edges, angle, end, w, sign, *losses, self.rtol, *none)[0])
-        return np.array(lost) * self.escapement.torque
+        pieces = self._pieces[2:].T.copy()
+        if pieces[-1, 0] != 0.0:
+            since = np.array([end_time - self._pieces[0, -1]])
+            pieces[-1, 2] = self._solve(len(pieces) - 1, since)[0][0]
+        # a motion that has settled repeats its pieces
+        distinct, which = np.unique(pieces, axis=0, return_inverse=True)
+        none = (_NOWHERE, _NOWHERE, _NOWHERE)
+        lost = [
+            states_in(path, edges, angle, end, w, sign, *losses, self.rtol, *none)[0]
+            if sign
+            else 0.0
+            for sign, angle, end, w in distinct
+        ]
+        return np.array(lost)[which.reshape(-1)] * self.escapement.torque
 
     @cached_property
     def reversals(self) -> Events:
