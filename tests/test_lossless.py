@@ -31,8 +31,7 @@ def test_a_table_may_begin_where_its_follower_moves(engine, start, load):
     assert abs(motion.ledger.residual) < 1e-9
 
 
-@pytest.mark.parametrize("slots", [3, 6])
-@pytest.mark.parametrize("load", [0.0, 0.001])
+@pytest.mark.parametrize(("slots", "load"), [(3, 0.0), (6, 0.001)])
 def test_published_cells_settle_without_friction_for_energy_jumps_at_their_handoffs(slots, load):
     cell = drive(meyer.PublishedCell(slots), load_torque=load)
     found, judge = (esc.terminal(cell, engine=engine) for engine in ("energy", "ivp"))
