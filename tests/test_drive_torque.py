@@ -153,6 +153,16 @@ def test_a_mechanism_that_counts_from_its_entry():
     assert math.isnan(helped.peak_to_mean)
 
 
+@pytest.mark.parametrize("start_deg", [-101.25, -200.0, -1.0, 0.0, 30.0])
+def test_the_mean_does_not_depend_on_where_a_table_counts_from(start_deg):
+    drive = esc.EllipticalPlanetary(0.016, 0.009)
+    theta = np.linspace(*drive.breaks, 301)
+    table = esc.Tabulated(theta - theta[0] + math.radians(start_deg), drive.follower_angle(theta))
+    exact, found = (esc.drive_torque(m, 10.0, 0.1, 1e-4) for m in (drive, table))
+    assert found.torque_mean == pytest.approx(exact.torque_mean, rel=1e-6)
+    assert found.peak_to_mean == pytest.approx(exact.peak_to_mean, rel=1e-4)
+
+
 def test_an_even_ratio_never_reverses():
     theta = np.linspace(0.0, 6.0, 30)
     even = esc.Tabulated(theta, 2.0 * theta)

@@ -57,6 +57,17 @@ class Case:
         """Inertia torque at unit follower acceleration function, I_f omega^2 [N m]."""
         return self.follower_inertia * self.speed * self.speed
 
+    @property
+    def half(self) -> float:
+        """Driver angle where the first half of the engagement ends: dead centre [rad].
+
+        The middle, of a table or where angles are counted from elsewhere.
+        """
+        entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
+        if entry < 0.0 < exit_ and not is_table(self.mechanism.path):
+            return 0.0
+        return 0.5 * (entry + exit_)
+
 
 def checked_speed(value: float) -> float:
     """A driver speed that keeps its rule, or the error."""

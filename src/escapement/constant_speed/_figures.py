@@ -39,9 +39,7 @@ def _side(case: Case, low: float, high: float) -> float:
 
 def torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
     """Extremes and mean of the torque, between the points where it has kinks."""
-    points = case.mechanism.breaks
-    # a mechanism may count its angles from elsewhere: then half is the middle
-    half = 0.0 if points[0] < 0.0 < points[-1] else 0.5 * (points[0] + points[-1])
+    points, half = case.mechanism.breaks, case.half
     kinks = {*points, half, *reversals.tolist(), *_idle(case, reversals)}
 
     def torque(theta: FloatArray) -> FloatArray:

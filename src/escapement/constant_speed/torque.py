@@ -55,7 +55,8 @@ class DriveTorque(Case):
     torque_min, torque_min_angle : float
         Least one; below zero the follower drives back.
     torque_mean : float
-        Mean from pin entry to dead centre, Filemon's (10) [N m].
+        Mean from pin entry to dead centre, Filemon's (10), of a table to the middle of
+        its cell [N m].
     reversals : ndarray
         Driver angles from dead centre where the pin changes sides [rad].
     zone : int

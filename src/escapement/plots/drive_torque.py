@@ -70,9 +70,9 @@ def _shade(ax: Axes, result: DriveTorque) -> None:
 
 
 def _mark_mean(ax: Axes, result: DriveTorque, prefix: float) -> None:
-    start = math.degrees(result.mechanism.breaks[0])
+    start, end = math.degrees(result.mechanism.breaks[0]), math.degrees(result.half)
     ax.plot(
-        [start, 0.0], [result.torque_mean * prefix] * 2, color=_style.BLACK, lw=1.0,
+        [start, end], [result.torque_mean * prefix] * 2, color=_style.BLACK, lw=1.0,
         ls=(0, (4, 2)), label="mean of the first half",
     )  # fmt: skip
 
