@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 
 Function = Callable[[FloatArray], FloatArray]
@@ -24,21 +25,25 @@ _POINTS = 33
 _NODES = chebyshev.chebpts1(_POINTS)
 _TRANSFORM = 2.0 / _POINTS * chebyshev.chebvander(_NODES, _POINTS - 1).T
 _TRANSFORM[0] /= 2.0
+_ENDS = chebyshev.chebvander(np.array([-1.0, 1.0]), _POINTS - 1).T
 _TAIL = 4  # coefficients that must have decayed
 _DECAYED = 2e-15  # of the largest value: values carry a few rounding errors
 _NOISE = 4.0 * np.finfo(float).eps  # what rounding an x does to a value, times slope and x
 _CLOSE = 1e-9  # a stationary point this close to a piece's end, of its length, is the end
 _DEEPEST = 24  # halvings around a kink: it is located to 6e-8 of the interval
 _VANISHING = 1e-30  # a zero this close to a piece's end, of its length, is the end
-_MOST = 4000  # pieces; a function without any smoothness is left at that
+_MOST = 10_000  # pieces at once: twice the kinks a function may have
+_RIPPLE = 1e-6  # of the largest value: what is not resolved and less is rounding
+_JUMP = 1e-9  # of the largest value: a series and its function differ by this, at a jump
 
 
 class Piece(NamedTuple):
-    """Chebyshev series over low <= x <= high."""
+    """Chebyshev series over low <= x <= high, to rounding where `resolved`."""
 
     low: float
     high: float
     coefficients: FloatArray
+    resolved: bool = True
 
     def derivative(self) -> "Piece":
         """Series of the derivative by x."""
@@ -56,6 +61,11 @@ class Piece(NamedTuple):
         """The series at x."""
         middle, half = 0.5 * (self.low + self.high), 0.5 * (self.high - self.low)
         return np.asarray(chebyshev.chebval((x - middle) / half, self.coefficients), dtype=float)
+
+    def limits(self) -> tuple[float, float]:
+        """The series at both ends, whatever the function has beyond them."""
+        low, high = self.coefficients @ _ENDS[: self.coefficients.size]
+        return float(low), float(high)
 
     def zeros(self) -> FloatArray:
         """Real zeros on the piece, its ends included, unpolished."""
@@ -88,25 +98,43 @@ def interpolate(function: Function, points: Iterable[float]) -> list[Piece]:
     -------
     list of Piece
         In ascending order.
+
+    Raises
+    ------
+    InvalidValue
+        When the function has too many kinks. Only a load can have them.
     """
-    waiting = [(low, high, 0) for low, high in pairwise(points) if high > low]
-    waiting.reverse()
+    low, high = np.array([pair for pair in pairwise(points) if pair[1] > pair[0]]).T
     scale = 0.0
     pieces: list[Piece] = []
-    while waiting:
-        low, high, depth = waiting.pop()
+    for depth in range(_DEEPEST + 1):
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        values = function(middle + half * _NODES)
+        x = np.column_stack([middle[:, None] + half[:, None] * _NODES, low, high])
+        known = function(x.reshape(-1)).reshape(x.shape)
+        values, ends = known[:, :_POINTS], known[:, _POINTS:]
         scale = max(scale, float(np.abs(values).max()))
-        coefficients = _TRANSFORM @ values
-        steepest = float(np.abs(np.diff(values) / np.diff(_NODES)).max()) / half
-        floor = max(_DECAYED * scale, _NOISE * steepest * max(abs(low), abs(high)))
-        resolved = np.abs(coefficients[-_TAIL:]).max() <= floor
-        if resolved or depth == _DEEPEST or len(pieces) + len(waiting) >= _MOST:
-            pieces.append(Piece(low, high, coefficients))
-        else:
-            waiting += [(middle, high, depth + 1), (low, middle, depth + 1)]
-    return pieces
+        series = values @ _TRANSFORM.T
+        steepest = np.abs(np.diff(values) / np.diff(_NODES)).max(axis=1) / half
+        floor = np.maximum(_DECAYED * scale, _NOISE * steepest * np.maximum(abs(low), abs(high)))
+        tails = np.abs(series[:, -_TAIL:]).max(axis=1)
+        decayed = tails <= floor
+        # no node sees a kink close to an end, but the value there does
+        beside = np.abs(series @ _ENDS - ends).max(axis=1) > np.maximum(_JUMP * scale, 4.0 * floor)
+        rough = beside | ~decayed
+        many = 2 * rough.sum() > _MOST
+        if many and tails.max() > _RIPPLE * scale:
+            raise InvalidValue(
+                f"load_torque must be smooth but for at most {_MOST // 2} kinks, got a rougher "
+                "function; smooth it, or give fewer points"
+            )
+        last = many or depth == _DEEPEST
+        for k in np.flatnonzero(last | ~rough):
+            pieces.append(Piece(float(low[k]), float(high[k]), series[k], bool(decayed[k])))
+        if last or not rough.any():
+            break
+        low, middle, high = low[rough], middle[rough], high[rough]
+        low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+    return sorted(pieces, key=lambda piece: piece.low)
 
 
 def zeros(function: Function, points: Iterable[float]) -> FloatArray:
@@ -125,22 +153,38 @@ def zeros(function: Function, points: Iterable[float]) -> FloatArray:
 def extremes(function: Function, pieces: list[Piece]) -> tuple[float, float, float, float]:
     """Greatest and least value of a function, each with the first place that has it.
 
+    At a jump the limits from both sides count.
+
     Returns
     -------
     greatest, place, least, place : float
     """
-    places = np.array([piece.low for piece in pieces] + [pieces[-1].high])
-    for piece in pieces:
-        margin = _CLOSE * (piece.high - piece.low)
-        inside = piece.derivative().zeros()
-        inside = inside[(inside > piece.low + margin) & (inside < piece.high - margin)]
-        places = np.concatenate([places, inside])
-    places.sort()
+    places = np.array([end for piece in pieces for end in (piece.low, piece.high)])
+    limits = np.array([limit for piece in pieces for limit in piece.limits()])
     values = function(places)
+    # a jump's other side is not among the values
+    jump = np.repeat([piece.resolved for piece in pieces], 2)
+    jump &= np.abs(limits - values) > _JUMP * np.abs(values).max()
+    # between its ends a piece stays within its coefficients' sum
+    span = np.array([np.abs(piece.coefficients[1:]).sum() for piece in pieces])
+    about = np.array([piece.coefficients[0] for piece in pieces])
+    worth = (about + span >= values.max()) | (about - span <= values.min())
+    inside = np.concatenate([_stationary(pieces[k]) for k in np.flatnonzero(worth)])
+    values = np.concatenate([values, limits[jump], function(inside)])
+    places = np.concatenate([places, places[jump], inside])
+    order = np.argsort(places, kind="stable")
+    places, values = places[order], values[order]
     equal = 4.0 * np.finfo(float).eps * np.abs(values).max()
     top = int(np.flatnonzero(values >= values.max() - equal)[0])
     bottom = int(np.flatnonzero(values <= values.min() + equal)[0])
     return float(values[top]), float(places[top]), float(values[bottom]), float(places[bottom])
+
+
+def _stationary(piece: Piece) -> FloatArray:
+    """Where a piece's slope is zero, its ends left out."""
+    margin = _CLOSE * (piece.high - piece.low)
+    found = piece.derivative().zeros()
+    return found[(found > piece.low + margin) & (found < piece.high - margin)]
 
 
 def _polish(function: Function, piece: Piece, roots: FloatArray) -> FloatArray:
