@@ -17,6 +17,9 @@ from escapement.model import FloatArray, Mechanism
 Load = float | Callable[[FloatArray], ArrayLike]
 """Load torque [N m], or a function that gives it at follower angles [rad]."""
 
+_LARGEST = 1e280  # N m: sums and slopes of torques need room
+_HAIR = 1e-12  # of a cell: what rounding may put an angle beyond its ends
+
 
 @dataclass(frozen=True)
 class Case:
@@ -103,15 +106,50 @@ def table(case: Case, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatA
     out = np.empty((3, theta.size))
     path, friction, efficiency = case.mechanism.path, case.friction, case.efficiency
     tabulate_torque(path, theta, load, case.inertial, friction, efficiency, out)
+    if not np.abs(out).max(initial=0.0) < _LARGEST:
+        raise InvalidValue(
+            "load_torque, follower_inertia, speed and friction must give a torque within the "
+            "range of a double, got more; choose less extreme values"
+        )
     return phi, load, out
 
 
 def load_at(load: Load, phi: FloatArray) -> FloatArray:
     """Load torque at follower angles, of their shape [N m]."""
-    values = np.asarray(load(phi) if callable(load) else load, dtype=float)
+    values = _asked(load, phi) if callable(load) else np.asarray(load, dtype=float)
     if not np.isfinite(values).all():
         raise InvalidValue(
             "load_torque must give a finite torque at every follower angle, got "
             f"{float(values[~np.isfinite(values)].flat[0])!r}; check the function"
         )
     return np.array(np.broadcast_to(values, phi.shape))
+
+
+def _asked(load: Callable[[FloatArray], ArrayLike], phi: FloatArray) -> FloatArray:
+    """What a load function gives at follower angles, real numbers of their shape."""
+    try:
+        values = np.ma.filled(load(phi), np.nan)
+        if values.dtype.kind in "biuf":
+            return np.broadcast_to(values.astype(float), phi.shape)
+        got = repr(values.reshape(-1)[:1].tolist())
+    except (TypeError, ValueError) as error:
+        got = str(error)
+    got = " ".join(got.split())[:120]
+    raise InvalidValue(
+        "load_torque must be a function of an array of follower angles that gives the torque at "
+        f"each, a real number, got: {got}; write it with NumPy, numpy.where for cases"
+    )
+
+
+def within_cell(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
+    """Driver angles within the cell, or the error; a hair beyond its ends is the end."""
+    entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
+    end = max(exit_, entry + mechanism.cell_angle)
+    hair = _HAIR * (end - entry)
+    outside = ~((theta >= entry - hair) & (theta <= end + hair))
+    if outside.any():
+        raise InvalidValue(
+            f"theta must be between pin entry and the end of the cell, {entry!r} to {end!r} "
+            f"rad, got {float(theta[outside].flat[0])!r}; count angles from dead centre"
+        )
+    return np.clip(theta, entry, end)

@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import _validate
-from escapement.constant_speed._case import Case, Load, checked_load, load_at, table
+from escapement.constant_speed._case import (
+    Case,
+    Load,
+    checked_inertia,
+    checked_load,
+    load_at,
+    table,
+    within_cell,
+)
 from escapement.constant_speed._figures import find_reversals, torque_figures
 from escapement.constant_speed.extrema import checked, transmission_extrema
 from escapement.errors import InvalidValue
@@ -109,18 +117,10 @@ class DriveTorque(Case):
         InvalidValue
             Where an angle is not finite or lies outside the cell.
         """
-        angles = np.asarray(theta, dtype=float)
-        entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
-        end = max(exit_, entry + self.mechanism.cell_angle)
-        outside = ~((angles >= entry) & (angles <= end))
-        if outside.any():
-            raise InvalidValue(
-                f"theta must be between pin entry and the end of the cell, {entry!r} to {end!r} "
-                f"rad, got {float(angles[outside].flat[0])!r}; count angles from dead centre"
-            )
-        flat = np.minimum(angles.reshape(-1), exit_)
-        phi, load, values = table(self, flat)
-        values[1:, angles.reshape(-1) > exit_] = 0.0
+        angles, exit_ = _finite("theta", theta), self.mechanism.breaks[-1]
+        flat = within_cell(self.mechanism, angles).reshape(-1)
+        phi, load, values = table(self, np.minimum(flat, exit_))
+        values[1:, flat > exit_] = 0.0
         columns = (angles, phi, values[2], values[1], load)
         return TorqueState(*(column.reshape(angles.shape) for column in columns))
 
@@ -203,16 +203,51 @@ def contact_moment(
     mechanism : Mechanism
         Geometry.
     theta, speed, acceleration : array_like
-        Driver angle from dead centre [rad], pin engaged, and its derivatives by
-        time [rad/s, rad/s^2], of one shape.
+        Driver angle from dead centre [rad], within one cell, and its derivatives by
+        time [rad/s, rad/s^2]; their shapes broadcast.
     load_torque, follower_inertia :
         As for `drive_torque`.
+
+    Returns
+    -------
+    ndarray
+        N R; 0 in the dwell, where the follower is locked.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
     """
-    angles = np.asarray(theta, dtype=float)
-    ratios = transmission(checked(mechanism).path, angles)
-    load = load_at(checked_load(load_torque), np.asarray(mechanism.follower_angle(angles)))
-    driven = ratios.g * np.asarray(acceleration) + ratios.dg * np.asarray(speed) ** 2
-    return load + follower_inertia * driven
+    wanted = {"theta": theta, "speed": speed, "acceleration": acceleration}
+    given = [_finite(name, value) for name, value in wanted.items()]
+    try:
+        angles, speeds, rates = np.broadcast_arrays(*given)
+    except ValueError:
+        shapes = ", ".join(str(values.shape) for values in given)
+        raise InvalidValue(
+            f"theta, speed and acceleration must have shapes that fit, got {shapes}; give one of "
+            "each for every state, or one for all"
+        ) from None
+    inertia, load = checked_inertia(follower_inertia), checked_load(load_torque)
+    exit_ = checked(mechanism).breaks[-1]
+    angles = within_cell(mechanism, angles)
+    engaged = np.minimum(angles, exit_)
+    ratios = transmission(mechanism.path, engaged)
+    driven = ratios.g * rates + ratios.dg * speeds**2
+    moment = load_at(load, np.asarray(mechanism.follower_angle(engaged))) + inertia * driven
+    return np.where(angles > exit_, 0.0, moment)
+
+
+def _finite(name: str, value: ArrayLike) -> FloatArray:
+    """`value` as an array of finite real numbers."""
+    remedy = "give finite numbers"
+    try:
+        given = np.ma.filled(value, np.nan)
+    except (TypeError, ValueError):
+        raise _validate.fail(name, "finite numbers", value, remedy) from None
+    if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+        raise _validate.fail(name, "finite numbers", value, remedy)
+    return given.astype(float)
 
 
 def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> float:
