@@ -123,6 +123,22 @@ def test_charts_are_read_both_ways():
     assert lobes_for(24, 0.46) == lobes_for(4, 0.5) == lobes_for(7, 0.3, "epicycloid") == []
 
 
+@pytest.mark.parametrize("curve", ["hypocycloid", "epicycloid", "pericycloid"])
+@pytest.mark.parametrize("stations", [3, 4, 5, 12])
+def test_lobes_are_those_of_a_mechanism(stations, curve):
+    for ratio in np.linspace(0.005, 0.995, 100):
+        for m in lobes_for(stations, ratio, curve):
+            assert motion_ratio_chart(stations, m, curve) == pytest.approx(ratio, rel=1e-9)
+
+
+def test_an_epicycloid_takes_less_than_this():
+    """What docs/gear-driven.md says."""
+    most = [float(motion_ratio_chart(n, 0.0, "epicycloid")) for n in range(3, 200)]
+    assert most == sorted(most)
+    assert most[13 - 3] < 1.0 / 3.0 < most[14 - 3]
+    assert 0.43 < motion_ratio_chart(10**6, 0.0, "epicycloid") < 0.431
+
+
 def test_the_search_finds_all_there_is():
     """Against a plain loop over everything, whatever the wish."""
     wished = {
@@ -173,6 +189,9 @@ def test_sizes_are_kept():
         ({"motion_ratio": 1.3}, "motion_ratio must be at most 1"),
         ({"dwell_ratio": -0.3}, "dwell_ratio must be at least 0"),
         ({"motion_ratio": 0.3, "curves": ["circle"]}, "curves must be one of"),
+        ({"motion_ratio": 0.3, "curves": "circle"}, "curves must be one of .*got 'circle'"),
+        ({"motion_ratio": 0.3, "curves": 3}, "curves must be one of .*got 3"),
+        ({"motion_ratio": 0.3, "most_slots": "a"}, "most_slots must be a whole number"),
         ({"motion_ratio": 0.3, "finest": 10**4}, "most_lobes and finest must"),
         ({"motion_ratio": 0.3, "largest_radius": 0.0}, "largest_radius must be greater than 0"),
     ],
@@ -180,6 +199,17 @@ def test_sizes_are_kept():
 def test_impossible_wishes(arguments, words):
     with pytest.raises(InvalidValue, match=words):
         find_mechanisms(6, **arguments)
+
+
+def test_one_curve_may_be_named():
+    one, several = (find_mechanisms(6, 0.1, curves=c) for c in ("epicycloid", ["epicycloid"]))
+    assert one == several != []
+
+
+@pytest.mark.parametrize("call", [gear_pairs, planet_inertia])
+def test_gears_are_those_of_a_gear_driven_wheel(call):
+    with pytest.raises(InvalidValue, match="mechanism must be gear-driven, got Geneva"):
+        call(Geneva(4), 0.05)
 
 
 @pytest.mark.parametrize("wheel", WHEELS[3:], ids=lambda w: f"{w.stations} {w.curve}")

@@ -54,7 +54,7 @@ def describe(mechanism: "EllipticalPlanetary") -> dict[str, Any]:
             {
                 "tolerance_deg": deg,
                 "dwell_deg": math.degrees(dwell),
-                "share": dwell / mechanism.cell_angle,
+                "share": min(dwell / mechanism.cell_angle, 1.0),
             }
             for deg, dwell in rests
         ],

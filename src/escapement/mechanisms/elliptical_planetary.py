@@ -185,18 +185,27 @@ class EllipticalPlanetary(EllipticalGears):
         Parameters
         ----------
         angle : float
-            Tolerated deviation of the output from where it stops [rad], > 0.
+            Tolerated deviation of the output from where it stops [rad], > 0; from half
+            a step on the angle reaches beyond the cell.
         """
         limit = _validate.positive("angle", angle, "give the tolerated deviation in rad")
+        # every cell turns the output by a step, its second half as the first turned back
+        cells, rest = divmod(limit, self.follower_step)
+        if rest > 0.5 * self.follower_step:
+            cells, rest = cells + 1.0, rest - self.follower_step
+        return 2.0 * (cells * self.cell_angle + math.copysign(self._way(abs(rest)), rest))
+
+    def _way(self, limit: float) -> float:
+        """Driver angle from a stop in which the output turns by up to half a step [rad]."""
         if limit >= 0.5 * self.follower_step:
-            return self.cell_angle
+            return 0.5 * self.cell_angle
         from scipy.optimize import brentq
 
         def beyond(turn: float) -> float:
             left = 2.0 * math.atan(math.tan(0.5 * turn) / self.ratio) - turn / self.ratio
             return left - limit
 
-        return 2.0 * float(brentq(beyond, 0.0, math.pi, xtol=1e-15)) / self.ratio
+        return float(brentq(beyond, 0.0, math.pi, xtol=1e-15)) / self.ratio
 
     def _half_turn(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
         half = 0.5 * self.ratio * np.asarray(theta, dtype=float)

@@ -88,6 +88,8 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
     def value(c: float) -> float:
         return c * math.sin(x) - math.sin(c * x + gamma)
 
+    if high < low - _EDGE:
+        return []
     grid = np.linspace(low - _EDGE, high + _EDGE, _GRID)  # m = 0 itself is on the chart
     return [max((c - start) * n / 2.0 - 1.0, 0.0) for c in _roots(value, grid)]
 

@@ -43,10 +43,7 @@ class GearPair:
     module: float
 
     def __post_init__(self) -> None:
-        if not isinstance(self.mechanism, GearDriven):
-            raise _validate.fail(
-                "mechanism", "gear-driven", self.mechanism, "give for example GearDriven(12, 3)"
-            )
+        _checked(self.mechanism)
         for name in ("fixed_teeth", "planet_teeth"):
             remedy = "a full-depth 20 degree gear with fewer is undercut"
             number = _validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
@@ -97,6 +94,15 @@ class GearPair:
         return self.mechanism.reach_over_fixed * self.fixed_radius
 
 
+def _checked(mechanism: GearDriven) -> GearDriven:
+    """`mechanism`, or the error that it is not gear-driven."""
+    if not isinstance(mechanism, GearDriven):
+        raise _validate.fail(
+            "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
+        )
+    return mechanism
+
+
 def gear_pairs(
     mechanism: GearDriven, largest_radius: float, most_teeth: int = 250
 ) -> list[GearPair]:
@@ -119,7 +125,7 @@ def gear_pairs(
     """
     limit = _validate.positive("largest_radius", largest_radius, "give the radius in m")
     most = _validate.integer("most_teeth", most_teeth, LEAST_TEETH, "give the most teeth")
-    ratio, found = abs(mechanism.gear_ratio), []
+    ratio, found = abs(_checked(mechanism).gear_ratio), []
     for times in range(1, most // max(ratio.numerator, ratio.denominator) + 1):
         teeth = times * ratio.numerator, times * ratio.denominator
         largest = 2.0 * limit / (mechanism.reach_over_fixed * teeth[0])
@@ -171,6 +177,6 @@ def planet_inertia(
     own = _validate.non_negative("planet_inertia", planet_inertia, "give the inertia in kg m^2")
     pin = _validate.non_negative("pin_mass", pin_mass, "give the mass in kg")
     count = _validate.integer("planets", planets, 1, "give the number of planets")
-    first, _, second, rate = mechanism.arms
+    first, _, second, rate = _checked(mechanism).arms
     pins = mechanism.pins * pin * (first**2 + (rate * second) ** 2)
     return count * (scale * (mass * first**2 + pins) + own * rate**2)

@@ -1,6 +1,7 @@
 """Inverse synthesis: gear-driven wheels that meet a designer's wishes."""
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -43,7 +44,7 @@ def find_mechanisms(
     *,
     dwell_ratio: float | None = None,
     tolerance: float = 0.02,
-    curves: Sequence[str] = CURVES[:2],
+    curves: str | Sequence[str] = CURVES[:2],
     most_lobes: int = 24,
     finest: int = 2,
     most_pins: int = 1,
@@ -63,7 +64,7 @@ def find_mechanisms(
         Wanted moving share V of the cycle, or 1 - V [-]: one of the two.
     tolerance : float
         Greatest deviation from it [-].
-    curves : sequence of str
+    curves : str or sequence of str
         Curves to look at; cognates have the same V.
     most_lobes, finest : int
         Greatest number of lobes m, and the greatest denominator of one.
@@ -93,7 +94,9 @@ def find_mechanisms(
     n = _validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
     wanted = _wanted(motion_ratio, dwell_ratio)
     room = _validate.non_negative("tolerance", tolerance, "give a deviation of V")
-    names = [_validate.choice("curves", curve, CURVES) for curve in curves]
+    several = isinstance(curves, Iterable) and not isinstance(curves, str)
+    wished = curves if several else (curves,)
+    names = [_validate.choice("curves", curve, CURVES) for curve in wished]
     counts = {
         "most_lobes": _validate.integer("most_lobes", most_lobes, 0, "give a number of lobes"),
         "finest": _validate.integer("finest", finest, 1, "1 for whole numbers of lobes"),
@@ -108,6 +111,9 @@ def find_mechanisms(
     size = None
     if largest_radius is not None:
         size = _validate.positive("largest_radius", largest_radius, "give the radius in m")
+    limit = math.inf
+    if most_slots is not None:
+        limit = _validate.integer("most_slots", most_slots, 1, "give a number of slots")
     shaft = _validate.non_negative("shaft_radius", shaft_radius, "give a radius, 0 for none")
     planet = _validate.non_negative("planet_radius", planet_radius, "give a radius, 0 for none")
     found = []
@@ -115,7 +121,7 @@ def find_mechanisms(
         scale = 1.0 if size is None else size / wheel.reach_over_fixed
         closest = scale * wheel.closest_radius_over_fixed
         fits = closest >= shaft and scale / abs(float(wheel.gear_ratio)) >= planet
-        if fits and (most_slots is None or wheel.slots <= most_slots):
+        if fits and wheel.slots <= limit:
             peaks = motion_peaks(wheel)
             if size is not None:
                 wheel = _sized(wheel, scale)
