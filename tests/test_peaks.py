@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.errors import InvalidValue
 
 SUN = 0.02
 # mechanism, driver over follower inertia, friction, efficiency: light drivers, whose
@@ -51,3 +52,18 @@ def test_no_peak_is_overlooked(scene):
     for figure, name in NAMES.items():
         ratio = getattr(figures, figure) / expected[name]
         assert 1.0 - 1e-9 < ratio < 1.0 + 1e-4, figure
+
+
+def test_the_greatest_force_goes_with_the_crank():
+    """Also where its square leaves the range of a double."""
+    forces = {}
+    for crank in (1e-2, 1e-300, 1e-310):
+        timer = esc.Escapement(
+            esc.Geneva(4, crank_radius=crank), esc.Inertia(3e-6, 5e-5), 0.1, friction=0.2
+        )
+        if crank < 1e-300:
+            with pytest.raises(InvalidValue, match="crank_radius must be great enough"):
+                _ = esc.terminal(timer).contact_force_max
+        else:
+            forces[crank] = esc.terminal(timer).contact_force_max * crank
+    assert forces[1e-300] == pytest.approx(forces[1e-2], rel=1e-12)

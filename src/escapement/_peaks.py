@@ -65,4 +65,5 @@ def _summit(values: np.ndarray) -> float:
     if values.size < 3:
         return top
     bend = 2.0 * values[1] - values[0] - values[2]
-    return top + float((values[2] - values[0]) ** 2 / (8.0 * bend)) if bend > 0.0 else top
+    rise = values[2] - values[0]  # not squared: a force may be too great for that
+    return top + float(rise * (rise / (8.0 * bend))) if bend > 0.0 else top

@@ -129,6 +129,8 @@ class Motion:
         InvalidValue
             Where a time is not finite or lies outside [0, end_time].
         """
+        if np.ma.is_masked(t):
+            raise fail("t", "free of masked values", t, "give those that count alone")
         try:
             times = np.asarray(t, dtype=float)
         except (TypeError, ValueError, OverflowError):
@@ -176,7 +178,7 @@ class Motion:
             rate[held] = table[2] / clock**2
         engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)
         crank = getattr(mechanism, "crank_radius", None)
-        force = None if crank is None else moment / (crank * radius(mechanism.path, engaged))
+        force = None if crank is None else _force(moment, crank, radius(mechanism.path, engaged))
         columns = {
             "theta": theta + engagement * mechanism.cell_angle,
             "theta_dot": speed,
@@ -274,6 +276,17 @@ class Motion:
         scale = max(work, float(energies[0]))
         residual = (work - kinetic - load - friction) / scale if scale > 0.0 else 0.0
         return Ledger(float(work), kinetic, float(load), friction, float(residual))
+
+
+def _force(moment: FloatArray, crank: float, radius: FloatArray) -> FloatArray:
+    """Force of the pin [N] whose moment [N m] it has at `radius` cranks from the axis."""
+    with np.errstate(over="ignore"):
+        force = moment / (crank * radius)
+    if not np.isfinite(force).all():
+        raise fail(
+            "crank_radius", "great enough for a force a double can hold", crank, "give it in m"
+        )
+    return force
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float) -> Motion:
