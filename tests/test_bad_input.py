@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bad_calls import MODEL, TABLE, built, wheel
+from bad_calls import MODEL, TABLE, built, look, wheel
 from escapement.errors import InvalidValue
 
 
@@ -44,6 +44,16 @@ def test_different_rules_have_different_messages():
 def test_a_number_in_an_array_without_dimensions_is_a_number():
     assert built(torque=np.array(0.0113), friction=np.float32(0.25)) == built(friction=0.25)
     assert wheel(slots=np.array(5)) == wheel(slots=np.int8(5)) == wheel(slots=5)
+
+
+def test_a_masked_number_is_none():
+    hidden = np.ma.array(0.25, mask=True)
+    for call in (lambda x: built(friction=x), lambda x: wheel(slots=x), look):
+        with pytest.raises(InvalidValue):
+            call(hidden)
+    with pytest.raises(InvalidValue, match="t must be free of masked values"):
+        look(np.ma.array([0.0, 0.1], mask=[0, 1]))
+    assert built(friction=np.ma.array(0.25)) == built(friction=0.25)
 
 
 COMMANDS = {

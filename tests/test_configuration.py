@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from escapement.configuration import load_plan, parse_plan, plan_from
+from escapement.configuration._kinds import KINDS
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
@@ -170,7 +171,7 @@ REFUSED = [
     ({"sweep": {"friction": True}}, "friction must be a list of numbers, one number, or start"),
     ({"sweep": {"slots": [4, 2]}}, "slots[1] must be a whole number of at least 3, got 2"),
     ({"sweep": {"slots": [4, 4.5]}}, "slots[1] must be a whole number of at least 3, got 4.5"),
-    ({"sweep": {"slots": [1e300]}}, "slots[0] must be below 2^53"),
+    ({"sweep": {"pins": [1e300]}}, "pins[0] must be below 2^53"),
     ({"sweep": {"torque": [1.0, 0.0]}}, "torque[1] must be greater than 0, got 0.0"),
     ({"sweep": {"torque": {"start": 1}}}, "axis torque lacks stop and num; write { start"),
     ({"sweep": {"torque": EVEN | {"num": 0}}}, "torque.num must be a whole number of at least 1"),
@@ -220,6 +221,11 @@ def test_a_refusal_is_one_line_that_helps(changes, message):
         ({"friction": np.array(["a"])}, "friction must be a list of numbers"),
         ({"friction": np.array([0.1, None])}, "friction[1] must be a finite number, got None"),
         ({"friction": [[1], [1, 2]]}, "friction[0] must be a finite number"),
+        (
+            {"friction": np.ma.array([0.1, 0.2], mask=[0, 1])},
+            "friction must be free of masked values",
+        ),
+        ({"friction": [0.1, np.ma.masked]}, "friction[1] must be a finite number, got masked"),
         ({"friction": None}, "friction must be a list of numbers"),
         ({}, "must sweep at least one parameter"),
     ],
@@ -228,6 +234,20 @@ def test_python_axes_are_refused_alike(axes, message):
     with pytest.raises(InvalidValue) as caught:
         plan_from(TIMER, axes)
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("lobes", [[1, 100001], [0.1234567], [1, "1/2000"]])
+def test_lobes_are_refused_before_anything_is_computed(lobes):
+    machine = {"kind": "gear-driven", "curve": "epicycloid", "stations": 5}
+    with pytest.raises(InvalidValue, match=r"lobes\[\d\] must be"):
+        parse_plan(GOOD | {"mechanism": machine, "sweep": {"lobes": lobes}})
+
+
+def test_the_most_slots_are_those_of_the_wheel():
+    most = KINDS["geneva"].parameters["slots"].maximum
+    assert Geneva(int(most)).slots == most
+    with pytest.raises(InvalidValue):
+        Geneva(int(most) + 1)
 
 
 def write(path, content):

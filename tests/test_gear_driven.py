@@ -183,6 +183,8 @@ IMPOSSIBLE = {
     "negative lobe": ((4, 1, "epicycloid", 1, -1), "unused_lobes must be .* at least 0"),
     "slot in the way": ((6, "1/2", "epicycloid", 1, 1), "unused_lobes .*where lobe 1 passes"),
     "dwell at full speed": ((12, 4, "hypocycloid", 1, 2), "unused_lobes must be 0 .*jump"),
+    "lobes without end": ((4, 100_001, "epicycloid"), "lobes must be at most 100000, got '100001'"),
+    "unused ones without end": ((4, 1, "epicycloid", 1, 10**6), "unused_lobes must be .*100000"),
     "second of one": ((4, 1, "epicycloid", 1, 0, 2), "solution must be at most 1 here, got 2"),
     "no radius": ((4, 1, "epicycloid", 1, 0, 1, 0.0), "fixed_radius must be greater than 0"),
 }

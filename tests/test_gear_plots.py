@@ -129,6 +129,10 @@ def test_another_mechanism_is_refused():
         gear_driven.plot_gear_driven("wheel")
     with pytest.raises(InvalidValue, match="theta must be a finite"):
         gear_driven.plot_gear_driven(WHEELS[0], math.nan)
+    with pytest.raises(InvalidValue, match="slots must be at most 200 in a drawing, got 203"):
+        gear_driven.plot_gear_driven(GearDriven(203, 0))
+    with pytest.raises(InvalidValue, match="lobes of the whole path must be at most 200"):
+        gear_driven.plot_gear_driven(GearDriven(4, 1001, "epicycloid"))
 
 
 def test_sheets():

@@ -125,6 +125,12 @@ def test_drawing_is_to_scale_and_names_a_known_radius():
     assert "crank radius 12.5 mm" in [text.get_text() for text in ax.texts]
 
 
+def test_slots_nobody_could_tell_apart_are_not_drawn():
+    plots.plot_mechanism(esc.Geneva(slots=200))
+    with pytest.raises(InvalidValue, match="slots must be at most 200 in a drawing, got 201"):
+        plots.plot_mechanism(esc.Geneva(slots=201))
+
+
 def test_configurations_show_the_three_continuous_drives():
     figure = plots.plot_configurations(0.1)
     titles = [ax.get_title() for ax in figure.axes]

@@ -131,6 +131,11 @@ def test_lobes_are_those_of_a_mechanism(stations, curve):
             assert motion_ratio_chart(stations, m, curve) == pytest.approx(ratio, rel=1e-9)
 
 
+def test_charts_end():
+    with pytest.raises(InvalidValue, match="lobes must be at least 0 and at most 100000"):
+        motion_ratio_chart(3, [1e6], "epicycloid")
+
+
 def test_an_epicycloid_takes_less_than_this():
     """What docs/gear-driven.md says."""
     most = [float(motion_ratio_chart(n, 0.0, "epicycloid")) for n in range(3, 200)]

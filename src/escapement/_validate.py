@@ -38,7 +38,10 @@ def number(name: str, value: Any, remedy: str = "give a finite real number") -> 
 def _is_plain(value: Any, kinds: str) -> bool:
     """Whether a NumPy value is a single one of these kinds; others are not its business."""
     dtype = getattr(value, "dtype", None)
-    return dtype is None or (getattr(dtype, "kind", "") in kinds and not getattr(value, "ndim", 0))
+    if dtype is None:
+        return True
+    single = not getattr(value, "ndim", 0) and not getattr(value, "mask", False)
+    return single and getattr(dtype, "kind", "") in kinds
 
 
 def positive(name: str, value: Any, remedy: str) -> float:
@@ -82,14 +85,14 @@ def truth(name: str, value: Any, remedy: str = "give a truth value") -> bool:
     raise fail(name, "true or false", value, remedy)
 
 
-def rational(name: str, value: Any, remedy: str) -> Fraction:
-    """`value` as a fraction of at least 0 with a denominator of at most 1000.
+def rational(name: str, value: Any, remedy: str, maximum: float = math.inf) -> Fraction:
+    """`value` as a fraction from 0 to `maximum` with a denominator of at most 1000.
 
     Text such as "1/2" counts, and so does a double that rounds such a fraction.
     """
     rule = "a rational number of at least 0, its denominator at most 1000"
     try:
-        if isinstance(value, bool):
+        if isinstance(value, bool) or not _is_plain(value, "iufU"):
             raise TypeError
         exact = Fraction(value.item() if hasattr(value, "item") else value)
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
@@ -97,6 +100,8 @@ def rational(name: str, value: Any, remedy: str) -> Fraction:
     result = exact.limit_denominator(1000)
     if result < 0 or abs(result - exact) > Fraction(1, 10**12) * (1 + result):
         raise fail(name, rule, value, remedy)
+    if result > maximum:
+        raise fail(name, f"at most {maximum:g}", str(result), remedy)
     return result
 
 

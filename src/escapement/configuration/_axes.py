@@ -62,6 +62,8 @@ def _flat(name: str, form: Any) -> NDArray[np.float64]:
         return np.array([_validate.number(f"{name}[{i}]", x) for i, x in enumerate(form)])
     if isinstance(form, str | bytes | bool) or form is None:
         raise _not_an_axis(name, form)
+    if np.ma.is_masked(form):
+        raise _validate.fail(name, "free of masked values", form, "give those that count alone")
     try:
         array = np.asarray(form)
     except ValueError:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from escapement import _validate, units
-from escapement._curves import CURVES
+from escapement._curves import CURVES, MOST_LOBES
 from escapement.configuration._parameters import MODEL, Parameter
 
 
@@ -94,6 +94,7 @@ KINDS = {
             "slots of the follower",
             "a Geneva wheel needs 3 slots or more",
             minimum=3,
+            maximum=1_000_000,  # Geneva's own rule
             whole=True,
             required=True,
         )
@@ -116,6 +117,7 @@ KINDS = {
             "lobes",
             "unreal lobes between two lobes of the pin's path",
             "give a whole number or a fraction such as '1/2'",
+            maximum=MOST_LOBES,
             fraction=True,
             required=True,
         )
@@ -131,6 +133,7 @@ KINDS = {
             "unused_lobes",
             "lobes without a slot between two that have one",
             "give 0 to use every lobe",
+            maximum=MOST_LOBES,
             whole=True,
             default=0,
         )

@@ -53,9 +53,10 @@ class Parameter:
         if self.whole:
             number = _validate.number(label, value, self.remedy)
             whole = int(number) if number == int(number) else value
-            return _validate.integer(label, whole, int(self.minimum), self.remedy)
+            most = None if self.maximum == math.inf else int(self.maximum)
+            return _validate.integer(label, whole, int(self.minimum), self.remedy, most)
         if self.fraction:
-            return float(_validate.rational(label, value, self.remedy))
+            return float(_validate.rational(label, value, self.remedy, self.maximum))
         rule = _validate.positive if self.exclusive else _validate.non_negative
         checked = rule(label, value, self.remedy)
         if not self.minimum <= checked <= self.maximum:
@@ -66,6 +67,8 @@ class Parameter:
 
     def check_all(self, label: str, values: NDArray[np.float64]) -> NDArray[Any]:
         """`values`, whole ones as integers; raises for the first that breaks the rule."""
+        if self.fraction:
+            return np.array([self.check(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
         good = np.isfinite(values) & (values >= self.minimum) & (values <= self.maximum)
         if self.exclusive:
             good &= values > self.minimum

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import _validate
-from escapement._curves import COGNATES, CURVES
+from escapement._curves import COGNATES, CURVES, MOST_LOBES
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import arm_length, gear_ratio, lobe_ratios
 from escapement.model import FloatArray
@@ -47,12 +47,12 @@ class GearTrain:
                 "stations", self.stations, 3, "the wheel needs 3 stations or more"
             ),
             "lobes": _validate.rational(
-                "lobes", self.lobes, "give a whole number or a fraction such as 1/2"
+                "lobes", self.lobes, "give a whole number or a fraction such as 1/2", MOST_LOBES
             ),
             "curve": _validate.choice("curve", self.curve, CURVES),
             "pins": _validate.integer("pins", self.pins, 1, "give the number of pins"),
             "unused_lobes": _validate.integer(
-                "unused_lobes", self.unused_lobes, 0, "give 0 to use every lobe"
+                "unused_lobes", self.unused_lobes, 0, "give 0 to use every lobe", MOST_LOBES
             ),
             "solution": _validate.integer("solution", self.solution, 1, "they count from 1"),
         }

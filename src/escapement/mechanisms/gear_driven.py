@@ -23,7 +23,7 @@ class GearDriven(GearTrain):
         Stations n, >= 3: the wheel turns by 2 pi/n at each step.
     lobes : int, Fraction, float or str
         Unreal lobes m that fit between two neighbouring lobes of the pin's path
-        [-], rational, >= 0: 2, 1/2 or "1/2".
+        [-], rational, 0 to 100 000: 2, 1/2 or "1/2".
     curve : str
         "hypocycloid" (protracted, k > 2), "epicycloid" (k < 0), or the cognates
         that trace the same paths: "contracted-hypocycloid" (1 < k < 2) and
@@ -31,7 +31,8 @@ class GearDriven(GearTrain):
     pins : int
         Equally spaced pins on the planet. With pins * V0 = 1 one is always engaged.
     unused_lobes : int
-        Lobes that find no slot between two that do; fewer slots, longer dwell.
+        Lobes that find no slot between two that do, at most 100 000; fewer slots,
+        longer dwell.
     solution : int
         Which mechanism, counted from 1 in order of alpha, where there are several.
     fixed_radius : float, optional

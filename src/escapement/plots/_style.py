@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from escapement import _validate
+
 BLACK, GREY, LIGHT_GREY = "#000000", "#5f5f5f", "#b8b8b8"
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
@@ -22,6 +24,8 @@ TWO_COLUMN = 7.2
 """Width of a figure across two columns [in], 183 mm."""
 LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 """Font sizes [pt]; the smallest is 4 pt at half size."""
+
+_MOST_DRAWN = 200  # slots or lobes
 
 HANDLE = 4.2
 """Length of a handle, in font sizes, that shows two dashes of any of `LOOKS` without marker."""
@@ -43,6 +47,12 @@ LOOKS = (
     Look(ORANGE, (0, (8, 1.6)), "v"),
     Look(BLACK, (0, (5, 1.4, 1.2, 1.4, 1.2, 1.4)), "P"),
 )
+
+
+def check_drawn(name: str, count: int) -> None:
+    """Refuse a drawing whose parts nobody could tell apart."""
+    if count > _MOST_DRAWN:
+        raise _validate.fail(name, f"at most {_MOST_DRAWN} in a drawing", count, "leave it undrawn")
 
 
 def new_figure(width: float = ONE_COLUMN, height: float | None = None) -> Figure:

@@ -45,7 +45,8 @@ def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None
     Raises
     ------
     InvalidValue
-        For any but a Geneva drive, with the function that draws it, or an angle that is not finite.
+        For any but a Geneva drive, with the function that draws it, for more than 200 slots,
+        or an angle that is not finite.
 
     Notes
     -----
@@ -60,6 +61,7 @@ def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None
         )
         raise _validate.fail("mechanism", "a Geneva drive", mechanism, remedy)
     angle = _validate.number("theta", theta, "give the driver angle in rad")
+    _style.check_drawn("slots", mechanism.slots)
     wheels = Wheels(mechanism)
     box = _extent(wheels)
     if ax is None:

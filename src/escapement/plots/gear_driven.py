@@ -40,13 +40,17 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     Raises
     ------
     InvalidValue
-        For another mechanism, or an angle that is not finite.
+        For another mechanism, more than 200 slots, a path of more than 200 lobes or turns,
+        or an angle that is not finite.
     """
     if not isinstance(mechanism, GearDriven):
         raise _validate.fail(
             "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
         )
     angle = _validate.number("theta", theta, "give the carrier angle in rad")
+    _style.check_drawn("slots", mechanism.slots)
+    ratio = mechanism.gear_ratio
+    _style.check_drawn("lobes of the whole path", max(abs(ratio.numerator), ratio.denominator))
     wheels = GearWheels(mechanism)
     if ax is None:
         ax = _style.new_axes(_style.ONE_COLUMN, _style.ONE_COLUMN)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import _validate
-from escapement._curves import CURVES
+from escapement._curves import CURVES, MOST_LOBES
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import FloatArray
@@ -25,7 +25,7 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
     stations : int
         Stations n, >= 3.
     lobes : array_like
-        Unreal lobes m [-], >= 0, of any real value.
+        Unreal lobes m [-], from 0 to 100 000, of any real value.
     curve : str
         "hypocycloid", "epicycloid" or a cognate of theirs.
 
@@ -46,8 +46,9 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
     n = _validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
     name = _validate.choice("curve", curve, CURVES)
     values = np.asarray(lobes, dtype=float)
-    if not np.all(np.isfinite(values) & (values >= 0.0)):
-        raise _validate.fail("lobes", "finite and at least 0", lobes, "give numbers of lobes")
+    if not np.all((values >= 0.0) & (values <= MOST_LOBES)):
+        rule = f"at least 0 and at most {MOST_LOBES}"
+        raise _validate.fail("lobes", rule, lobes, "give numbers of lobes")
     found = [_ratio(n, Fraction(float(m)), name) for m in values.reshape(-1)]
     return np.array(found).reshape(values.shape)
 
