@@ -66,6 +66,21 @@ def test_a_normal_distribution_can_be_cut_off():
     assert values.max() <= 0.5
 
 
+def test_ends_far_apart_are_spread_evenly_in_the_logarithm():
+    for low, high in [(1e-320, 1e-3), (1e-200, 1e200)]:
+        values = sample(load_torque={"low": low, "high": high, "log": True}).values["load_torque"]
+        share = (np.log(values) - np.log(low)) / (np.log(high) - np.log(low))
+        assert sorted(np.floor(share * 64).astype(int)) == list(range(64))
+
+
+@pytest.mark.parametrize("deviation", [1e4, 1e7, 3e7, 1e9, 1e16, 1e300])
+def test_a_normal_distribution_cut_to_next_to_nothing_is_even(deviation):
+    cut = {"standard_deviation": deviation, "low": 0.1, "high": 0.4}
+    values = sample(friction=cut).values["friction"]
+    share = (values - 0.1) / 0.3
+    assert sorted(np.floor(share * 64).astype(int)) == list(range(64))
+
+
 @pytest.mark.parametrize(
     ("one", "other"),
     [
@@ -168,6 +183,7 @@ REFUSED = [
         {"method": "list", "friction": [0.1, 0.2], "torque": [1.0]},
         "sample.torque must have as many values as friction, got 1 and 2",
     ),
+    ({"method": "list", "slots": [3, 1000001]}, "slots[1] must be a whole number of at most"),
     ({"method": "list", "friction": [0.1, -0.2]}, "friction[1] must be at least 0, got -0.2"),
     (7, "sample must be a table, got 7"),
 ]  # fmt: skip

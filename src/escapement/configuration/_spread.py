@@ -17,6 +17,7 @@ WIDTHS = ("tolerance", "relative_tolerance", "standard_deviation", "relative_sta
 
 _KEYS = ("low", "high", "log", *WIDTHS)
 _EXAMPLE = "write for example { relative_tolerance = 0.05 }"
+_FLAT = 1e-8  # standard deviations, over which a normal distribution is even to the last digit
 _NEVER = 1e-10  # part of a normal distribution on either side that no draw reaches
 
 
@@ -45,7 +46,8 @@ class Spread:
 
     def at(self, share: FloatArray) -> FloatArray:
         """Values below which the given shares (0 to 1) of the distribution lie."""
-        if self.nominal is not None and self.deviation is not None:
+        width = self.high - self.low
+        if self.nominal is not None and self.deviation and width > _FLAT * self.deviation:
             from scipy.special import ndtr, ndtri
 
             below, up_to = (ndtr((end - self.nominal) / self.deviation)
@@ -53,9 +55,13 @@ class Spread:
             inside = np.clip(below + share * (up_to - below), _NEVER, 1.0 - _NEVER)
             values = self.nominal + self.deviation * ndtri(inside)
         elif self.log:
-            values = self.low * (self.high / self.low) ** share
+            ratio = self.high / self.low
+            if ratio < np.inf:
+                values = self.low * ratio**share
+            else:
+                values = self.low ** (1.0 - share) * self.high**share
         else:
-            values = self.low + share * (self.high - self.low)
+            values = self.low + share * width
         return np.clip(values, self.low, self.high)
 
 
