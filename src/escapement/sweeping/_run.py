@@ -103,13 +103,20 @@ def sweep(
     CannotCreate, StorageError
         As `StudyWriter`.
     """
+    if not (path is None or isinstance(path, str | PathLike)):
+        raise _validate.fail("path", "the name of a file", path, "leave it out to write none")
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise _validate.fail("progress", "true, false or a function", progress, "leave it out")
     if np.ndim(initial_speed) > 0:
         axes["initial_speed"], initial_speed = initial_speed, 0.0
+    else:
+        remedy = "give the driver speed in rad/s"
+        initial_speed = _validate.non_negative("initial_speed", initial_speed, remedy)
     plan = plan_from(
         escapement,
         axes,
         sample=sample,
-        initial_speed=initial_speed,  # type: ignore[arg-type]
+        initial_speed=initial_speed,
         engine=engine,
         rtol=rtol,
     )
