@@ -152,7 +152,7 @@ def drive_torque(
     load_torque : float or callable
         Torque opposing the follower while it moves [N m], >= 0; or a function
         from an array of follower angles, zero at dead centre [rad], to the
-        torque there [N m] of either sign.
+        torque there [N m] of either sign, smooth but for up to 5000 kinks and jumps.
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     efficiency : float
