@@ -13,6 +13,7 @@ from any_path import Plain, each_wheel
 from escapement.constant_speed import design, geneva
 from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import radius
+from tabulated_drive import DRIVE, measured
 
 
 @each_wheel
@@ -161,6 +162,20 @@ def test_the_mean_does_not_depend_on_where_a_table_counts_from(start_deg):
     exact, found = (esc.drive_torque(m, 10.0, 0.1, 1e-4) for m in (drive, table))
     assert found.torque_mean == pytest.approx(exact.torque_mean, rel=1e-6)
     assert found.peak_to_mean == pytest.approx(exact.peak_to_mean, rel=1e-4)
+
+
+def test_a_measured_table_tells_how_well_its_moment_is_known():
+    angles = np.linspace(-1.5, 1.5, 101)  # every table has its own cell about zero
+    true = esc.drive_torque(DRIVE, 10.0, 0.01, 2e-4)
+    assert true.moment_deviation == 0.0
+    shares = []
+    for seed in range(30):
+        table = measured(300, np.radians(1.0), seed, cells=0.5)
+        found = esc.drive_torque(table, 10.0, 0.01, 2e-4)
+        off = found.at(angles).contact_moment - true.at(angles).contact_moment
+        shares.append(np.abs(off).max() / found.moment_deviation)
+    assert 0.5 < np.median(shares) < 2.0
+    assert max(shares) < 4.0
 
 
 def test_an_even_ratio_never_reverses():

@@ -71,8 +71,8 @@ def execute(args: argparse.Namespace) -> int:
 def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
     """What `drive-torque` reports, by JSON key, in the user's units.
 
-    What does not exist is NaN or infinite here and null in JSON; only then there
-    is a `message`, which says why.
+    What does not exist is NaN or infinite here and null in JSON; then, and where a table's
+    scatter leaves doubt, there is a `message` that says so.
     """
     from escapement.errors import InvalidValue
 
@@ -89,6 +89,13 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
         )
     if math.isnan(result.peak_to_mean):
         reasons.append("torque_max_over_mean: the mean torque is not above zero")
+    if result.moment_deviation > 0.0:
+        doubt = _output.in_units(result.moment_deviation, "torque", units)
+        reasons.append(
+            f"the scatter of the table leaves the contact moment uncertain by {doubt:.2g} "
+            f"{unit_name('torque', units)} (standard deviation), the torque by that times the "
+            "ratio, and reversals between which the moment is smaller may be none"
+        )
     free = _limits(result, units)
     reasons += [
         f"{key}: no finite value makes the pin reverse"

@@ -7,7 +7,7 @@ import numpy as np
 from escapement.constant_speed._case import Case, table
 from escapement.constant_speed._chebyshev import extremes, interpolate, zeros
 from escapement.constant_speed._kernels import tabulate_ratio
-from escapement.constant_speed.extrema import rounding_of_acceleration
+from escapement.constant_speed.extrema import edges, rounding_of_acceleration
 from escapement.model import FloatArray
 
 _ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too
@@ -15,7 +15,7 @@ _ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that o
 
 def find_reversals(case: Case) -> tuple[FloatArray, int]:
     """Angles where the contact moment changes sign, and Filemon's zone."""
-    points = case.mechanism.breaks
+    points = edges(case.mechanism)
     found = zeros(lambda theta: table(case, theta)[2][1], points)
     places = np.unique(np.concatenate([[points[0]], found, [points[-1]]]))
     sides = [_side(case, low, high) for low, high in pairwise(places)]
@@ -39,7 +39,7 @@ def _side(case: Case, low: float, high: float) -> float:
 
 def torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
     """Extremes and mean of the torque, between the points where it has kinks."""
-    points, half = case.mechanism.breaks, case.half
+    points, half = edges(case.mechanism), case.half
     kinks = {*points, half, *reversals.tolist(), *_idle(case, reversals)}
 
     def torque(theta: FloatArray) -> FloatArray:
@@ -68,4 +68,4 @@ def _idle(case: Case, reversals: FloatArray) -> list[float]:
         tabulate_ratio(case.mechanism.path, theta, -1.0, case.friction, out)
         return out
 
-    return zeros(ratio, case.mechanism.breaks).tolist()
+    return zeros(ratio, edges(case.mechanism)).tolist()

@@ -13,6 +13,7 @@ from escapement.constant_speed._chebyshev import Function, Piece, extremes, inte
 from escapement.constant_speed._kernels import tabulate_jerk
 from escapement.mechanisms import Geneva
 from escapement.mechanisms._slotted import transmission
+from escapement.mechanisms._table import smooth_intervals
 from escapement.model import FloatArray, Mechanism, is_mechanism
 
 _CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
@@ -81,7 +82,7 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
     jerk = _extrema(lambda x: jerk_function(mechanism, x), _jerk_pieces(mechanism))
     if isinstance(mechanism, Geneva):
         return TransmissionExtrema(*_closed_forms(mechanism), *jerk)
-    points = mechanism.breaks
+    points = edges(mechanism)
     speed, rate = _reader(mechanism, "g"), _reader(mechanism, "dg")
     ratio, _ = _extrema(speed, interpolate(speed, points))
     start, exit_ = (float(value) for value in rate(np.array([points[0], points[-1]])))
@@ -109,6 +110,11 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
         for k in np.unique(place):
             out[place == k] = slopes[k].values(flat[place == k])
     return out.reshape(angles.shape)
+
+
+def edges(mechanism: Mechanism) -> list[float]:
+    """Driver angles between which the transmission is analytic [rad]: of a table, its knots."""
+    return smooth_intervals(mechanism.path, np.array(mechanism.breaks)).tolist()
 
 
 def checked(mechanism: Mechanism) -> Mechanism:
@@ -140,12 +146,12 @@ def _reader(mechanism: Mechanism, name: str) -> Function:
 
 
 def _rate_pieces(mechanism: Mechanism) -> list[Piece]:
-    return interpolate(_reader(mechanism, "dg"), mechanism.breaks)
+    return interpolate(_reader(mechanism, "dg"), edges(mechanism))
 
 
 def _jerk_pieces(mechanism: Mechanism) -> list[Piece]:
     if isinstance(mechanism, Geneva):
-        return interpolate(lambda x: jerk_function(mechanism, x), mechanism.breaks)
+        return interpolate(lambda x: jerk_function(mechanism, x), edges(mechanism))
     return [piece.derivative() for piece in _rate_pieces(mechanism)]
 
 

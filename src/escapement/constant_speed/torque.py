@@ -107,6 +107,18 @@ class DriveTorque(Case):
         """
         return inertia_ratio(self.follower_inertia, self.speed, self.load_torque)
 
+    @cached_property
+    def moment_deviation(self) -> float:
+        """Greatest standard deviation of the contact moment, from a measured table's scatter [N m].
+
+        0 for any other mechanism. Reversals between which the moment stays within two or three
+        of it may be of the scatter.
+        """
+        deviation = getattr(self.mechanism, "deviation", None)
+        if deviation is None:
+            return 0.0
+        return self.inertial * float(deviation(self.samples.theta).dg.max())
+
     def at(self, theta: ArrayLike) -> TorqueState:
         """Torque at driver angles from dead centre [rad], within one cell.
 

@@ -197,14 +197,14 @@ class EllipticalPlanetary(EllipticalGears):
 
     def _way(self, limit: float) -> float:
         """Driver angle from a stop in which the output turns by up to half a step [rad]."""
-        if limit >= 0.5 * self.follower_step:
-            return 0.5 * self.cell_angle
         from scipy.optimize import brentq
 
         def beyond(turn: float) -> float:
             left = 2.0 * math.atan(math.tan(0.5 * turn) / self.ratio) - turn / self.ratio
             return left - limit
 
+        if beyond(math.pi) <= 0.0:
+            return 0.5 * self.cell_angle
         return float(brentq(beyond, 0.0, math.pi, xtol=1e-15)) / self.ratio
 
     def _half_turn(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
