@@ -190,6 +190,28 @@ def test_a_file_of_someone_else_is_not_taken_for_partial_results(tmp_path):
     tools.write(tmp_path / "a.h5", tools.small_study(), force=True)
 
 
+def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path):
+    for name in ("a.h5.unfinished", "a.unfinished", ".escapement-0123456789abcdef.partial"):
+        (tmp_path / name).write_text("my own notes")
+    (tmp_path / "b.h5.unfinished").symlink_to("a.unfinished")
+    before = {path: path.read_text() for path in tmp_path.iterdir()}
+    for name in ("a.h5", "b.h5"):
+        tools.write(tmp_path / name, tools.small_study())
+        (tmp_path / name).unlink()
+    assert {path: path.read_text() for path in tmp_path.iterdir()} == before
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next(tmp_path):
+    path = tmp_path / "a.h5"
+    with tools.start_writer(path, pause=60.0) as first:
+        assert first.stdout.readline() == "begun\n"
+        assert first.stdout.readline() == "0\n"
+        first.kill()
+    assert len(list(tmp_path.iterdir())) == 2
+    tools.write(path, tools.small_study(), resume=True)
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_the_second_of_two_is_told_so(tmp_path):
     path = tmp_path / "a.h5"
     with tools.start_writer(path, pause=60.0) as first:

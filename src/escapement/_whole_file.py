@@ -53,6 +53,16 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
     return target
 
 
+def new_token() -> str:
+    """A word that no other temporary file has in its name."""
+    return os.urandom(8).hex()
+
+
+def temporary_path(folder: Path, token: str) -> Path:
+    """Where a file is made until it is complete."""
+    return folder / f".escapement-{token}.partial"
+
+
 class PendingFile:
     """A temporary file beside its target, put in place when it is complete.
 
@@ -61,8 +71,8 @@ class PendingFile:
     path, force :
         As for `check_target`.
     temporary : Path, optional
-        Name of the temporary file, for a caller that holds a lock on it; what a
-        killed process left under it is replaced. Default: a new name each time.
+        Name of the temporary file, which must be free, for a caller that cleans up
+        after a killed process. Default: a new name each time.
 
     Raises
     ------
@@ -77,10 +87,9 @@ class PendingFile:
     ) -> None:
         self._named, self._force = path, force
         self._target = check_target(path, force)
-        new = self._target.parent / f".escapement-{os.urandom(16).hex()}.partial"
-        self._temporary, mode = (new, "x+b") if temporary is None else (temporary, "w+b")
+        self._temporary = temporary or temporary_path(self._target.parent, new_token())
         try:
-            file = open(self._temporary, mode, buffering=0)  # noqa: SIM115
+            file = open(self._temporary, "x+b", buffering=0)  # noqa: SIM115
         except OSError as error:
             raise creation_error(path, error) from None
         self.handle: BinaryIO = cast(BinaryIO, file)

@@ -21,10 +21,17 @@ from typing import Any
 
 import numpy as np
 
-from escapement._whole_file import sync_folder
+from escapement._whole_file import new_token, sync_folder, temporary_path
 from escapement.store._block import Block
 from escapement.store._chunks import Tiling
-from escapement.store._owned_file import OWNER, SIGNATURE, is_named, open_owned, owner_line
+from escapement.store._owned_file import (
+    OWNER,
+    SIGNATURE,
+    is_named,
+    open_owned,
+    owner_line,
+    token_of,
+)
 from escapement.store._study import RESULTS
 
 SYNC_EVERY = 1.0
@@ -54,6 +61,8 @@ class Journal:
         What `start` wrote; None where there is none or it is damaged.
     ours : bool
         Whether the file is new or begins like a journal.
+    temporary : Path
+        Where its owners make the file to come: what a killed one left, the next removes.
     """
 
     def __init__(self, path: Path) -> None:
@@ -62,27 +71,34 @@ class Journal:
         self._file = open_owned(path)
         try:
             self._size = os.fstat(self._file.fileno()).st_size
-            self.ours = self._size == 0 or self._read(0, len(SIGNATURE)) == SIGNATURE
+            line = self._read(0, OWNER)
+            self.ours = self._size == 0 or line.startswith(SIGNATURE)
+            self._token = token_of(line) or new_token()
             self.head, self._first = self._read_head()
         except BaseException:
             self._file.close()
             raise
+        # a copy of this journal has the same token and another name
+        unique = f"{self._token}-{zlib.crc32(os.fsencode(path.name)):08x}"
+        self.temporary = temporary_path(path.parent, unique)
         self._key = self._end = 0
         self._places = self._failed = np.empty(0, dtype=np.int64)
         self._recent: dict[int, Block] = {}
         self._next_sync, self._dropped = 0.0, 0
 
     def sign(self) -> None:
-        """Say who is writing it, for whoever comes second."""
+        """Say who is writing it, for whoever comes second; clean up after who was first."""
         if self.ours:
-            self._write(0, owner_line())
+            self.temporary.unlink(missing_ok=True)
+            self._write(0, owner_line(self._token))
 
     def start(self, head: Mapping[str, Any], cut: Tiling) -> None:
         """Begin anew, whatever was there."""
         text = json.dumps(head, allow_nan=False).encode()
         self._file.truncate(0)
         self._size = 0
-        self._write(0, owner_line() + _HEAD.pack(_HEAD_MARK, len(text), zlib.crc32(text)) + text)
+        lead = _HEAD.pack(_HEAD_MARK, len(text), zlib.crc32(text))
+        self._write(0, owner_line(self._token) + lead + text)
         self._prepare(head, cut, OWNER + _HEAD.size + len(text))
         self.sync()
         sync_folder(self.path.parent)

@@ -22,10 +22,20 @@ _PATIENCE = 0.5  # s for which a lock may be held by someone who is about to let
 _LONG_PATIENCE = 20.0  # s for a killed process: as long as a disk may take
 
 
-def owner_line() -> bytes:
-    """First line of a file of this process."""
+_OWNER = re.compile(SIGNATURE + rb"(process (\d+) on (.*?)) *(?: token ([0-9a-f]{16}))?\n")
+
+
+def owner_line(token: str) -> bytes:
+    """First line of a file of this process, with the token of its temporary file."""
+    end = f" token {token}\n".encode()
     line = SIGNATURE + f"process {os.getpid()} on {socket.gethostname()}".encode()
-    return line[: OWNER - 1].ljust(OWNER - 1) + b"\n"
+    return line[: OWNER - len(end)].ljust(OWNER - len(end)) + end
+
+
+def token_of(line: bytes) -> str | None:
+    """The token in a first line, None where it has none."""
+    owner = _OWNER.fullmatch(line)
+    return None if owner is None or owner[4] is None else owner[4].decode()
 
 
 def open_owned(path: Path) -> BinaryIO:
@@ -55,7 +65,7 @@ def open_owned(path: Path) -> BinaryIO:
 def _wait_for(file: BinaryIO, path: Path, waited: float) -> None:
     """Wait a little for the owner of the lock; raises CannotCreate where that is no use."""
     line = file.read(OWNER)
-    owner = re.match(SIGNATURE + rb"(process (\d+) on (.*?)) *\n", line)
+    owner = _OWNER.match(line)
     here = owner is not None and owner[3].decode(errors="replace") == socket.gethostname()
     # who has not even said its name was killed before it could
     ending = not line or (owner is not None and here and is_ending(int(owner[2])))

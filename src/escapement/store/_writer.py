@@ -128,9 +128,8 @@ class StudyWriter:
         lacking = sum(stop - start for start, stop in map(self.cut.span, self.missing))
         self.failed, self.resumed = failed, self._frame.cases - lacking
         if not self._done:
-            unfinished = self._journal.path.with_suffix(".unfinished")
             self._assembly = Assembly(
-                *(self._frame, self._path, self._force, unfinished),
+                *(self._frame, self._path, self._force, self._journal.temporary),
                 *(len(self.cut), self._journal.block),
             )
 
