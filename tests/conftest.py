@@ -42,7 +42,7 @@ def refusal(command, tmp_path):
     """Runs a command that must end with a code, one line and no file touched: that line."""
 
     def files():
-        return {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
+        return {path: path.lstat().st_mtime_ns for path in tmp_path.rglob("*")}
 
     def run(code, *argv):
         before = files()

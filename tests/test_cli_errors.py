@@ -1,5 +1,7 @@
 """Command line: whatever a user gets wrong is one line, the right exit code, and no file."""
 
+import os
+
 import pytest
 
 BASE = {
@@ -45,6 +47,10 @@ def folder(tmp_path):
     (tmp_path / "end.toml").write_text("torque = 2.\n")
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
     (tmp_path / "text.h5").write_text("no HDF5")
+    (tmp_path / "data.png").write_text("no HDF5")
+    (tmp_path / "t.csv").write_text("1,2\n")
+    (tmp_path / "link.csv").symlink_to("t.csv")
+    (tmp_path / "loop").symlink_to("loop")
     (tmp_path / "there.h5").write_text("mine")
     (tmp_path / "folder.h5").mkdir()
     return tmp_path
@@ -179,6 +185,40 @@ FILES = {
         "own",
     ),
     "figure in the place of its data": (["plot", "data.png"], 73, "data.png", "own"),
+    "motion over its study": (
+        ["run", "--from", "text.h5", "-o", "./text.h5", "--force"],
+        73,
+        "text.h5",
+        "own",
+    ),
+    "motion over its table": (
+        run("tabulated", "--table", "t.csv", "-o", "link.csv", "--force"),
+        73,
+        "link.csv",
+        "t.csv",
+    ),
+    "errors over their table": (
+        ["measure", "text.h5", "tabulated", "--table", "t.csv", "-o", "t.csv", "--force"],
+        73,
+        "t.csv",
+        "own",
+    ),
+    "figure of this folder": (["plot", "."], 65, "ordinary file"),
+    "figure of the root": (["plot", "/"], 65, "ordinary file"),
+    "figure of nothing": (["plot", ""], 65, "ordinary file"),
+    "figure of a loop": (["plot", "loop"], 66, "loop"),
+    "figure of a null": (["plot", "a\0b"], 66, "does not exist"),
+    "motion into a loop": (run("-o", "loop"), 73, "loop", "ordinary file"),
+    "motion into a null": (run("-o", "a\0b"), 73, "null"),
+    "picture into a loop": (["mechanism", "--plot", "loop/x.png"], 73, "loop"),
+    "study from a loop": (["sweep", "loop"], 65, "loop"),
+    "study into a loop": (["sweep", "good.toml", "-o", "loop"], 73, "loop"),
+    "case from a loop": (["run", "--from", "loop", "-o", "x.h5"], 66, "loop"),
+    "readings from a loop": (["measure", "loop", "-o", "x.csv"], 65, "loop"),
+    "table from a loop": (["mechanism", "tabulated", "--table", "loop"], 65, "loop"),
+    "table from a null": (["mechanism", "tabulated", "--table", "a\0b"], 65, "null"),
+    "table from a folder": (["mechanism", "tabulated", "--table", "."], 65, "read: Is a dir"),
+    "folder is a loop": (["reproduce", "meyer", "-o", "loop"], 73, "loop"),
     "folder is a file": (["reproduce", "meyer", "-o", "text.h5"], 73, "text.h5", "a file"),
     "folder nowhere": (["reproduce", "meyer", "-o", "none/there"], 73, "none/there"),
 }
@@ -190,6 +230,13 @@ FILES = {
 def test_wrong_file(refusal, argv, code, said):
     line = refusal(code, *argv)
     assert [words for words in said if words not in line] == []
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with names")
+@pytest.mark.parametrize("argv", [["plot", "pipe"], ["run", "--from", "pipe"]])
+def test_a_pipe_is_not_waited_for(refusal, folder, argv):
+    os.mkfifo(folder / "pipe")
+    assert "pipe must be an ordinary file" in refusal(65, *argv)
 
 
 STUDIES = {

@@ -1,6 +1,7 @@
 """Places of outputs, looked at before anything is computed for them."""
 
 import argparse
+import os
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -15,15 +16,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def check_wanted(args: argparse.Namespace, *inputs: Path, file: str = "FILE") -> None:
+_INPUTS = ("data", "study", "table")
+
+
+def check_wanted(args: argparse.Namespace, file: str = "FILE") -> None:
     """Look at the places that --output with --force, and --plot name, where they do.
+
+    None of them may be an input of the command.
 
     Parameters
     ----------
     args : Namespace
         With `_arguments.add_plot`, and `_arguments.add_output` or without it.
-    *inputs : Path
-        Files that no output may replace.
     file : str
         What the command's help calls its output.
 
@@ -37,9 +41,10 @@ def check_wanted(args: argparse.Namespace, *inputs: Path, file: str = "FILE") ->
         When a file cannot be put there, or is an input or the other output.
     """
     output, plot = getattr(args, "output", None), args.plot
+    inputs = [path for name in _INPUTS if (path := getattr(args, name, None)) is not None]
     if output is not None:
         check_output(output, *inputs, force=args.force)
-        inputs += (output,)
+        inputs.append(output)
     elif getattr(args, "force", False):
         raise UsageError(f"--force must come with --output {file}, got none; leave it out")
     if plot is not None:
@@ -59,7 +64,7 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
         Whether an existing file may be replaced.
     """
     for other in others:
-        if path.resolve() == other.resolve():
+        if _is_same(path, other):
             raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
     _try_writing(path, check_target(path, force).parent)
 
@@ -89,6 +94,14 @@ def save_axes(axes: "Axes", path: Path) -> None:
     from escapement.plots import save
 
     save(cast("Figure", axes.figure), path)
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    """Whether both are one place; of what can be none, who opens it says why."""
+    try:
+        return os.path.realpath(path) == os.path.realpath(other)
+    except (OSError, ValueError):
+        return False
 
 
 def _try_writing(path: Path, folder: Path) -> None:

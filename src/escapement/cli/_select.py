@@ -60,8 +60,11 @@ def parse(selection: str) -> dict[str, float]:
     wanted = {}
     for part in filter(None, (part.strip() for part in selection.split(","))):
         name, _, text = part.partition("=")
+        name = name.strip()
+        if name in wanted:
+            raise UsageError(f"--select must give {name} once, got {selection!r}; leave one out")
         try:
-            wanted[name.strip()] = float(text)
+            wanted[name] = float(text)
         except ValueError:
             raise UsageError(
                 f"--select must be NAME=VALUE[,NAME=VALUE...], got {part!r}; "

@@ -85,7 +85,7 @@ def _add_statistics(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Print the statistics; write and draw what was asked for."""
-    _files.check_wanted(args, args.data, file="FILE.csv")
+    _files.check_wanted(args, file="FILE.csv")
     encoder, zeros = _read_encoder(args), _read_zeros(args)
     mechanism = _kinds.read_mechanism(args)
     from escapement.measurement import measure, read_readings

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from escapement._input_file import check_input
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, UsageError
 from escapement.errors import InvalidValue
@@ -42,6 +43,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Draw the file."""
+    check_input(args.file, "file")
     path = args.file.with_suffix(".png") if args.output is None else args.output
     _files.check_picture(path, args.file)
     from escapement import plots

@@ -38,6 +38,8 @@ FIGURES = {
 
 REQUIRED = ("torque", "driver_inertia", "follower_inertia")
 """What an escapement needs, unless it comes from a study."""
+_DEFAULTS = {"friction": 0.0, "load_torque": 0.0, "initial_speed": 0.0, "efficiency": 1.0}
+"""What it has where nothing was typed; not argparse's, so that a typed default is seen."""
 _DONE = MESSAGES[Status.OK]
 _LONG = 10_000  # engagements from which writing them takes seconds, and shows its progress
 _LONGEST_PLOT = 10_000  # engagements: a gigabyte of points
@@ -59,9 +61,8 @@ def configure(parser: Parser) -> None:
     model = parser.add_argument_group("model")
     for name in REQUIRED:
         _arguments.add_quantity(model, name)
-    for name in ("friction", "load_torque", "initial_speed"):
-        _arguments.add_quantity(model, name, default=0.0, note=" (default: 0)")
-    _arguments.add_quantity(model, "efficiency", default=1.0, note=" (default: 1)")
+    for name, default in _DEFAULTS.items():
+        _arguments.add_quantity(model, name, note=f" (default: {default:g})")
     length = parser.add_argument_group("length of the motion")
     length.add_argument(
         "--engagements",
@@ -133,6 +134,9 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
                 f"the following arguments are required: {', '.join(missing)}; "
                 "see 'escapement run --help'"
             )
+        for name, default in _DEFAULTS.items():
+            if getattr(args, name) is None:
+                setattr(args, name, default)
         return _arguments.read_escapement(args), given | {"initial_speed": args.initial_speed}
     _refuse_beside_study(args)
     from escapement.cli._select import load_case
@@ -151,11 +155,9 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
 
 def _refuse_beside_study(args: argparse.Namespace) -> None:
     """Whatever the study says must not be said twice."""
-    nothing = {"friction": 0.0, "load_torque": 0.0, "initial_speed": 0.0, "efficiency": 1.0}
     said = ["KIND"] if args.kind is not None else []
-    said += [option(name) for name in REQUIRED if getattr(args, name) is not None]
+    said += [option(name) for name in (*REQUIRED, *_DEFAULTS) if getattr(args, name) is not None]
     said += [option(name) for name in _kinds.given_options(args)]
-    said += [option(name) for name, value in nothing.items() if getattr(args, name) != value]
     if said:
         raise UsageError(f"{said[0]} must not come with --from, which has its own; leave it out")
 

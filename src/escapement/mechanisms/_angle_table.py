@@ -29,11 +29,12 @@ def read_angles(path: str | PathLike[str]) -> FloatArray:
         with open(path, encoding="utf-8-sig") as stream:
             lines = [(k, text.strip()) for k, text in enumerate(stream, 1)]
             rows = [(k, text, _angles(text)) for k, text in lines if text and text[0] != "#"]
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise MissingInput(f"table {path} must exist, and does not; check the path") from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except (OSError, ValueError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or error
         raise InputFileError(
-            f"table {path} must be a text file, and cannot be read: {error}; write it as CSV"
+            f"table {path} must be a text file, and cannot be read: {reason}; write it as CSV"
         ) from None
     if rows and rows[0][2] is None:
         rows = rows[1:]

@@ -8,12 +8,12 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from escapement._input_file import check_input
 from escapement.errors import (
     CannotCreate,
     EscapementError,
     InputFileError,
     InvalidValue,
-    MissingInput,
 )
 from escapement.store._identity import check_complete
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Study, count_failed
@@ -72,7 +72,7 @@ def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
 
     file = Path(path)
     try:
-        _check_file(path, file)
+        check_input(path, "study")
         with h5py.File(file, "r") as hdf5:
             _check_schema(path, hdf5)
             return use(hdf5)
@@ -115,13 +115,6 @@ def failed_cases(path: Path, frame: Study) -> int | None:
         raise
     except (OSError, RuntimeError, LookupError, ValueError, TypeError):
         return None
-
-
-def _check_file(path: str | PathLike[str], file: Path) -> None:
-    if not file.exists():
-        raise MissingInput(f"study {path} does not exist; check its name")
-    if not file.is_file():
-        raise InputFileError(f"study {path} must be an ordinary file; name a file, not a folder")
 
 
 def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:

@@ -135,7 +135,7 @@ def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
     """
     nearest = int(abs(axis - value).argmin())
     found = float(axis[nearest])
-    if not abs(found - value) <= _AGREE * max(abs(found), abs(value)):
+    if not math.isclose(found, value, rel_tol=_AGREE):
         raise InvalidValue(
             f"{name} must be a value of {owner}, got {value:g}; the nearest is {found:.10g}"
         )

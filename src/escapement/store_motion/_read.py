@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from escapement._input_file import check_input
 from escapement.configuration import parse_plan
 from escapement.engines._cells import with_cells
 from escapement.engines._pieces import follow
-from escapement.errors import EscapementError, InputFileError, MissingInput
+from escapement.errors import EscapementError, InputFileError
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
 from escapement.status import Status
@@ -24,6 +25,8 @@ def is_motion(path: str | PathLike[str]) -> bool:
     """Whether `path` is an HDF5 file that says it holds a motion."""
     import h5py
 
+    if not Path(path).is_file():
+        return False
     try:
         with h5py.File(path, "r") as hdf5:
             return bool(hdf5.attrs.get("content") == CONTENT)
@@ -47,8 +50,7 @@ def read_motion(path: str | PathLike[str]) -> Motion:
     """
     import h5py
 
-    if not Path(path).exists():
-        raise MissingInput(f"motion {path} does not exist; check its name")
+    check_input(path, "motion")
     if not is_motion(path):
         raise InputFileError(
             f"motion {path} must be an HDF5 file that holds a motion, and is none; "
