@@ -1,9 +1,11 @@
 """A motion that was written and read back is the motion that was computed."""
 
+import h5py
 import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.errors import InputFileError
 from escapement.store_motion import read_motion, write_motion
 
 LIGHT, MEYER = esc.Inertia(3e-8, 1e-5), esc.Inertia(3.39e-7, 5.65e-6)
@@ -41,3 +43,63 @@ def test_a_motion_that_stops_is_read_back(load, tmp_path):
     again = read_motion(tmp_path / "motion.h5")
     times = np.linspace(0.0, motion.end_time, 301)
     np.testing.assert_allclose(again.at(times).theta, motion.at(times).theta, atol=1e-9)
+
+
+DAMAGE = {
+    "empty": lambda values: values[:0],
+    "short": lambda values: values[:-1],
+    "square": lambda values: np.stack([values, values]),
+    "no line": lambda values: values[0],
+    "words": lambda values: np.full(values.size, b"a"),
+    "NaN": lambda values: np.append(values[:-1], np.nan),
+    "far": lambda values: np.append(values[:-1], 1e12),
+    "negative": lambda values: np.append(values[:-1], -1e12),
+}
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    path = tmp_path_factory.mktemp("motion") / "motion.h5"
+    write_motion(esc.simulate(SCENES["meyer"], 3), path)
+    return path
+
+
+def damaged(written, tmp_path, change):
+    """What is said of a copy of a motion file after a change."""
+    path = tmp_path / "motion.h5"
+    path.write_bytes(written.read_bytes())
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(InputFileError) as caught:
+        read_motion(path)
+    said = str(caught.value)
+    assert said.startswith(f"motion {path} must be whole, and is damaged: ")
+    assert said.endswith("; write it anew")
+    return said
+
+
+NAMES = ["t", "theta", "theta_dot", "piece_start", "piece_engagement", "reversal_time"]
+# a speed may be any, and of the angles only those where a piece starts are followed
+HARMLESS = {("theta_dot", "far"), ("theta", "far"), ("theta", "negative")}
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [(n, k) for n in NAMES for k in DAMAGE if (n, k) not in HARMLESS]
+)
+def test_numbers_that_are_no_motion_are_refused(written, tmp_path, name, kind):
+    def change(file):
+        values = DAMAGE[kind](file[name][()].astype(float))
+        del file[name]
+        file[name] = values
+
+    damaged(written, tmp_path, change)
+
+
+@pytest.mark.parametrize("end", [1e9, np.nan, -1.0, "soon", [0.0, 1.0]])
+def test_an_end_that_is_not_the_last_time_is_refused(written, tmp_path, end):
+    damaged(written, tmp_path, lambda file: file.attrs.update(end_time=end))
+
+
+@pytest.mark.parametrize("text", ["[]", "5", "null", '"a"', "{}", "{"])
+def test_a_configuration_that_is_none_is_refused(written, tmp_path, text):
+    damaged(written, tmp_path, lambda file: file["configuration"].__setitem__((), text))

@@ -16,7 +16,7 @@ from escapement.store import (
     read_study,
     write_study,
 )
-from study_tools import a_file, assert_same, study
+from study_tools import a_file, assert_same, study, write_in_blocks
 
 
 class FailingFile:
@@ -132,6 +132,20 @@ def flipped(path):
     path.write_bytes(data)
 
 
+def changed(name, values):
+    """A study with other values of one dataset; None deletes it."""
+
+    def make(path):
+        write_study(study(), path)
+        with h5py.File(path, "r+") as file:
+            if values is None:
+                del file[name]
+            else:
+                file[name][...] = values
+
+    return make
+
+
 INPUTS = [
     (lambda path: None, MissingInput, 66, "does not exist"),
     (lambda path: path.mkdir(), InputFileError, 65, "must be an ordinary file"),
@@ -141,6 +155,10 @@ INPUTS = [
     (newer, InputFileError, 65, f"schema_version {SCHEMA_VERSION} or less, got"),
     (cut_short, InputFileError, 65, "is damaged"),
     (flipped, InputFileError, 65, "is damaged"),
+    (changed("period", None), InputFileError, 65, "lacks period"),
+    (changed("status", 77), InputFileError, 65, "status must hold known values"),
+    (changed("friction", float("nan")), InputFileError, 65, "friction must be finite"),
+    (changed("configuration", "[]"), InputFileError, 65, "must be a JSON object, got []"),
 ]
 
 
@@ -154,3 +172,17 @@ def test_an_unreadable_study_is_refused_in_one_line(tmp_path, make, error, code,
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert caught.value.exit_code == code
+
+
+@pytest.mark.parametrize(
+    "damage", [flipped, *(changed(*what) for what in (("period", None), ("status", 77)))]
+)
+def test_a_damaged_study_is_not_taken_for_complete(tmp_path, damage):
+    path, whole = tmp_path / "a.h5", study((200, 50) if damage is flipped else (3, 5))
+    damage(path)
+    before = path.read_bytes()
+    with pytest.raises(InputFileError, match=r"is damaged: .*; write it anew with force=True"):
+        write_in_blocks(path, whole, list, resume=True)
+    assert path.read_bytes() == before
+    write_in_blocks(path, whole, list, force=True)
+    assert_same(read_study(path), whole)

@@ -9,16 +9,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from escapement._input_file import check_input
-from escapement.errors import (
-    CannotCreate,
-    EscapementError,
-    InputFileError,
-    InvalidValue,
-)
+from escapement.errors import EscapementError, InputFileError, InvalidValue
+from escapement.status import Status
 from escapement.store._identity import check_complete
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Study, count_failed
 
 T = TypeVar("T")
+_DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
 
 
 def read_study(path: str | PathLike[str]) -> Study:
@@ -42,7 +39,7 @@ def read_study(path: str | PathLike[str]) -> Study:
 
 def read_configuration(path: str | PathLike[str]) -> dict[str, Any]:
     """The configuration of a study file, without its results; errors as `read_study`."""
-    return _open_study(path, lambda hdf5: json.loads(hdf5["configuration"].asstr()[()]))
+    return _open_study(path, configuration_of)
 
 
 def read_sample_case(path: str | PathLike[str], case: int) -> dict[str, Any]:
@@ -92,12 +89,14 @@ def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
 
 
 def failed_cases(path: Path, frame: Study) -> int | None:
-    """Failed cases of the file at `path`; None unless it is a study, and whole.
+    """Failed cases of the file at `path`; None unless it is a study.
 
     Raises
     ------
     CannotCreate
         When it is another study than that of `frame`; the message has the difference.
+    InputFileError
+        When it is that study, and damaged.
     """
     import h5py
 
@@ -105,16 +104,33 @@ def failed_cases(path: Path, frame: Study) -> int | None:
         with h5py.File(path, "r") as hdf5:
             own = [name for name in frame.attributes if name != "created"]
             there = {
-                "configuration": json.loads(hdf5["configuration"].asstr()[()]),
+                "configuration": configuration_of(hdf5),
                 "attributes": {name: _plain(hdf5.attrs[name]) for name in own},
             }
             check_complete(path, there, frame)
-            status = hdf5["status"]
-            return sum(count_failed(status[chunk]) for chunk in status.iter_chunks())
-    except CannotCreate:
+            try:
+                return _count_whole(hdf5, frame)
+            except _DAMAGE as error:
+                raise _damaged(path, error, " with force=True") from None
+    except EscapementError:
         raise
-    except (OSError, RuntimeError, LookupError, ValueError, TypeError):
+    except _DAMAGE:
         return None
+
+
+def _count_whole(hdf5: Any, frame: Study) -> int:
+    """Failed cases, once every number of the frame's study was found and read."""
+    for name, values in {**frame.axes, **frame.sampled}.items():
+        if not np.array_equal(hdf5[name][()], values):
+            raise ValueError(f"{name} has other values")
+    for name in RESULTS:
+        if hdf5[name].shape != frame.shape:
+            raise ValueError(f"{name} must have shape {frame.shape}, got {hdf5[name].shape}")
+        for chunk in hdf5[name].iter_chunks():
+            values = hdf5[name][chunk]
+            _check_values(name, values, values.shape)
+    status = hdf5["status"]
+    return sum(count_failed(status[chunk]) for chunk in status.iter_chunks())
 
 
 def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:
@@ -136,15 +152,40 @@ def _read(hdf5: Any) -> Study:
     axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
     sampled = _sampled(hdf5)
     names = [*axes, *sampled, *RESULTS]
-    return Study(
+    study = Study(
         axes={name: hdf5[name][()] for name in axes},
         sampled={name: hdf5[name][()] for name in sampled},
         results={name: hdf5[name][()] for name in RESULTS},
         units={name: str(hdf5[name].attrs["units"]) for name in names},
         long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
-        configuration=json.loads(hdf5["configuration"].asstr()[()]),
+        configuration=configuration_of(hdf5),
         attributes={name: _plain(value) for name, value in hdf5.attrs.items()},
     )
+    for name, axis in {**study.axes, **study.sampled}.items():
+        _check_values(name, axis, axis.shape[:1])
+        if not axis.size or not np.isfinite(axis).all():
+            raise ValueError(f"{name} must be finite numbers")
+    for name, values in study.results.items():
+        _check_values(name, values, study.shape)
+    return study
+
+
+def _check_values(name: str, values: Any, shape: tuple[int, ...]) -> None:
+    """Raise ValueError unless `values` may be numbers of a study, those of a status known."""
+    if values.shape != shape or values.dtype.kind not in "fiu":
+        raise ValueError(
+            f"{name} must be numbers of shape {shape}, got {values.dtype} of {values.shape}"
+        )
+    if name == "status" and not np.isin(values, [*Status]).all():
+        raise ValueError("status must hold known values")
+
+
+def configuration_of(hdf5: Any) -> dict[str, Any]:
+    """The configuration that an open file holds; ValueError where it is none."""
+    configuration = json.loads(hdf5["configuration"].asstr()[()])
+    if not isinstance(configuration, dict):
+        raise ValueError(f"configuration must be a JSON object, got {configuration!r:.40}")
+    return configuration
 
 
 def _sampled(hdf5: Any) -> list[str]:
@@ -156,6 +197,8 @@ def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _damaged(path: str | PathLike[str], error: Exception) -> InputFileError:
+def _damaged(path: str | PathLike[str], error: Exception, how: str = "") -> InputFileError:
     reason = " ".join(str(error).split())
-    return InputFileError(f"study {path} must be whole, and is damaged: {reason}; write it anew")
+    return InputFileError(
+        f"study {path} must be whole, and is damaged: {reason}; write it anew{how}"
+    )

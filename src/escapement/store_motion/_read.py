@@ -1,6 +1,5 @@
 """Reading a motion file back as a motion."""
 
-import json
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -16,6 +15,8 @@ from escapement.errors import EscapementError, InputFileError
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
 from escapement.status import Status
+from escapement.store._reader import configuration_of
+from escapement.store_motion._check import check_columns, check_pieces
 from escapement.store_motion._layout import CONTENT, SCHEMA_VERSION
 
 _RTOL = 1e-12  # of states between what the file holds
@@ -131,8 +132,11 @@ class SampledTrajectory:
 
 
 def _read(hdf5: Any) -> Motion:
-    escapement = parse_plan(json.loads(hdf5["configuration"].asstr()[()])).escapement(0)
+    escapement = parse_plan(configuration_of(hdf5)).escapement(0)
     columns = {name: data[()] for name, data in hdf5.items() if name != "configuration"}
+    end = float(hdf5.attrs["end_time"])
+    check_columns(columns, end)
+    check_pieces(columns, escapement.mechanism)
     maximum = columns["extremum_maximum"].astype(bool)
     trajectory = SampledTrajectory(
         escapement=escapement,
@@ -151,7 +155,7 @@ def _read(hdf5: Any) -> Motion:
         engine=str(hdf5.attrs["engine"]),
         rtol=float(hdf5.attrs["rtol"]),
         trajectory=trajectory,
-        end_time=float(hdf5.attrs["end_time"]),
+        end_time=end,
         handoff_times=columns["handoff_times"],
         handoff_velocities=columns["handoff_velocities"],
         status=Status[str(hdf5.attrs["status"]).upper()],
