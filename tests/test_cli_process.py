@@ -1,6 +1,8 @@
 """Command line as a process: what it loads, and what strikes from outside."""
 
+import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -11,6 +13,7 @@ import pytest
 
 import escapement as esc
 from escapement import cli
+from escapement.store import read_study
 from study_tools import IVP_STUDY
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(esc.__file__).parents[1])}
@@ -59,6 +62,26 @@ def test_output_that_cannot_be_written():
     assert done.stderr.startswith("escapement: error: standard output must ")
     assert done.stderr.endswith("; free space, or send it elsewhere\n")
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
+def test_output_that_is_closed():
+    line = shlex.join([*PROGRAM, "mechanism", "--json"]) + " >&-"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, env=ENVIRONMENT)
+    assert done.returncode == 74
+    assert done.stderr.startswith("escapement: error: standard output must ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
+def test_messages_that_nobody_can_hear(tmp_path):
+    """They are neither a failure nor part of the result."""
+    (tmp_path / "s.toml").write_text(IVP_STUDY.replace("num = 40", "num = 2"))
+    line = shlex.join([*PROGRAM, "sweep", "s.toml", "--json"]) + " 2>&-"
+    done = subprocess.run(line, shell=True, stdout=subprocess.PIPE, cwd=tmp_path, env=ENVIRONMENT)
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["cases"] == 2
+    assert read_study(tmp_path / "s.h5").failed == 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")

@@ -2,6 +2,7 @@
 
 import io
 import os
+import sys
 import threading
 
 import numpy as np
@@ -332,3 +333,13 @@ def test_durations_read_well(seconds, text):
 
 def test_nothing_done_yet_promises_nothing():
     assert describe(0, 10, 0, 0.0) == "  0 % 0 of 10 cases, 0/s, starting"
+
+
+@pytest.mark.parametrize("stream", [None, "closed"])
+def test_progress_on_a_closed_stream_is_silent(monkeypatch, stream):
+    if stream == "closed":
+        stream = io.StringIO()
+        stream.close()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with Progress() as progress:
+        progress(1, 2, 0)

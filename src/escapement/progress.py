@@ -20,7 +20,7 @@ class Progress:
     Parameters
     ----------
     stream : text file, optional
-        Default: standard error.
+        Default: standard error; where that is closed, nothing is shown.
     quiet : bool
         Show nothing.
     before : int
@@ -41,8 +41,11 @@ class Progress:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
-        self._terminal = self._stream.isatty()
-        self._quiet, self._before, self._what, self._clock = quiet, before, what, clock
+        # Python has None for a standard error that was closed before it began
+        closed = getattr(self._stream, "closed", self._stream is None)
+        self._terminal = not closed and self._stream.isatty()
+        self._quiet, self._before = quiet or closed, before
+        self._what, self._clock = what, clock
         self._start = clock()
         self._shown = -math.inf if self._terminal else self._start
         self._counts = (0, 0, 0)

@@ -47,6 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         failed; 65 unreadable input file; 66 missing input; 73 cannot create
         output; 74 input/output error; 130 interrupted.
     """
+    _open_streams()
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _warn
@@ -101,6 +102,14 @@ def _dispatch(argv: list[str]) -> int:
         return command.execute(args)
     except EscapementError as error:
         return _complain(parser.spell(error), error.exit_code)
+
+
+def _open_streams() -> None:
+    """Stand-ins for standard streams that are closed: results fail, messages go nowhere."""
+    if getattr(sys.stdout, "closed", sys.stdout is None):
+        sys.stdout = open(os.open(os.devnull, os.O_RDONLY), "w")  # noqa: SIM115
+    if getattr(sys.stderr, "closed", sys.stderr is None):
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
