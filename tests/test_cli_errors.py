@@ -217,6 +217,11 @@ FILES = {
     "readings from a loop": (["measure", "loop", "-o", "x.csv"], 65, "loop"),
     "table from a loop": (["mechanism", "tabulated", "--table", "loop"], 65, "loop"),
     "table from a null": (["mechanism", "tabulated", "--table", "a\0b"], 65, "null"),
+    "table too short": (
+        ["mechanism", "tabulated", "--table", "t.csv"],
+        65,
+        "table t.csv: theta must be at least",
+    ),
     "table from a folder": (["mechanism", "tabulated", "--table", "."], 65, "read: Is a dir"),
     "folder is a loop": (["reproduce", "meyer", "-o", "loop"], 73, "loop"),
     "folder is a file": (["reproduce", "meyer", "-o", "text.h5"], 73, "text.h5", "a file"),
@@ -249,12 +254,28 @@ STUDIES = {
     "empty axis": (("[0.0, 0.01]", "[]"), "load_torque", "at least one value"),
     "missing torque": (("torque = 0.1", ""), "torque"),
     "unknown units": (("in-lbf-s", "furlongs"), "units", "furlongs"),
+    "too many pins": (("slots = 4", "slots = 4\npins = 5"), "pins must be at most 4"),
+    "no such solution": (
+        (
+            "slots = 4",
+            'kind = "gear-driven"\nstations = 6\nlobes = 1\ncurve = "epicycloid"\nsolution = 99',
+        ),
+        "solution",
+        "99",
+    ),
+    "a table too short": (
+        ("slots = 4", 'kind = "tabulated"\ntheta = [0.0, 1.0]\nphi = [0.0, 1.0]'),
+        "theta must be at least 12 rows long",
+    ),
     "nothing swept": (("load_torque = [0.0, 0.01]", ""), "sweep"),
 }
 
 
 @pytest.mark.parametrize(("change", "said"), [(c, s) for c, *s in STUDIES.values()], ids=STUDIES)
 def test_wrong_study(refusal, folder, change, said):
-    (folder / "bad.toml").write_text(STUDY.replace(*change))
+    text = STUDY.replace(*change)
+    if "tabulated" in text:
+        text = text.replace("friction = 0.3", "")  # a mesh has none
+    (folder / "bad.toml").write_text(text)
     line = refusal(2, "sweep", "bad.toml")
     assert [words for words in ("bad.toml", *said) if words not in line] == []

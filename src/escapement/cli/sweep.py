@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from escapement.cli import SOME_FAILED, _arguments, _files, _output, _tables
 from escapement.cli._parser import Parser, UsageError, whole
+from escapement.errors import InvalidValue
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -61,6 +62,10 @@ def execute(args: argparse.Namespace) -> int:
         )
     path = Path(f"{args.config.stem}.h5") if args.output is None else args.output
     _files.check_output(path, args.config, force=args.force or args.resume)
+    try:
+        plan.check_mechanism()
+    except InvalidValue as error:
+        raise InvalidValue(f"{args.config}: {error}") from None
     tally = _run(plan, path, args)
     cases = _tables.some_cases(plan, path, args.units)
     if args.json:

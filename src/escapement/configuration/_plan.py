@@ -186,6 +186,12 @@ class StudyPlan:
         """The mechanism of one case; errors as `escapement`."""
         return self._built(self.values(case))
 
+    def check_mechanism(self) -> None:
+        """Raise InvalidValue for a mechanism that no case could have."""
+        varied = {*self.axes, *(self.sample.values if self.sample else ())}
+        if not varied & {*self.kind.parameters}:
+            _ = self.mechanism(0).path
+
     def _built(self, values: Mapping[str, Any]) -> Mechanism:
         if self.own_mechanism is not None:
             return self.own_mechanism

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from escapement import _validate
-from escapement.errors import InvalidValue
+from escapement.errors import InputFileError, InvalidValue
 from escapement.mechanisms._angle_table import read_angles
 from escapement.mechanisms._periodic_spline import (
     DEGREE,
@@ -145,8 +145,18 @@ class Tabulated:
         ------
         MissingInput, InputFileError
             When the file is not there, or is no such table.
+        InvalidValue
+            When an option breaks a rule.
         """
-        return cls(*np.radians(read_angles(path)), **options)
+        angles = np.radians(read_angles(path))
+        try:
+            table = cls(*angles, **options)
+            _ = table.spline
+        except InvalidValue as error:
+            if str(error).startswith(("theta ", "phi ")):
+                raise InputFileError(f"table {path}: {error}") from None
+            raise
+        return table
 
     @cached_property
     def sense(self) -> float:

@@ -156,7 +156,7 @@ def run_plan(
     if scheduler is not None:
         raise _validate.fail("scheduler", "left out without a path", scheduler, "name a file")
     frame, count = frame_of(plan), _count(workers)
-    _check_mechanism(plan)
+    plan.check_mechanism()
     results = {name: np.empty(plan.cases, result.dtype) for name, result in RESULTS.items()}
     cut, evaluate = blocks_of(frame), Evaluator(plan)
 
@@ -193,7 +193,7 @@ def write_plan(
     Arguments and errors as `sweep`.
     """
     count = _count(workers)
-    _check_mechanism(plan)
+    plan.check_mechanism()
     version = numerics() + ("" if plan.sample is None else plan.sample.fingerprint)
     writer = StudyWriter(path, frame_of(plan), numerics=version, force=force, resume=resume)
 
@@ -254,13 +254,6 @@ def frame_of(plan: StudyPlan) -> Study:
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
         },
     )
-
-
-def _check_mechanism(plan: StudyPlan) -> None:
-    """Refuse a mechanism that no case could have, rather than mark them all."""
-    varied = {*plan.axes, *(plan.sample.values if plan.sample else ())}
-    if not varied & {*plan.kind.parameters}:
-        plan.mechanism(0)
 
 
 def _count(workers: int) -> int:
