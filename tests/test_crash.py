@@ -69,7 +69,7 @@ except tools.EscapementError as error:
 """
 
 
-@pytest.mark.parametrize("limit", [0, 100, 1500, 4000])
+@pytest.mark.parametrize("limit", [0, 100, 1300, 1500, 4000])
 def test_a_limit_on_the_size_of_files(tmp_path, limit):
     path = tmp_path / "a.h5"
     code = LIMITED.format(folder=str(Path(__file__).parent), limit=limit, path=str(path))
@@ -77,7 +77,9 @@ def test_a_limit_on_the_size_of_files(tmp_path, limit):
     assert (done.returncode, done.stderr) == (74, "")
     assert done.stdout.startswith(f"writing {path} failed: File too large; ")
     assert done.stdout.count("\n") == 1
-    assert tools.partial_path(path).exists() == (limit > 1000)
+    assert tools.partial_path(path).exists() == (limit > 1400)
+    assert ("is kept in a.h5.partial" in done.stdout) == (limit > 1400)
+    assert ("nothing was left behind" in done.stdout) == (limit < 1400)
     tools.write(path, tools.small_study(), resume=True)
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
     assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] != limit

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from escapement.cli import main
+from escapement.errors import StorageError
 from escapement.plots.nomograms import SHEETS
 
 
@@ -110,3 +111,16 @@ def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
     record = reproduced[1]["prikhodko"]
     assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
     assert (record["agreeing"], record["judged"]) == (8, 11)
+
+
+@pytest.mark.parametrize("source", ["dijksman", "all"])
+def test_a_full_disk_leaves_no_new_folder(command, tmp_path, monkeypatch, source):
+    def full(path, *_, **__):
+        raise StorageError(f"writing {path} failed: the disk is full; nothing was left behind")
+
+    monkeypatch.setattr("escapement.cli.reproduce.write_whole", full)
+    monkeypatch.setattr("escapement.cli.reproduce.SOURCES", ("dijksman",))
+    (tmp_path / "mine").mkdir()
+    for name in ("new", "mine"):
+        assert command("reproduce", source, "-o", name)[0] == 74
+    assert [path.name for path in tmp_path.iterdir()] == ["mine"]

@@ -3,6 +3,8 @@
 import argparse
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -87,6 +89,20 @@ def make_folder(path: Path) -> None:
     except (OSError, ValueError) as error:
         raise cannot_create(path, error) from None
     _try_writing(path, path)
+
+
+@contextmanager
+def folder(path: Path | None) -> Iterator[None]:
+    """A folder to fill, where one was asked for: if it is new and stays empty, it goes."""
+    new = path is not None and not path.exists()
+    try:
+        if path is not None:
+            make_folder(path)
+        yield
+    finally:
+        if path is not None and new:
+            with suppress(OSError):  # it is not empty
+                path.rmdir()
 
 
 def save_axes(axes: "Axes", path: Path) -> None:

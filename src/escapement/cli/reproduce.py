@@ -42,17 +42,17 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Recompute, print, and fill the folder."""
-    if args.source != ALL:
-        record = _reproduce(args.source, args.output, args)
-    else:
-        record = {}
-        if args.output is not None:
-            _files.make_folder(args.output)
-        for number, source in enumerate(SOURCES):
-            if number and not args.json:
-                print("\n")
-            folder = None if args.output is None else args.output / source
-            record[source] = _reproduce(source, folder, args)
+    with _files.folder(args.output):
+        if args.source != ALL:
+            record = _reproduce(args.source, args.output, args)
+        else:
+            record = {}
+            for number, source in enumerate(SOURCES):
+                if number and not args.json:
+                    print("\n")
+                folder = None if args.output is None else args.output / source
+                with _files.folder(folder):
+                    record[source] = _reproduce(source, folder, args)
     if args.json:
         _output.print_json(record)
     return 0
@@ -60,8 +60,6 @@ def execute(args: argparse.Namespace) -> int:
 
 def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> dict[str, Any]:
     """Recompute one source, write and print what is wanted; its record."""
-    if folder is not None:
-        _files.make_folder(folder)
     module = import_module(f"escapement.cli._reproduce_{source}")
     made: Reproduction = module.reproduce(args.units)
     if folder is not None:

@@ -171,6 +171,11 @@ class Journal:
         return np.nonzero(self._places < 0)[0]
 
     @property
+    def blocks(self) -> int:
+        """How many are here."""
+        return int((self._places >= 0).sum())
+
+    @property
     def failed(self) -> int:
         """Cases without an answer in the blocks that are here."""
         return int(self._failed.sum())
@@ -198,7 +203,7 @@ class Journal:
         """Let others have it; one that never got a block goes."""
         if self._file.closed:
             return
-        if self._size == 0 and not (self._places >= 0).any():
+        if self._size == 0 and not self.blocks:
             self.remove()
         self._file.close()
 

@@ -174,6 +174,8 @@ class StudyWriter:
         return creation_error(self._path, error)
 
     def _kept(self, error: OSError) -> StorageError:
+        if not self._journal.blocks:
+            return storage_error(self._path, error)
         reason = getattr(error, "strerror", None) or error
         return StorageError(
             f"writing {self._path} failed: {reason}; what was finished is kept in "
