@@ -103,3 +103,11 @@ def test_an_end_that_is_not_the_last_time_is_refused(written, tmp_path, end):
 @pytest.mark.parametrize("text", ["[]", "5", "null", '"a"', "{}", "{"])
 def test_a_configuration_that_is_none_is_refused(written, tmp_path, text):
     damaged(written, tmp_path, lambda file: file["configuration"].__setitem__((), text))
+
+
+def test_a_group_for_a_dataset_is_refused(written, tmp_path):
+    def change(file):
+        del file["configuration"]
+        file.create_group("configuration")
+
+    damaged(written, tmp_path, change)

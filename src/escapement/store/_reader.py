@@ -15,7 +15,8 @@ from escapement.store._identity import check_complete
 from escapement.store._study import RESULTS, SCHEMA_VERSION, Study, count_failed
 
 T = TypeVar("T")
-_DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
+DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
+"""What h5py and NumPy raise over a file that is not as it should be."""
 
 
 def read_study(path: str | PathLike[str]) -> Study:
@@ -110,11 +111,11 @@ def failed_cases(path: Path, frame: Study) -> int | None:
             check_complete(path, there, frame)
             try:
                 return _count_whole(hdf5, frame)
-            except _DAMAGE as error:
+            except DAMAGE as error:
                 raise _damaged(path, error, " with force=True") from None
     except EscapementError:
         raise
-    except _DAMAGE:
+    except DAMAGE:
         return None
 
 

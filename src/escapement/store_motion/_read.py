@@ -15,7 +15,7 @@ from escapement.errors import EscapementError, InputFileError
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
 from escapement.status import Status
-from escapement.store._reader import configuration_of
+from escapement.store._reader import DAMAGE, configuration_of
 from escapement.store_motion._check import check_columns, check_pieces
 from escapement.store_motion._layout import CONTENT, SCHEMA_VERSION
 
@@ -63,7 +63,7 @@ def read_motion(path: str | PathLike[str]) -> Motion:
             return _read(hdf5)
     except InputFileError:
         raise
-    except (OSError, RuntimeError, LookupError, ValueError, TypeError, EscapementError) as error:
+    except (*DAMAGE, EscapementError) as error:
         reason = " ".join(str(error).split())
         raise InputFileError(
             f"motion {path} must be whole, and is damaged: {reason}; write it anew"
