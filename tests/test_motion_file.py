@@ -34,10 +34,11 @@ def test_every_state_is_that_of_the_motion_written(scene, engine, tmp_path):
     assert again.ledger.residual == pytest.approx(motion.ledger.residual, abs=1e-10)
 
 
-@pytest.mark.parametrize("load", [0.0112, 0.02])
-def test_a_motion_that_stops_is_read_back(load, tmp_path):
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@pytest.mark.parametrize("load", [0.0112, 0.0125, 0.016, 0.02])
+def test_a_motion_that_stops_is_read_back(load, engine, tmp_path):
     timer = esc.Escapement(esc.Geneva(4), MEYER, 0.0113, friction=0.1, load_torque=load)
-    motion = esc.simulate(timer, 200, initial_speed=30.0)
+    motion = esc.simulate(timer, 200, initial_speed=30.0, engine=engine)
     assert motion.status.label == "stall"
     write_motion(motion, tmp_path / "motion.h5")
     again = read_motion(tmp_path / "motion.h5")

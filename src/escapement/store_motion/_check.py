@@ -40,5 +40,9 @@ def check_pieces(columns: dict[str, Any], mechanism: Mechanism) -> None:
     inside = (angle > mechanism.breaks[0] - slack) & (angle < mechanism.breaks[-1] + slack)
     if not inside.all():
         raise ValueError("theta must be in its engagement's cell where a piece starts")
-    if (columns["theta_dot"] < 0.0).any() or not np.isin(columns["piece_sign"], (-1, 0, 1)).all():
-        raise ValueError("theta_dot must be at least 0, and piece_sign one of -1, 0 and 1")
+    speeds = columns["theta_dot"]
+    # where "ivp" finds a stop, the speed is a rounding error of either sign
+    if speeds.min() < -1e-6 * speeds.max():
+        raise ValueError("theta_dot must be at least 0")
+    if not np.isin(columns["piece_sign"], (-1, 0, 1)).all():
+        raise ValueError("piece_sign must be one of -1, 0 and 1")
