@@ -195,6 +195,7 @@ REFUSED = [
     ({"solver": {"rtol": 1}}, "rtol must be at least 1e-13 and below 1, got 1"),
     ({"solver": {"rtol": 1e-14}}, "rtol must be at least 1e-13 and below 1, got 1e-14"),
     ({"solver": {"engine": "ivp", "atol": -1}}, "atol must be at least 0, got -1"),
+    ({"solver": {"engine": "ivp", "atol": 10}}, "atol must be at most 1 unless max_step is given"),
     ({"solver": {"engine": "ivp", "method": "RK4"}}, "method must be one of DOP853, RK45"),
     (
         {"solver": {"engine": "energy", "method": "RK45"}},

@@ -23,8 +23,8 @@ class Solver:
     rtol : float, optional
         Relative error asked for, in [1e-13, 1).
     atol, method, max_step : optional
-        For "ivp" only, as in SciPy's solve_ivp: absolute tolerance [rad, rad/s, J],
-        method and longest step [s].
+        For "ivp" only, as in SciPy's solve_ivp: absolute tolerance [rad, rad/s, J], at
+        most 1 unless a longest step is given, method, and longest step [s].
 
     Raises
     ------
@@ -51,6 +51,10 @@ class Solver:
                     rule = f"left out with engine {self.engine!r}"
                     raise _validate.fail(name, rule, value, "or choose engine 'ivp'")
                 object.__setattr__(self, name, check(value))
+        if self.max_step is None and self.atol is not None and self.atol > 1.0:
+            # a radian, most of an engagement: nothing would hold the steps
+            rule = "at most 1 unless max_step is given"
+            raise _validate.fail("atol", rule, self.atol, "leave it out for a fitting one")
 
     @property
     def given(self) -> dict[str, Any]:
