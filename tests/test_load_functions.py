@@ -57,6 +57,13 @@ def test_a_rough_table_is_resolved(count):
 _GRID = np.linspace(*WHEEL.breaks[::2], 100_001)
 
 
+def test_thousands_of_kinks_are_not_too_rough():
+    angles = np.linspace(-0.4, 0.4, 3500)
+    found = driven(lambda phi: np.interp(phi, angles, 1.0 + 0.3 * (np.arange(3500) % 2)))
+    knots = np.interp(angles, WHEEL.follower_angle(_GRID), _GRID)
+    assert found.torque_max == pytest.approx(found.at(knots).torque.max(), rel=1e-4)
+
+
 def test_what_is_too_rough_is_refused():
     with pytest.raises(InvalidValue, match="load_torque must be smooth but for at most 5000 kinks"):
         driven(lambda phi: np.sin(1e6 * phi))
@@ -103,6 +110,7 @@ STATE = {"theta": 0.1, "speed": 1.0, "acceleration": 0.0, "load_torque": 1.0}
         ({"theta": -1.3}, "theta must be between pin entry and the end of the cell"),
         ({"theta": 5.2}, "theta must be between pin entry and the end of the cell"),
         ({"theta": math.nan}, "theta must be finite numbers, got nan"),
+        ({"speed": 1e200}, "must give a moment within the range of a double"),
         ({"speed": math.inf}, "speed must be finite numbers, got inf"),
         ({"acceleration": "a"}, "acceleration must be finite numbers, got 'a'"),
         ({"speed": [1.0, 2.0], "theta": [0.1] * 3}, r"shapes that fit, got \(3,\), \(2,\), \(\)"),

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -162,6 +163,37 @@ def test_a_rounded_table_is_refused_or_its_accelerations_are_right(rows, decimal
         assert 4.0 * math.radians(10.0**-decimals) > 0.01 * greatest * (theta[1] - theta[0]) ** 2
     else:
         assert np.abs(found - true).max() < 0.025 * greatest
+
+
+@pytest.mark.parametrize("ratio", [1.5, 1.0 / 3.0])
+@pytest.mark.parametrize("decimals", [4, 6, 8])
+def test_an_even_ratio_may_be_rounded(ratio, decimals):
+    theta = np.linspace(0.0, 2.0, 37)
+    table = esc.Tabulated(theta, np.radians(np.round(np.degrees(ratio * theta), decimals)))
+    found = table.transmission(np.linspace(0.0, 2.0, 501))
+    assert np.abs(found.g - ratio).max() < 1e-3 * ratio
+    assert np.abs(found.dg).max() < 0.02 * ratio
+
+
+def test_rows_as_far_apart_as_the_message_says_are_taken():
+    def table(rows):
+        theta = np.linspace(0.0, 2.0, rows)
+        phi = np.degrees(1.3 * theta + 0.15 * np.sin(np.pi * theta))
+        return esc.Tabulated(theta, np.radians(np.round(phi, 3))).spline
+
+    with pytest.raises(InvalidValue) as caught:
+        table(101)
+    least = float(re.search("at least ([0-9.]+) rad", str(caught.value))[1])
+    table(int(2.0 / least) + 1)
+
+
+def test_it_does_not_matter_from_where_a_measured_follower_counts():
+    theta = np.linspace(*DRIVE.breaks, 400)
+    phi = DRIVE.follower_angle(theta) + 1e-5 * np.random.default_rng(1).standard_normal(400)
+    near, far = (esc.Tabulated(theta, phi + turns, measured=True) for turns in (0.0, 6283.0))
+    assert far.noise == pytest.approx(near.noise, rel=1e-4)
+    assert far.follower_step == pytest.approx(near.follower_step, rel=1e-9)
+    np.testing.assert_allclose(far.transmission(ANGLES).g, near.transmission(ANGLES).g, atol=1e-6)
 
 
 def test_the_step_of_a_measured_cell_is_no_two_rows_difference():

@@ -119,15 +119,17 @@ def interpolate(function: Function, points: Iterable[float]) -> list[Piece]:
         tails = np.abs(series[:, -_TAIL:]).max(axis=1)
         decayed = tails <= floor
         # no node sees a kink close to an end, but the value there does
-        beside = np.abs(series @ _ENDS - ends).max(axis=1) > np.maximum(_JUMP * scale, 4.0 * floor)
-        rough = beside | ~decayed
-        many = 2 * rough.sum() > _MOST
-        if many and tails.max() > _RIPPLE * scale:
+        misses = np.abs(series @ _ENDS - ends).max(axis=1)
+        rough = ~decayed | (misses > np.maximum(_JUMP * scale, 4.0 * floor))
+        if 2 * rough.sum() > _MOST:
+            # what ripples as rounding does is left at that
+            rough = np.maximum(misses, tails) > _RIPPLE * scale
+        if 2 * rough.sum() > _MOST:
             raise InvalidValue(
                 f"load_torque must be smooth but for at most {_MOST // 2} kinks, got a rougher "
                 "function; smooth it, or give fewer points"
             )
-        last = many or depth == _DEEPEST
+        last = depth == _DEEPEST
         for k in np.flatnonzero(last | ~rough):
             pieces.append(Piece(float(low[k]), float(high[k]), series[k], bool(decayed[k])))
         if last or not rough.any():

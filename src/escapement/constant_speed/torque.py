@@ -245,8 +245,14 @@ def contact_moment(
     angles = within_cell(mechanism, angles)
     engaged = np.minimum(angles, exit_)
     ratios = transmission(mechanism.path, engaged)
-    driven = ratios.g * rates + ratios.dg * speeds**2
-    moment = load_at(load, np.asarray(mechanism.follower_angle(engaged))) + inertia * driven
+    with np.errstate(over="ignore", invalid="ignore"):
+        driven = inertia * (ratios.g * rates + ratios.dg * speeds**2)
+    moment = load_at(load, np.asarray(mechanism.follower_angle(engaged))) + driven
+    if not np.isfinite(moment).all():
+        raise InvalidValue(
+            "speed, acceleration and follower_inertia must give a moment within the range of a "
+            "double, got more; choose less extreme values"
+        )
     return np.where(angles > exit_, 0.0, moment)
 
 

@@ -107,6 +107,7 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
     InvalidValue
         When the points are at fewer places than a spline needs.
     """
+    start, y = y[0], y - y[0]  # the digits are for what it changes
     knots, sizes, along, back = _modes(x, y[:, None], period)
     kept, left = _kept(sizes), along[:, 0]
     rest = (y @ y - left @ left) + (((1.0 - kept) * left) ** 2).sum(axis=1)
@@ -115,7 +116,7 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
     noise = float(np.sqrt(max(rest[best], 0.0) / free[best]))
     return PeriodicSpline(
         knots,
-        back @ (kept[best] * left),
+        start + back @ (kept[best] * left),
         noise,
         noise**2 * (back * kept[best]) @ back.T,
     )
@@ -129,7 +130,7 @@ def rise_over(x: FloatArray, y: FloatArray, period: float) -> float:
     x, y : ndarray, shape (n,)
         As for `smoothing`; y rises evenly beside what repeats itself.
     """
-    ramp = (x - x[0]) / period
+    y, ramp = y - y[0], (x - x[0]) / period
     _, sizes, along, _ = _modes(x, np.column_stack([y, ramp]), period)
     kept = _kept(sizes)
     wave, even = along.T

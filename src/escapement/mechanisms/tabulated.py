@@ -32,7 +32,8 @@ _SAMPLES = 2001
 _ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
 _CLOSE = 1e-9  # of a cell: angles this near each other are the same
 _OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
-_NEARER = 50.0  # units of the last digit by which exact rows must be apart, for ratios to 2 %
+_ALLOWED = 0.02  # error that rounding may make of a ratio, and of its greatest derivative
+_NEARER = 50.0  # units of the last digit by which exact rows must be apart for that
 _BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
 
 
@@ -189,7 +190,10 @@ class Tabulated:
             )
         spline = interpolating(x, np.append(rest[order], rest[order[0]]))
         if np.ptp(rest) > 0.0 and digit > 0.0:
-            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max()
+            # the derivative less what the rounding puts into it; next to none is no measure
+            rounding = _ALLOWED * _BENT * digit / gap**2
+            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max() - rounding
+            steepest = max(steepest, self._mean / self.cell_angle)
             least = max(_NEARER * digit / self._mean, math.sqrt(_BENT * digit / steepest))
             if gap < least:
                 raise InvalidValue(

@@ -113,7 +113,8 @@ class Study:
             _validate.choice("axis", name, tuple(self.axes))
         kept = {name: slice(None) for name in self.axes}
         for name, value in values.items():
-            place = place_on(self.axes[name], name, value, "the study")
+            number = _validate.number(name, value, "give one of the axis")
+            place = place_on(self.axes[name], name, number, "the study")
             kept[name] = slice(place, place + 1)
         grid = tuple(kept.values())
         case = kept.get("case", slice(None))
