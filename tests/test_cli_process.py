@@ -76,7 +76,8 @@ def test_output_that_is_closed():
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
 def test_messages_that_nobody_can_hear(tmp_path):
     """They are neither a failure nor part of the result."""
-    (tmp_path / "s.toml").write_text(IVP_STUDY.replace("num = 40", "num = 2"))
+    study = IVP_STUDY.replace("num = 40", "num = 2").replace("ivp", "energy")
+    (tmp_path / "s.toml").write_text(study)
     line = shlex.join([*PROGRAM, "sweep", "s.toml", "--json"]) + " 2>&-"
     done = subprocess.run(line, shell=True, stdout=subprocess.PIPE, cwd=tmp_path, env=ENVIRONMENT)
     assert done.returncode == 0

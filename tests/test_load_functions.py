@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import escapement as esc
-from escapement.constant_speed import contact_moment
+from escapement.constant_speed import _chebyshev, contact_moment
 from escapement.errors import InvalidValue
 
 WHEEL = esc.Geneva(8)
@@ -57,9 +57,11 @@ def test_a_rough_table_is_resolved(count):
 _GRID = np.linspace(*WHEEL.breaks[::2], 100_001)
 
 
-def test_thousands_of_kinks_are_not_too_rough():
-    angles = np.linspace(-0.4, 0.4, 3500)
-    found = driven(lambda phi: np.interp(phi, angles, 1.0 + 0.3 * (np.arange(3500) % 2)))
+def test_kinks_alone_count_against_a_load(monkeypatch):
+    """Not the rounding at the ends of the engagement, where the follower hardly moves."""
+    monkeypatch.setattr(_chebyshev, "_MOST", 1000)
+    angles = np.linspace(-0.4, 0.4, 350)
+    found = driven(lambda phi: np.interp(phi, angles, 1.0 + 0.3 * (np.arange(350) % 2)))
     knots = np.interp(angles, WHEEL.follower_angle(_GRID), _GRID)
     assert found.torque_max == pytest.approx(found.at(knots).torque.max(), rel=1e-4)
 

@@ -113,13 +113,13 @@ def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
     assert (record["agreeing"], record["judged"]) == (8, 11)
 
 
-@pytest.mark.parametrize("source", ["dijksman", "all"])
+@pytest.mark.parametrize("source", ["prikhodko", "all"])
 def test_a_full_disk_leaves_no_new_folder(command, tmp_path, monkeypatch, source):
     def full(path, *_, **__):
         raise StorageError(f"writing {path} failed: the disk is full; nothing was left behind")
 
     monkeypatch.setattr("escapement.cli.reproduce.write_whole", full)
-    monkeypatch.setattr("escapement.cli.reproduce.SOURCES", ("dijksman",))
+    monkeypatch.setattr("escapement.cli.reproduce.SOURCES", ("prikhodko",))
     (tmp_path / "mine").mkdir()
     for name in ("new", "mine"):
         assert command("reproduce", source, "-o", name)[0] == 74

@@ -66,7 +66,7 @@ def write_to_failing_disk(path, failing_call, code, monkeypatch):
 def test_a_disk_that_fails_at_any_write_costs_one_clean_error(tmp_path, monkeypatch):
     path = a_file(tmp_path)
     codes = [errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT, errno.EPERM]
-    calls = [*range(0, 60), *range(60, 10_000, 29)]
+    calls = [*range(0, 60), *range(60, 10_000, 47)]
     for call in calls:
         code = codes[call % len(codes)]
         message = write_to_failing_disk(path, call, code, monkeypatch)

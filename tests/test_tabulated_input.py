@@ -202,14 +202,14 @@ def test_the_step_of_a_measured_cell_is_no_two_rows_difference():
     angles = np.linspace(*DRIVE.breaks, 1001)
     true = DRIVE.transmission(angles).g
     off, doubts = [], []
-    for seed in range(20):
+    for seed in range(10):
         scatter = noise * np.random.default_rng(seed).standard_normal(theta.size)
         phi = (-1.0) ** seed * DRIVE.follower_angle(theta) + scatter
         table = esc.Tabulated(theta, phi, measured=True)
         off.append(table.follower_step - DRIVE.follower_step)
         doubts.append(np.abs(table.transmission(angles).g - true) / table.deviation(angles).g)
     assert np.std(off) < 0.25 * noise
-    assert abs(np.mean(off)) < 3.0 * np.std(off) / math.sqrt(20)
+    assert abs(np.mean(off)) < 3.0 * np.std(off) / math.sqrt(10)
     assert np.max(doubts) < 5.0
     assert np.sqrt(np.mean(np.square(doubts))) < 1.5
 
