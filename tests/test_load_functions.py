@@ -60,10 +60,9 @@ _GRID = np.linspace(*WHEEL.breaks[::2], 100_001)
 def test_kinks_alone_count_against_a_load(monkeypatch):
     """Not the rounding at the ends of the engagement, where the follower hardly moves."""
     monkeypatch.setattr(_chebyshev, "_MOST", 1000)
-    angles = np.linspace(-0.4, 0.4, 350)
+    angles = np.linspace(-0.4, -0.3, 350)
     found = driven(lambda phi: np.interp(phi, angles, 1.0 + 0.3 * (np.arange(350) % 2)))
-    knots = np.interp(angles, WHEEL.follower_angle(_GRID), _GRID)
-    assert found.torque_max == pytest.approx(found.at(knots).torque.max(), rel=1e-4)
+    assert found.torque_max == pytest.approx(found.at(_GRID).torque.max(), rel=1e-4)
 
 
 def test_what_is_too_rough_is_refused():
