@@ -1,5 +1,6 @@
 """Constant driver speed: torque, power and pin reversals (Filemon 1960)."""
 
+from escapement.constant_speed.contact import contact_moment
 from escapement.constant_speed.design import (
     fewest_slots,
     greatest_follower_inertia,
@@ -16,7 +17,6 @@ from escapement.constant_speed.study import ReversalStudy, reversal_study
 from escapement.constant_speed.torque import (
     DriveTorque,
     TorqueState,
-    contact_moment,
     drive_torque,
     inertia_ratio,
 )

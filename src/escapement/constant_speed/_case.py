@@ -153,3 +153,15 @@ def within_cell(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
             f"rad, got {float(theta[outside].flat[0])!r}; count angles from dead centre"
         )
     return np.clip(theta, entry, end)
+
+
+def finite(name: str, value: ArrayLike) -> FloatArray:
+    """`value` as an array of finite real numbers."""
+    remedy = "give finite numbers"
+    try:
+        given = np.ma.filled(value, np.nan)
+    except (TypeError, ValueError):
+        raise _validate.fail(name, "finite numbers", value, remedy) from None
+    if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+        raise _validate.fail(name, "finite numbers", value, remedy)
+    return given.astype(float)

@@ -14,19 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import _validate
-from escapement.constant_speed._case import (
-    Case,
-    Load,
-    checked_inertia,
-    checked_load,
-    load_at,
-    table,
-    within_cell,
-)
+from escapement.constant_speed._case import Case, Load, finite, table, within_cell
 from escapement.constant_speed._figures import find_reversals, torque_figures
-from escapement.constant_speed.extrema import checked, transmission_extrema
-from escapement.errors import InvalidValue
-from escapement.mechanisms._slotted import transmission
+from escapement.constant_speed.extrema import transmission_extrema
 from escapement.model import FloatArray, Mechanism
 
 _SAMPLES = 721
@@ -129,7 +119,7 @@ class DriveTorque(Case):
         InvalidValue
             Where an angle is not finite or lies outside the cell.
         """
-        angles, exit_ = _finite("theta", theta), self.mechanism.breaks[-1]
+        angles, exit_ = finite("theta", theta), self.mechanism.breaks[-1]
         flat = within_cell(self.mechanism, angles).reshape(-1)
         phi, load, values = table(self, np.minimum(flat, exit_))
         values[1:, flat > exit_] = 0.0
@@ -195,77 +185,6 @@ def drive_torque(
         zone=zone,
         reversal_limits=transmission_extrema(mechanism).reversal_limits,
     )
-
-
-def contact_moment(
-    mechanism: Mechanism,
-    theta: ArrayLike,
-    speed: ArrayLike,
-    acceleration: ArrayLike,
-    load_torque: Load,
-    follower_inertia: float,
-) -> FloatArray:
-    """Moment of the pin on the follower of a drive in any known motion [N m].
-
-    N R = I_f (g theta_ddot + g' theta_dot^2) + M_load: the pin changes sides where
-    it changes sign. With no acceleration it is what `drive_torque` works with.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Geometry.
-    theta, speed, acceleration : array_like
-        Driver angle from dead centre [rad], within one cell, and its derivatives by
-        time [rad/s, rad/s^2]; their shapes broadcast.
-    load_torque, follower_inertia :
-        As for `drive_torque`.
-
-    Returns
-    -------
-    ndarray
-        N R; 0 in the dwell, where the follower is locked.
-
-    Raises
-    ------
-    InvalidValue
-        When an argument breaks its rule.
-    """
-    wanted = {"theta": theta, "speed": speed, "acceleration": acceleration}
-    given = [_finite(name, value) for name, value in wanted.items()]
-    try:
-        angles, speeds, rates = np.broadcast_arrays(*given)
-    except ValueError:
-        shapes = ", ".join(str(values.shape) for values in given)
-        raise InvalidValue(
-            f"theta, speed and acceleration must have shapes that fit, got {shapes}; give one of "
-            "each for every state, or one for all"
-        ) from None
-    inertia, load = checked_inertia(follower_inertia), checked_load(load_torque)
-    exit_ = checked(mechanism).breaks[-1]
-    angles = within_cell(mechanism, angles)
-    engaged = np.minimum(angles, exit_)
-    ratios = transmission(mechanism.path, engaged)
-    with np.errstate(over="ignore", invalid="ignore"):
-        driven = inertia * (ratios.g * rates + ratios.dg * speeds**2)
-    moment = load_at(load, np.asarray(mechanism.follower_angle(engaged))) + driven
-    if not np.isfinite(moment).all():
-        raise InvalidValue(
-            "speed, acceleration and follower_inertia must give a moment within the range of a "
-            "double, got more; choose less extreme values"
-        )
-    return np.where(angles > exit_, 0.0, moment)
-
-
-def _finite(name: str, value: ArrayLike) -> FloatArray:
-    """`value` as an array of finite real numbers."""
-    remedy = "give finite numbers"
-    try:
-        given = np.ma.filled(value, np.nan)
-    except (TypeError, ValueError):
-        raise _validate.fail(name, "finite numbers", value, remedy) from None
-    if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
-        raise _validate.fail(name, "finite numbers", value, remedy)
-    return given.astype(float)
 
 
 def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> float:
