@@ -76,12 +76,13 @@ def free_turn(w, angle, rho):
 
 
 @jit
-def gains_alike(g_in, g_out, rho, mu):
-    """Whether every engagement adds the same energy: without friction, and g^2 alike at its ends.
+def ends_alike(g_in, g_out, rho):
+    """Whether the inertia is the same at both ends of an engagement, but for a table's rounding.
 
+    Without friction each engagement then adds the same energy, and no speed is terminal.
     Only Meyer's published cells do not end as they begin.
     """
-    return mu == 0.0 and abs((g_out - g_in) * (g_out + g_in)) <= 1e-12 * (rho + g_out * g_out)
+    return abs((g_out - g_in) * (g_out + g_in)) <= 1e-12 * (rho + g_out * g_out)
 
 
 @jit

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from escapement import _validate
-from escapement.dynamics import critical_friction, gains_alike, painleve_message
+from escapement.dynamics import critical_friction, ends_alike, painleve_message
 from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import transmission_at
 from escapement.metrics import Figures
@@ -159,16 +159,16 @@ def terminal(
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)
     if message is not None:
         return replace(base, status=Status.PAINLEVE, message=message)
-    if escapement.loss[0] == 0.0 and _gains_alike(escapement):
+    if escapement.loss[0] == 0.0 and _ends_alike(escapement):
         status, message = _without_friction(escapement, engine, settings)
         return replace(base, status=status, message=message)
     return _engine(f"{engine}_terminal").terminal(escapement, base, **settings)
 
 
-def _gains_alike(escapement: Escapement) -> bool:
+def _ends_alike(escapement: Escapement) -> bool:
     path, breaks = escapement.mechanism.path, escapement.mechanism.breaks
     entry, exit_ = (transmission_at(path, angle)[0] for angle in (breaks[0], breaks[-1]))
-    return bool(gains_alike(entry, exit_, escapement.inertia_ratio, 0.0))
+    return bool(ends_alike(entry, exit_, escapement.inertia_ratio))
 
 
 def _without_friction(

@@ -17,7 +17,7 @@ WIDTHS = ("tolerance", "relative_tolerance", "standard_deviation", "relative_sta
 
 _KEYS = ("low", "high", "log", *WIDTHS)
 _EXAMPLE = "write for example { relative_tolerance = 0.05 }"
-_FLAT = 1e-8  # standard deviations, over which a normal distribution is even to the last digit
+_FLAT = 1e-8  # standard deviations: over so few a normal distribution is even
 _NEVER = 1e-10  # part of a normal distribution on either side that no draw reaches
 
 

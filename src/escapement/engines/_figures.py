@@ -3,7 +3,7 @@
 import numpy as np
 
 from escapement._jit import jit
-from escapement.dynamics import free_turn, gains_alike
+from escapement.dynamics import ends_alike, free_turn
 from escapement.engines._cells import AT_ENDS
 from escapement.engines._events import (
     EVENTS,
@@ -112,7 +112,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
         out[i] = np.nan
     last = cells.shape[0] - 1
     ends = (cells[0, 1, AT_ENDS], cells[last, 1, AT_ENDS + 3], 2.0 * dwell / rho)
-    even = gains_alike(ends[0], ends[1], rho, mu[0])
+    even = mu[0] == 0.0 and ends_alike(ends[0], ends[1], rho)
     if even and load == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
@@ -134,7 +134,7 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
             out[0], out[1] = exit_w, k
             return status
         if even:
-            # the load stops the motion, or nothing does
+            # every engagement adds the same energy: the load stops the motion, or nothing does
             return NO_TERMINAL if source + 2.0 * dwell > 0.0 else STALL
         if dwell > 0.0:
             if rising < 0.0:

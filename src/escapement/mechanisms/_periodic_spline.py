@@ -110,10 +110,7 @@ def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
     start, y = y[0], y - y[0]  # the digits are for what it changes
     knots, sizes, along, back = _modes(x, y[:, None], period)
     kept, left = _kept(sizes), along[:, 0]
-    rest = (y @ y - left @ left) + (((1.0 - kept) * left) ** 2).sum(axis=1)
-    free = x.size - kept.sum(axis=1)
-    best = int(np.argmin(np.maximum(rest, 0.0) / free**2))
-    noise = float(np.sqrt(max(rest[best], 0.0) / free[best]))
+    best, noise = _validated(y @ y, left, kept, x.size)
     return PeriodicSpline(
         knots,
         start + back @ (kept[best] * left),
@@ -137,15 +134,35 @@ def rise_over(x: FloatArray, y: FloatArray, period: float) -> float:
     # for each lambda the rise that leaves least, the bending counted
     rise = (y @ ramp - kept @ (wave * even)) / (ramp @ ramp - kept @ even**2)
     left = wave - rise[:, None] * even
-    rest = y @ y - 2.0 * rise * (y @ ramp) + rise**2 * (ramp @ ramp)
-    rest += ((kept - 2.0) * kept * left**2).sum(axis=1)
-    free = x.size - 1 - kept.sum(axis=1)
-    return float(rise[np.argmin(np.maximum(rest, 0.0) / free**2)])
+    squares = y @ y - 2.0 * rise * (y @ ramp) + rise**2 * (ramp @ ramp)
+    return float(rise[_validated(squares, left, kept, x.size - 1)[0]])
 
 
 def _kept(sizes: FloatArray) -> FloatArray:
     """What is kept of each mode for each lambda of the grid."""
     return np.asarray(1.0 / (1.0 + np.outer(_GRID, sizes)))
+
+
+def _validated(
+    squares: ArrayLike, left: FloatArray, kept: FloatArray, free: int
+) -> tuple[int, float]:
+    """Which lambda of the grid cross-validation prefers, and the noise that it leaves.
+
+    Parameters
+    ----------
+    squares : float or ndarray, shape (lambdas,)
+        Sum of squares of the points.
+    left : ndarray, shape (m,) or (lambdas, m)
+        What of them each mode has.
+    kept : ndarray, shape (lambdas, m)
+        As `_kept` gives it.
+    free : int
+        Points less the numbers fitted beside the spline.
+    """
+    rest = squares - (left**2).sum(axis=-1) + (((1.0 - kept) * left) ** 2).sum(axis=1)
+    rest, others = np.maximum(rest, 0.0), free - kept.sum(axis=1)
+    best = int(np.argmin(rest / others**2))
+    return best, float(np.sqrt(rest[best] / others[best]))
 
 
 def _modes(
