@@ -3,6 +3,7 @@
 import errno
 import io
 import os
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -15,6 +16,7 @@ from escapement.status import Status
 from escapement.store import (
     RESULTS,
     _journal,
+    blocks_of,
     read_study,
     write_study,
 )
@@ -126,6 +128,15 @@ def test_chunks_hold_every_case_once_in_order(shape, cells):
         assert numbers[box].ravel().tolist() == list(range(start, stop))
         position = stop
     assert position == numbers.size
+
+
+@pytest.mark.parametrize(
+    ("shape", "blocks"), [((100,), 1), ((1000,), 1), ((70_001,), 65), ((2, 70_001), 66)]
+)
+def test_as_many_cores_have_work_as_a_study_has_blocks(shape, blocks):
+    whole = study(shape)
+    assert len(blocks_of(whole)) == blocks
+    assert len(blocks_of(replace(whole, attributes=ATTRIBUTES | {"engine": "ivp"}))) >= 64
 
 
 @settings(deadline=None)

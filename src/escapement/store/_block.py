@@ -4,6 +4,7 @@ A block is one HDF5 chunk of every result, already encoded. It holds a fixed ran
 cases, so that neither its bytes nor those of the file depend on who computed it.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -14,7 +15,8 @@ from escapement.store._chunks import Tiling, encode, tiling
 from escapement.store._study import RESULTS, Study, count_failed
 
 _CASES = {"energy": 16384, "ivp": 4}
-"""Cases of a block, by engine: a quarter of a second of work up to two seconds."""
+"""Cases of a block, at most, by engine: a quarter of a second of work up to two seconds."""
+_BLOCKS = 64  # of any study that is large enough: as many cores have work
 
 
 class Block(NamedTuple):
@@ -32,7 +34,10 @@ class Block(NamedTuple):
 
 def blocks_of(frame: Study) -> Tiling:
     """How the cases of a study are cut into blocks."""
-    return tiling(frame.shape, _CASES[frame.attributes["engine"]])
+    most = _CASES[frame.attributes["engine"]]
+    # a call and a chunk cost as much as tens of cases, so none of too few
+    least = max(1, most // 16)
+    return tiling(frame.shape, min(most, max(least, math.prod(frame.shape) // _BLOCKS)))
 
 
 def encode_block(cut: Tiling, number: int, columns: Mapping[str, NDArray[Any]]) -> Block:
