@@ -129,6 +129,30 @@ print(f(1.0))
     assert run(code, PYTHONPATH=str(tmp_path), NUMBA_CACHE_DIR=str(cache)) == "2.0"
 
 
+def test_kernels_of_the_cache_do_without_what_compiling_takes(tmp_path):
+    """Arrays come and go, and whoever has to compile after that still can."""
+    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    (tmp_path / "toy" / "h.py").write_text(
+        "import numpy as np\nfrom toy._jit import jit\nfrom toy.g import g\n\n"
+        "@jit(allocates=True)\ndef h(x):\n"
+        "    y = np.empty(x.size)\n"
+        "    for i in range(x.size):\n        y[i] = g(np.exp(x[i]))\n"
+        "    return y\n"
+    )
+    code = """
+import sys
+import numpy as np
+from toy.h import h
+x = np.linspace(0.0, 1.0, 1000)
+wrong = sum(abs(h(x) - 2.0 * np.exp(x)).max() > 1e-14 for _ in range(100))
+print(wrong, "scipy.linalg" in sys.modules)
+"""
+    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(code, **here).startswith("0 ")
+    assert run(code, **here) == "0 False"
+    assert run(code + "from toy.f import f; print(f(3.0))", **here) == "0 False\n6.0"
+
+
 @pytest.mark.parametrize("terminal", [True, False])
 def test_compiling_is_announced_once_and_on_a_terminal_only(tmp_path, terminal):
     write_toy(tmp_path, "from toy._jit import jit", 2.0)

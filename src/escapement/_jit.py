@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.runtime import rtsys
 
 
 def kernel_digest(package: Path) -> str:
@@ -70,11 +71,16 @@ def _say_that_it_compiles() -> None:
 
 
 def _watch_cache(dispatcher: Any) -> None:
-    """Say that a kernel has to be compiled; keep it in memory when no copy can be saved."""
+    """Say that a kernel has to be compiled; keep it in memory when no copy can be saved.
+
+    `load_overload` would import all that compiling takes, SciPy's linear algebra included, a
+    third of the time to a first result. Machine code needs the runtime that makes arrays alone.
+    """
     store = dispatcher._cache
-    load, save = store.load_overload, store.save_overload
+    load, save = store._load_overload, store.save_overload
 
     def load_or_say(signature: Any, context: Any) -> Any:
+        rtsys.initialize(context)
         found = load(signature, context)
         if found is None:
             _say_that_it_compiles()
