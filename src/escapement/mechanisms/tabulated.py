@@ -21,20 +21,24 @@ from escapement.mechanisms._periodic_spline import (
     rise_over,
     smoothing,
 )
+from escapement.mechanisms._rows import (
+    check_rows,
+    check_spacing,
+    column,
+    last_digit,
+    leaps,
+    one_cell,
+    scatter,
+)
 from escapement.mechanisms._slotted import Transmission
 from escapement.mechanisms._table import chebyshev_table
 from escapement.model import FloatArray
 
-FEWEST = 12
-MOST_EXACT = 600
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
 _ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
 _CLOSE = 1e-9  # of a cell: angles this near each other are the same
 _OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
-_ALLOWED = 0.02  # error that rounding may make of a ratio, and of its greatest derivative
-_NEARER = 50.0  # units of the last digit by which exact rows must be apart for that
-_BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
 
 
 @dataclass(frozen=True)
@@ -80,12 +84,12 @@ class Tabulated:
     follower_step: float = 0.0
 
     def __post_init__(self) -> None:
-        theta, phi = (_column(name, getattr(self, name)) for name in ("theta", "phi"))
+        theta, phi = (column(name, getattr(self, name)) for name in ("theta", "phi"))
         measured = _validate.truth("measured", self.measured)
-        _check_rows(theta, phi, measured)
+        check_rows(theta, phi, measured)
         cell, step = self.cell_angle, self.follower_step
         if cell == 0.0:
-            cell = _one_cell(theta)
+            cell = one_cell(theta)
             step = step or abs(rise_over(theta, phi, cell) if measured else float(phi[-1] - phi[0]))
         elif step == 0.0:
             raise InvalidValue(
@@ -110,7 +114,7 @@ class Tabulated:
     def _check_step(self, theta: FloatArray, phi: FloatArray) -> None:
         """Whether the rows of a whole cell turn by what they are said to."""
         step, turned = self.follower_step, abs(float(phi[np.argmax(theta)] - phi[np.argmin(theta)]))
-        doubt = 5.0 * _scatter(theta, phi) if self.measured else 2.0 * _last_digit(phi)
+        doubt = 5.0 * scatter(theta, phi) if self.measured else 2.0 * last_digit(phi)
         allowed = max(_OPEN[self.measured] * step, doubt)
         # a last row beside the end of the cell is short of it
         allowed += 3.0 * self._mean * abs(float(np.ptp(theta)) - self.cell_angle)
@@ -168,8 +172,8 @@ class Tabulated:
         # a follower that turns back may fall along most of the rows: what tells is
         # whether the rest closes from cell to cell
         folded, order = self._folded(theta)
-        leaps = {s: _leaps(folded, self._rest(s)[order], self.cell_angle) for s in (1.0, -1.0)}
-        return min(leaps, key=lambda sense: leaps[sense])
+        senses = (1.0, -1.0)
+        return min(senses, key=lambda s: leaps(folded, self._rest(s)[order], self.cell_angle))
 
     @cached_property
     def spline(self) -> PeriodicSpline:
@@ -182,7 +186,7 @@ class Tabulated:
         if self.measured:
             return smoothing(folded, rest[order], self.cell_angle)
         x = np.append(folded, folded[0] + self.cell_angle)
-        gap, digit = float(np.diff(x).min()), _last_digit(np.array(self.phi))
+        gap, digit = float(np.diff(x).min()), last_digit(np.array(self.phi))
         if gap <= self._near:
             raise InvalidValue(
                 "theta must differ from row to row in an exact table, cells taken together; "
@@ -190,18 +194,8 @@ class Tabulated:
             )
         spline = interpolating(x, np.append(rest[order], rest[order[0]]))
         if np.ptp(rest) > 0.0 and digit > 0.0:
-            # the derivative less what the rounding puts into it; next to none is no measure
-            rounding = _ALLOWED * _BENT * digit / gap**2
-            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max() - rounding
-            steepest = max(steepest, self._mean / self.cell_angle)
-            least = max(_NEARER * digit / self._mean, math.sqrt(_BENT * digit / steepest))
-            if gap < least:
-                raise InvalidValue(
-                    f"theta must differ by at least {least:.2g} rad from row to row in an "
-                    f"exact table of phi rounded to {digit:.2g} rad, cells taken together, "
-                    f"got {gap:.2g}; give more digits, leave rows out, or say that they are "
-                    "measured"
-                )
+            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max()
+            check_spacing(gap, digit, float(steepest), self._mean, self.cell_angle)
         return spline
 
     def _rest(self, sense: float) -> FloatArray:
@@ -252,7 +246,7 @@ class Tabulated:
     def _near(self) -> float:
         """Driver angles nearer each other than this are the same but for their rounding [rad]."""
         spacing = self.cell_angle / len(self.theta)
-        rounding = min(2.0 * _last_digit(np.array(self.theta)), 0.01 * spacing)
+        rounding = min(2.0 * last_digit(np.array(self.theta)), 0.01 * spacing)
         return max(_CLOSE * self.cell_angle, rounding)
 
     @property
@@ -309,72 +303,3 @@ class Tabulated:
         knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
         inside = knots[(knots > start + self._near) & (knots < end - self._near)].tolist()
         return chebyshev_table(lambda x: self.transmission(x).g, [start, *inside, end], DEGREE)
-
-
-def _last_digit(angles: FloatArray) -> float:
-    """Unit of the last digit that angles are rounded to, in radians or degrees [rad].
-
-    Zero for numbers in full precision.
-    """
-    for decimals in range(10):
-        for unit in (math.radians(1.0), 1.0):
-            digit = unit * 10.0**-decimals
-            whole = angles / digit
-            if np.abs(whole - np.round(whole)).max() < 1e-3:
-                return digit
-    return 0.0
-
-
-def _scatter(theta: FloatArray, phi: FloatArray) -> float:
-    """Standard deviation of scattered rows, roughly and rather too great: from their bends."""
-    bends = np.diff(phi[np.argsort(theta)], 2)
-    return float(1.4826 * np.median(np.abs(bends)) / math.sqrt(6.0))
-
-
-def _leaps(x: FloatArray, y: FloatArray, period: float) -> float:
-    """How much y leaps from point to point of a period, ascending; gaps excuse leaps."""
-    gaps = np.diff(np.append(x, x[0] + period))
-    # readings at one angle scatter too: no gap counts as less than the mean one
-    return float((np.diff(np.append(y, y[0])) ** 2 / (gaps + period / x.size)).sum())
-
-
-def _check_rows(theta: FloatArray, phi: FloatArray, measured: bool) -> None:
-    """A follower angle for each driver angle, and of an exact table not too many."""
-    if theta.size != phi.size:
-        raise _validate.fail(
-            "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
-        )
-    if not measured and theta.size > MOST_EXACT + 1:
-        rule = f"at most {MOST_EXACT + 1} rows of an exact table"
-        remedy = "leave rows out, or say that they are measured"
-        raise _validate.fail("theta", rule, theta.size, remedy)
-
-
-def _one_cell(theta: FloatArray) -> float:
-    """The cell of which the rows are the whole, from end to end."""
-    rising = np.diff(theta) > 0.0
-    if not rising.all():
-        late = float(theta[1 + int(np.argmin(rising))])
-        raise InvalidValue(
-            "theta must ascend from one end of the cell to the other, got "
-            f"{late!r} out of order; sort the table, or give cell_angle and follower_step"
-        )
-    return float(theta[-1] - theta[0])
-
-
-def _column(name: str, values: Any) -> FloatArray:
-    """A 1-D array of finite numbers, long enough for a spline."""
-    try:
-        column = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise _validate.fail(name, "a list of numbers", values, "give angles in rad") from None
-    if column.ndim != 1:
-        raise _validate.fail(name, "one-dimensional", column.shape, "give a list of angles")
-    if column.size < FEWEST:
-        raise _validate.fail(
-            name, f"at least {FEWEST} rows long", column.size, "give more of the position function"
-        )
-    if not np.isfinite(column).all():
-        bad = float(column[~np.isfinite(column)][0])
-        raise _validate.fail(name, "finite throughout", bad, "leave out the row")
-    return column
