@@ -57,6 +57,37 @@ def test_a_rough_table_is_resolved(count):
 _GRID = np.linspace(*WHEEL.breaks[::2], 100_001)
 
 
+@pytest.mark.parametrize("slots", [3, 8])
+def test_what_is_narrow_is_seen_wherever_it_is(slots):
+    wheel = esc.Geneva(slots)
+    step = 2.0 * math.pi / slots
+    random = np.random.default_rng(slots)
+    theta = np.linspace(*wheel.breaks[::2], 400_001)
+    for place in random.uniform(-0.49, 0.49, 25) * step:
+        half = step / 6000.0
+        found = esc.drive_torque(
+            wheel, 10.0, lambda x, p=place, h=half: np.where(abs(x - p) < h, -90.0, 1.0), 0.01
+        )
+        scan = found.at(theta)
+        assert found.torque_min == pytest.approx(scan.torque.min(), rel=1e-3)
+        # against it the inertia of half a step is little: the pin turns into it and out of it
+        sides = np.sign(scan.contact_moment)
+        assert len(found.reversals) == np.count_nonzero(np.diff(sides[sides != 0.0]))
+
+
+@pytest.mark.parametrize(
+    "mechanism",
+    [esc.Geneva(6), esc.Geneva(8, internal=True), esc.EllipticalPlanetary(2.0, 1.0)],
+)
+def test_a_jump_at_dead_centre_turns_the_pin(mechanism):
+    found = esc.drive_torque(mechanism, 1.0, lambda phi: np.where(phi > 0.0, 1.0, -2.0), 0.01)
+    assert found.reversals == pytest.approx([0.0], abs=1e-8)
+    waves = esc.drive_torque(mechanism, 1.0, lambda phi: np.sign(np.sin(40.0 * phi)), 1e-6)
+    theta = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], 400_001)
+    sides = np.sign(waves.at(theta).contact_moment)
+    assert len(waves.reversals) == np.count_nonzero(np.diff(sides[sides != 0.0])) > 5
+
+
 def test_kinks_alone_count_against_a_load(monkeypatch):
     """Not the rounding at the ends of the engagement, where the follower hardly moves."""
     monkeypatch.setattr(_chebyshev, "_MOST", 1000)

@@ -140,12 +140,16 @@ def interpolate(function: Function, points: Iterable[float]) -> list[Piece]:
 
 
 def zeros(function: Function, points: Iterable[float]) -> FloatArray:
-    """Where a function is zero, ascending; touching zeros included.
+    """Where a function is zero or jumps over it, ascending; touching zeros included.
 
     Parameters as for `interpolate`.
     """
     found = [np.empty(0)]
-    for piece in interpolate(function, points):
+    pieces = interpolate(function, points)
+    for piece, following in pairwise(pieces):
+        if piece.limits()[1] * following.limits()[0] < 0.0:
+            found.append(np.array([following.low]))
+    for piece in pieces:
         roots = piece.zeros()
         if roots.size:
             found.append(_polish(function, piece, roots))

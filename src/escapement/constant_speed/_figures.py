@@ -1,5 +1,6 @@
 """Reversals, extremes and mean of the torque, as roots and integrals over the angle."""
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -10,12 +11,13 @@ from escapement.constant_speed._kernels import tabulate_ratio
 from escapement.constant_speed.extrema import edges, rounding_of_acceleration
 from escapement.model import FloatArray
 
+_PIECES = 512  # to begin with, of a load of any shape: a row in 5000 of a table is seen
 _ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too
 
 
 def find_reversals(case: Case) -> tuple[FloatArray, int]:
     """Angles where the contact moment changes sign, and Filemon's zone."""
-    points = edges(case.mechanism)
+    points = _places(case, edges(case.mechanism))
     found = zeros(lambda theta: table(case, theta)[2][1], points)
     places = np.unique(np.concatenate([[points[0]], found, [points[-1]]]))
     sides = [_side(case, low, high) for low, high in pairwise(places)]
@@ -27,6 +29,18 @@ def find_reversals(case: Case) -> tuple[FloatArray, int]:
     if not reversals:
         return np.empty(0), 1
     return np.array(reversals), 3 if side < 0.0 else 2
+
+
+def _places(case: Case, points: list[float]) -> list[float]:
+    """`points`, and between them more where a load may hide something narrow."""
+    if not callable(case.load_torque):
+        return points
+    width = (points[-1] - points[0]) / _PIECES
+    spans = [
+        np.linspace(low, high, math.ceil((high - low) / width), endpoint=False)
+        for low, high in pairwise(points)
+    ]
+    return [*np.concatenate(spans).tolist(), points[-1]]
 
 
 def _side(case: Case, low: float, high: float) -> float:
@@ -45,7 +59,7 @@ def torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
     def torque(theta: FloatArray) -> FloatArray:
         return table(case, theta)[2][2]
 
-    pieces = interpolate(torque, sorted(kinks))
+    pieces = interpolate(torque, _places(case, sorted(kinks)))
     first = [piece for piece in pieces if piece.high <= half]
     mean = sum(piece.integral() for piece in first) / (half - points[0])
     top, top_at, bottom, bottom_at = extremes(torque, pieces)
