@@ -11,6 +11,7 @@ from escapement.dynamics import bend
 from escapement.engines._gauss import (
     LAST,
     LAST_BUT_ONE,
+    POINTS,
     WEIGHTS,
     N,
     points_of,
@@ -33,6 +34,7 @@ from escapement.engines._panels import (
 )
 from escapement.mechanisms._slotted import PLACES
 
+FIRST, SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])  # ways of two points from an end
 LEFT_END, RIGHT_END = np.int64(0), np.int64(1)
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
 
@@ -93,19 +95,39 @@ def first_against(s):
 
 
 @jit
-def dips(s):
-    """Whether the contact nearly vanishes between points: a pair of reversals may hide."""
-    # a parabola that touches zero is small at one of three points
-    first, middle, last = s[C], s[C + N // 2], s[C + N - 1]
-    if min(first, min(middle, last)) > 0.2 * max(first, max(middle, last)):
-        return False
-    count = 0
-    for i in range(1, points_of(s) - 1):
-        before, c, after = s[C + i - 1], s[C + i], s[C + i + 1]
-        higher = before if before > after else after
-        # least here, and less than half of what it fell by
-        count += (c <= before) & (c < after) & (3.0 * c < higher)
+def dips(s, values, sign, left, right, first, last):
+    """Whether values of a sign nearly vanish from point `first` to before `last`: zeros may hide.
+
+    `left` and `right` are the values at the ends. Where a parabola touches zero, the point
+    next to that has less than half of what one beside it has.
+    """
+    values &= PLACES
+    count, steep = 0, 0
+    for i in range(points_of(s)):
+        # neighbours of one sign and within a factor of two have a product above zero
+        one, two = s[values + i], s[values + i + 1]
+        steep += ((one - 2.0 * two) * (two - 2.0 * one) < 0.0) & (i < N - 1)
+    if steep > 0:
+        for i in range(max(1, first), min(last, N - 1)):
+            here, before, after = s[values + i], s[values + i - 1], s[values + i + 1]
+            here, before, after = sign * here, sign * before, sign * after
+            count += 0.0 < here <= min(before, after) and 2.0 * here < max(before, after)
+    if first == 0 < last:
+        count += _dips_at_end(sign * left, sign * s[values], sign * s[values + 1])
+    if last == N:
+        count += _dips_at_end(sign * right, sign * s[values + N - 1], sign * s[values + N - 2])
     return count > 0
+
+
+@jit
+def _dips_at_end(end, one, two):
+    """Whether the parabola through an end and two points falls between them to half of `end`."""
+    one, two = one - end, two - end
+    slope = one * SECOND**2 - two * FIRST**2
+    if not (slope < 0.0 and end > 0.0):
+        return False
+    rise, scale = two * FIRST - one * SECOND, FIRST * SECOND * (SECOND - FIRST)
+    return -slope < 2.0 * rise * SECOND and slope * slope > 2.0 * rise * scale * end
 
 
 @jit(reorders=True)

@@ -9,6 +9,7 @@ from escapement.model import FloatArray
 
 _PER_STEP = 8  # looks per solver step
 _FINEST = 1e-18  # of a piece that takes a time of order one
+_NOTHING = 1e-9  # of the greatest value: so much at an end is rounding
 
 Function = Callable[[float], float]
 
@@ -50,15 +51,19 @@ def _with_dips(function: Function, x: FloatArray, f: FloatArray) -> tuple[FloatA
         & (sides[1:-1] * sides[2:] > 0.0)
         & (size[1:-1] < 0.1 * size.max(initial=0.0))
     )[0]
-    for i in inner[::-1] + 1:
-        sense = sides[i]
+    # at an end that nothing follows the least may be before it, or the end itself
+    least = {int(i): 0.0 for i in inner[::-1] + 1}
+    if size.size > 1 and sides[-2] * sides[-1] > 0.0 and size[-1] < min(size[-2], 0.1 * size.max()):
+        least = {size.size - 1: _NOTHING * float(size.max())} | least
+    for i, nothing in least.items():
+        sense, low, high = sides[i], x[i - 1], x[min(i + 1, size.size - 1)]
         dip = minimize_scalar(
             lambda s, sense=sense: sense * function(s),
-            bounds=(x[i - 1], x[i + 1]),
+            bounds=(low, high),
             method="bounded",
-            options={"xatol": 1e-12 * (x[i + 1] - x[i - 1])},
+            options={"xatol": 1e-12 * (high - low)},
         )
-        if dip.fun < 0.0:
+        if dip.fun < -nothing:
             at = np.searchsorted(x, dip.x)
             x, f = np.insert(x, at, dip.x), np.insert(f, at, sense * dip.fun)
     return x, f

@@ -25,6 +25,7 @@ from escapement.model import FloatArray
 
 MOST_STEPS = 25_000
 """Solver steps a piece may take, a second or two; DOP853 needs fifty."""
+_NOTHING = 1e-9  # of the greatest force in a piece
 _LEAST = 1e-30  # an absolute tolerance of zero: no scale of the error is ever 0/0
 
 
@@ -186,7 +187,8 @@ class _Piece:
             return y[0] - self.way
 
         def reverse(x: float, y: FloatArray, *_: Any) -> float:
-            return self.force(y)
+            # on a reversal the force is rounding, and a root would be found there again
+            return self.sign if x == 0.0 else self.force(y)
 
         def stop(x: float, y: FloatArray, *_: Any) -> float:
             return y[1]
@@ -246,7 +248,10 @@ class _Piece:
             forces[-1] = -self.sign * abs(forces[-1])
             turns = [*crossings(force_at, grid, forces), last]
         else:
-            turns = crossings(force_at, grid[:-1], forces[:-1])
+            # the force may vanish where the piece ends: next to nothing there is rounding
+            if abs(forces[-1]) <= _NOTHING * np.abs(forces).max():
+                forces[-1] = self.sign * abs(forces[-1])
+            turns = crossings(force_at, grid, forces)
         if turns:
             beyond = solved.sol(turns[0])[0] >= self.way
             return turns[0], "arrived" if beyond else "reversed"

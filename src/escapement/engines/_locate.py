@@ -19,7 +19,14 @@ from escapement.engines._gauss import (
     root_between,
     to_powers,
 )
-from escapement.engines._inside import MERGED, RIGHT_END, contact_at_end, duration, rate_at_end
+from escapement.engines._inside import (
+    MERGED,
+    RIGHT_END,
+    contact_at_end,
+    dips,
+    duration,
+    rate_at_end,
+)
 from escapement.engines._panels import (
     ALPHA,
     BETA,
@@ -32,7 +39,9 @@ from escapement.engines._panels import (
     RIGHT,
     STEP,
     WORK,
+    A,
     B,
+    C,
     E,
     F,
     G,
@@ -152,10 +161,13 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
         s[WORK + i] = s[F + i] - slowness
         s[F + i] = slowness
         moment = s[at + DG + i] * w + load
+        c = side * (rho * moment + s[at + G + i])
+        a = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * moment
+        s[C + i] = c
+        s[A + i] = a
         bad += not w > 0.0
-        bad += apart and i >= reversal and side * (rho * moment + s[at + G + i]) > 0.0
-        slower = 1.0 - (s[at + G + i] + lost * s[at + U + i]) * moment <= 0.0
-        bad += record and i >= reversal and slower
+        bad += apart and i >= reversal and c > 0.0
+        bad += record and i >= reversal and a <= 0.0
     # the time of the other side, and what the part before the reversal differs by
     cumulate(s, WORK, K)
     length, roughness = duration(s)
@@ -163,8 +175,12 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
     e_right = s[two + RIGHT] * fictive + s[two + RIGHT + 1]
     w_right = e_right / (rho + s[at + ENDS + 3] ** 2)
     bad += not w_right > 0.0
-    bad += apart and side * contact_at_end(s, at, RIGHT_END, w_right, rho, load) > 0.0
-    bad += record and rate_at_end(s, at, RIGHT_END, -side, w_right, mu, load) <= 0.0
+    c_right = side * contact_at_end(s, at, RIGHT_END, w_right, rho, load)
+    a_right = rate_at_end(s, at, RIGHT_END, -side, w_right, mu, load)
+    bad += apart and c_right > 0.0
+    bad += record and a_right <= 0.0
+    bad += apart and dips(s, C, -1.0, 1.0, c_right, reversal + 1, N)
+    bad += apart and record and dips(s, A, 1.0, 1.0, a_right, reversal + 1, N)
     good = bad == 0 and roughness <= max(strict, s[two + NOISE])
     source = (alpha * source + beta - beta_other) / alpha_other
     source = s[two + RIGHT] * source + s[two + RIGHT + 1]

@@ -38,6 +38,7 @@ from escapement.engines._panels import (
     START,
     TAIL,
     UNBUILT,
+    A,
     C,
     halve,
     place_of,
@@ -112,6 +113,7 @@ def march(
             against, stopped, slower = run_over(s, at, side, energy, rho, mu, load)
             if at == START and against > 0:
                 against = clearly_against(s)
+            c_left = side * contact_at_end(s, at, LEFT_END, w, rho, load)
             if stopped > 0 or not w_right > 0.0:
                 if against == 0 and s[at + HALF] <= NEARLY_STOPPED:
                     way = -w / braking(s, at, side, w, rho, mu, load)
@@ -123,12 +125,13 @@ def march(
                 # a panel may hold one reversal: behind it all is on the other side
                 reversal = first_against(s)
                 split = N - reversal != against or c_right > 0.0 or at == START or tail > strict
+                split = split or dips(s, C, 1.0, c_left, c_right, 0, reversal)
                 if split and s[at + HALF] <= MERGED:
                     # so close a pair does nothing; of one the order of points is rounding
                     split = False
                     reversal = reversal if c_right <= 0.0 else -1
-            else:
-                split = dips(s)
+            elif s[at + HALF] > MERGED:
+                split = dips(s, C, 1.0, c_left, c_right, 0, N)
         if inside and not split:
             # near a stop the errors of all panels have one sign, hence the tenth
             limit = strict if reversal >= 0 else 0.1 * loose
@@ -155,6 +158,9 @@ def march(
             if not gains and not (slower == N and now < 0.0 and final < 0.0):
                 changes, extremum = find_extremum(s, last, now, final)
             split = changes > 1 or (changes == 1 and at == START)
+            if not split and s[at + HALF] > MERGED:
+                split = dips(s, A, rising, now, final, 0, last)
+                split = split or (changes > 0 and dips(s, A, -rising, now, final, 0, last))
         if reversal >= 0 and not split:
             other = solution_of(at, -side)
             if s[other + TAIL] == UNBUILT:
@@ -165,7 +171,6 @@ def march(
         if not split and (reversal >= 0 or extremum >= 0):
             high, x, slope = 1.0, 1.0, 0.0
             if reversal >= 0:
-                c_left = side * contact_at_end(s, at, LEFT_END, w, rho, load)
                 # rounding alone may have it that the force is on the other side all along
                 x = -1.0
                 if c_left > 0.0:
