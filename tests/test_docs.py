@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib.util
+import inspect
 import io
 import json
 import math
@@ -10,6 +11,7 @@ import shlex
 import shutil
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from importlib import import_module
 from itertools import zip_longest
@@ -19,15 +21,18 @@ from urllib.parse import unquote
 
 import pytest
 
+import escapement as esc
 from escapement.cli import COMMANDS, main
 from escapement.cli._parser import Parser
 from escapement.configuration import parse_plan
+from escapement.units import INCH_POUND
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
 LANGUAGES = {"python", "toml", "console", "sh", "text"}
 LARGEST_IMAGE = 150_000
+FIGURES = ("period", "velocity_mean", "velocity_max", "velocity_min")
 
 _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)|<img src=\"([^\"]+)\"")
@@ -201,6 +206,41 @@ def test_studies_are_valid(page):
     for block in blocks(page):
         if block.language == "toml":
             assert parse_plan(tomllib.loads(block.text)).cases > 1
+
+
+# --- numbers and signatures in running text -----------------------------------------------
+
+
+def test_sensitivities_are_those_of_the_model():
+    table = re.findall(r"^\| ([a-z ]+) \| ([-+].*) \|$", page_text("accuracy.md"), re.MULTILINE)
+    inertia = {"driver": 3e-6 * INCH_POUND, "follower": 50e-6 * INCH_POUND}
+    plain = esc.Escapement(esc.Geneva(4), esc.Inertia(**inertia), 0.10 * INCH_POUND, 0.35)
+    more = {
+        "torque": replace(plain, torque=1.01 * plain.torque),
+        "friction": replace(plain, friction=1.01 * plain.friction),
+    }
+    for name, value in inertia.items():
+        changed = esc.Inertia(**inertia | {name: 1.01 * value})
+        more[f"{name} inertia"] = replace(plain, inertia=changed)
+    assert [name for name, _ in table] == list(more)
+    before = esc.terminal(plain)
+    for name, shown in table:
+        after = esc.terminal(more[name])
+        for figure, cell in zip(FIGURES, shown.split(" | "), strict=True):
+            change = getattr(after, figure) / getattr(before, figure) - 1.0
+            assert f"{100.0 * change:+.2f}" == cell, (name, figure)
+
+
+@pytest.mark.parametrize("name", ["Geneva", "GearDriven"])
+def test_signatures_are_those_of_the_package(name):
+    (shown,) = re.findall(rf"`{name}(\(.*\))`", page_text("mechanisms.md"))
+    parameters = inspect.signature(getattr(esc, name)).parameters.values()
+    bare = [parameter.replace(annotation=parameter.empty) for parameter in parameters]
+    assert shown == str(inspect.Signature(bare)).replace("'", '"')
+
+
+def page_text(name: str) -> str:
+    return (DOCS / name).read_text(encoding="utf-8")
 
 
 # --- links and images ---------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -46,6 +48,14 @@ ERRATA = {
     (10, "beta_max"): ("38°29'", "four-place tables"),
     (10, "F23"): ("3.0777", "digit slip"),
 }
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+SYMBOLS = {
+    "ratio_max": r"i_{\omega\,max}",
+    "acceleration_max": r"i_{\varepsilon\,max}",
+    "beta_max": r"\beta_{max}",
+    "F12": "F_{12}",
+    "F23": "F_{23}",
+}
 LIMIT_ANGLES = [3.620, 8.484, 12.649, 16.065, 18.874, 21.209, 23.174, 24.848]
 KEYS = {
     *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max"),
@@ -66,6 +76,17 @@ def test_every_cell_agrees_to_the_last_digit_or_is_an_erratum():
         assert wrong[key].right == right
         assert wrong[key].reason.startswith(rule)
     assert all(cell.reason == "" for cell in cells if cell.agrees)
+
+
+def test_the_page_says_which_cells_are_wrong_and_no_more_than_is_known():
+    text = (DOCS / "drive-torque.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| \$(.*)\$ \| (.*) \| (.*) \| (.*) \|$", text, re.MULTILINE)
+    wrong = [cell for cell in table_1() if not cell.agrees]
+    assert [row[:4] for row in rows] == [
+        (str(cell.slots), SYMBOLS[cell.column], cell.printed, cell.right) for cell in wrong
+    ]
+    for (*_, why), cell in zip(rows, wrong, strict=True):
+        assert why.startswith("four-place") == cell.reason.startswith("four-place")
 
 
 def test_agreement_is_half_a_unit_of_the_last_digit():

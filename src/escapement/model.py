@@ -119,7 +119,7 @@ class Escapement:
     load_torque : float
         Constant torque opposing the follower while it moves [N m], >= 0.
     efficiency : float
-        Share of the power that a mesh passes on, either way [-], in (0, 1]. It stands
+        Share of the power that a mesh passes on, either way [-], in [0.001, 1]. It stands
         for friction in a mechanism without a slot; a slotted one has 1.
 
     Source: Meyer (1973), chapter I; the load torque is an extension.

@@ -10,7 +10,7 @@ from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 
 FEWEST = 12
-MOST_EXACT = 600
+MOST_EXACT = 601
 _ALLOWED = 0.02  # error that rounding may make of a ratio, and of its greatest derivative
 _NEARER = 50.0  # units of the last digit by which exact rows must be apart for that
 _BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
@@ -40,8 +40,8 @@ def check_rows(theta: FloatArray, phi: FloatArray, measured: bool) -> None:
         raise _validate.fail(
             "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
         )
-    if not measured and theta.size > MOST_EXACT + 1:
-        rule = f"at most {MOST_EXACT + 1} rows of an exact table"
+    if not measured and theta.size > MOST_EXACT:
+        rule = f"at most {MOST_EXACT} rows of an exact table"
         remedy = "leave rows out, or say that they are measured"
         raise _validate.fail("theta", rule, theta.size, remedy)
 

@@ -57,7 +57,7 @@ class Tabulated:
     phi : sequence of float
         Follower angles there [rad].
     measured : bool
-        Whether the rows scatter. Else they are exact, at most 600.
+        Whether the rows scatter. Else they are exact, at most 601.
     cell_angle : float, optional
         Driver angle after which the motion repeats itself [rad], > 0. Default: that
         of the table.

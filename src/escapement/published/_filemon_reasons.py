@@ -1,7 +1,8 @@
 """Why a cell of Filemon's Table I is wrong, decided by recomputing it.
 
 No list of cells is kept: a rule is named where it gives the printed digits and
-the right value does not. The rules are tried from the strictest to the loosest.
+the right value does not. The rules are tried from the strictest to the loosest;
+those of four places say only that the printed value is within their reach.
 """
 
 import math

@@ -34,7 +34,7 @@ RESULTS: Mapping[str, Result] = {
     "velocity_mean": Result("rad s-1", "mean driver velocity of the terminal cycle"),
     "period": Result("s", "period of one engagement of the terminal cycle"),
     "rise_time": Result("s", "time of the first velocity extremum within 2 % of terminal"),
-    "settling_time": Result("s", "time from which all velocity extrema are within 1 %"),
+    "settling_time": Result("s", "time from which every engagement's extremes are within 1 %"),
     "status": Result("1", "outcome of the case", "u1"),
 }
 """Results over the grid, in the order of the file."""
