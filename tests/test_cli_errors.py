@@ -156,7 +156,7 @@ FILES = {
     "study is not text": (["sweep", "binary.toml"], 65, "binary.toml", "UTF-8"),
     "missing result": (["plot", "none.h5"], 66, "none.h5", "does not exist"),
     "result is a folder": (["plot", "folder.h5", "-o", "x.png"], 65, "folder.h5", "not a folder"),
-    "result is not HDF5": (["plot", "text.h5"], 65, "text.h5", "HDF5"),
+    "result is not HDF5": (["plot", "text.h5"], 65, "text.h5", "HDF5", "sweep or run -o wrote"),
     "motion there": (
         run("-o", "there.h5"),
         73,

@@ -50,6 +50,14 @@ def test_an_option_of_another_kind_is_refused_by_name(second_kind, argv):
         _kinds.read_mechanism(understand(*argv))
 
 
+@pytest.mark.parametrize(
+    ("argv", "shown"), [(("--table", "a.csv"), "'a.csv'"), (("--lobes", "1/2"), "'1/2'")]
+)
+def test_such_an_option_is_shown_as_it_was_typed(argv, shown):
+    with pytest.raises(UsageError, match=f"a geneva mechanism, got {shown}; it belongs"):
+        _kinds.read_mechanism(understand(*argv))
+
+
 @pytest.mark.parametrize("argv", [("--lift", "1"), ("--lift", "1", "geneva", "--slots", "4")])
 def test_the_default_kind_refuses_too(second_kind, argv):
     with pytest.raises(UsageError, match=r"--lift .* a geneva mechanism.* belongs to cam-drive"):

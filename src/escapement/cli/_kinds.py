@@ -13,7 +13,9 @@ Kinds may share an option: the first of them explains it.
 """
 
 import argparse
+from fractions import Fraction
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement.cli._parser import Parser, UsageError, one_of, option
@@ -67,9 +69,11 @@ def read_mechanism(args: argparse.Namespace) -> "Mechanism":
     for name in given_options(args):
         owners = _owners()[name]
         if kind not in owners:
+            value = getattr(args, name)
+            shown = str(value) if isinstance(value, Path | Fraction) else value
             raise UsageError(
                 f"{option(name)} must not come with a {kind} mechanism, got "
-                f"{getattr(args, name)!r}; it belongs to {' and '.join(owners)}"
+                f"{shown!r}; it belongs to {' and '.join(owners)}"
             )
     return module(kind).read(args)
 

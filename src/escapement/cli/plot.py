@@ -1,13 +1,14 @@
 """`escapement plot`: the right figures for what a file holds."""
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement._input_file import check_input
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, UsageError
-from escapement.errors import InvalidValue
+from escapement.errors import InputFileError, InvalidValue
 from escapement.status import Status
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def execute(args: argparse.Namespace) -> int:
     check_input(args.file, "file")
     path = args.file.with_suffix(".png") if args.output is None else args.output
     _files.check_picture(path, args.file)
+    _check_hdf5(args.file)
     from escapement import plots
     from escapement.store import read_study
     from escapement.store_motion import is_motion, read_motion
@@ -77,6 +79,17 @@ def execute(args: argparse.Namespace) -> int:
     if gaps:
         _output.note(f"of {sum(outcomes.values())} cases these leave gaps: {', '.join(gaps)}")
     return 0
+
+
+def _check_hdf5(file: Path) -> None:
+    """Refuse what can be neither a study nor a motion; the readers look closer."""
+    import h5py
+
+    if os.access(file, os.R_OK) and not h5py.is_hdf5(file):
+        raise InputFileError(
+            f"file {file} must be an HDF5 file, and is not or is cut short; "
+            "name one that escapement sweep or run -o wrote"
+        )
 
 
 def _selected(study: "Study", args: argparse.Namespace) -> "Study":
