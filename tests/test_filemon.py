@@ -218,6 +218,23 @@ def test_torque_figure_marks_maximum_and_reversals():
     )
     with pytest.raises(InvalidValue, match="result must be a DriveTorque"):
         plot_drive_torque(3.0)
+    with pytest.raises(InvalidValue, match="units must be one of SI, in-lbf-s"):
+        plot_drive_torque(result, units="in-lbf")
+
+
+def test_torque_figure_is_in_the_units_asked_for(command, monkeypatch, tmp_path):
+    drawn = []
+    monkeypatch.setattr("escapement.cli._files.save_axes", lambda ax, path: drawn.append(ax))
+    inches = ("--load-torque", "1", "--follower-inertia", ".019", "--units", "in-lbf-s")
+    options = ("--slots", "8", "--speed", "10", *inches, "--plot", str(tmp_path / "t.png"))
+    record = json.loads(command("drive-torque", *options, "--json")[1])
+    (ax,) = drawn
+    assert ax.get_ylabel() == "Torque (in·lbf)"
+    by_label = {line.get_label(): line for line in ax.lines}
+    for name, key in (("greatest torque", "torque_max"), ("mean of the first half", "torque_mean")):
+        assert by_label[name].get_ydata()[0] == pytest.approx(record[key], rel=1e-12)
+    highest = by_label["drive torque"].get_ydata().max()
+    assert highest == pytest.approx(record["torque_max"], rel=1e-3)
 
 
 # --- command line -------------------------------------------------------------------------

@@ -31,9 +31,9 @@ def reproduce(units: str) -> Reproduction:
         _print_reasons(rows)
         _print_agreement(counts)
 
-    record = {"rows": rows, "agreement": counts}
+    record = {"units": units, "rows": rows, "agreement": counts}
     return Reproduction(
-        "meyer_appendix_e", record, _as_table(rows), show, partial(_draw, rows=rows)
+        "meyer_appendix_e", record, _as_table(rows, units), show, partial(_draw, rows=rows)
     )
 
 
@@ -99,15 +99,16 @@ def _print_agreement(counts: dict[str, dict[str, Any]]) -> None:
     _output.print_columns([header, below], rows)
 
 
-def _as_table(rows: list[dict[str, Any]]) -> list[list[Any]]:
-    """A header, then a line a row."""
+def _as_table(rows: list[dict[str, Any]], units: str) -> list[list[Any]]:
+    """A header, then a line a row, with the system that torque and inertias are in."""
     plain = [name for name in rows[0] if name not in (*_COLUMNS, "reasons")]
-    header = [*plain, *(f"{c}_{f}" for c in _COLUMNS for f in _FIGURES), "reasons"]
+    header = [*plain, "units", *(f"{c}_{f}" for c in _COLUMNS for f in _FIGURES), "reasons"]
     return [
         header,
         *(
             [
                 *(row[name] for name in plain),
+                units,
                 *(row[column][figure] for column in _COLUMNS for figure in _FIGURES),
                 "; ".join(row["reasons"]),
             ]

@@ -57,7 +57,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.plot is not None:
         from escapement.plots import plot_drive_torque
 
-        _files.save_axes(plot_drive_torque(result), args.plot)
+        _files.save_axes(plot_drive_torque(result, units=args.units), args.plot)
     record = summarise(result, args.units)
     if args.json:
         _output.print_json(record)

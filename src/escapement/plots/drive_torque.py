@@ -12,9 +12,12 @@ from escapement import _validate
 from escapement.constant_speed import DriveTorque
 from escapement.plots import _style
 from escapement.plots._labels import label, number, scaled
+from escapement.units import SYSTEMS, factor, unit_name
 
 
-def plot_drive_torque(result: DriveTorque, ax: Axes | None = None) -> Axes:
+def plot_drive_torque(
+    result: DriveTorque, ax: Axes | None = None, *, units: str = SYSTEMS[0]
+) -> Axes:
     """Drive torque over one engagement, with its maximum, mean and pin reversals.
 
     Parameters
@@ -23,12 +26,14 @@ def plot_drive_torque(result: DriveTorque, ax: Axes | None = None) -> Axes:
         What `escapement.drive_torque` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure across two columns.
+    units : str
+        "SI" or "in-lbf-s".
 
     Returns
     -------
     Axes
-        Driver angle from dead centre [degrees] and torque [N m], with the prefix
-        that suits. Shaded: the follower pushes the pin. The broken line is the
+        Driver angle from dead centre [degrees] and torque [N m or in-lbf], in SI
+        with the prefix that suits. Shaded: the follower pushes the pin. The broken line is the
         mean over the first half; thin: the moment of the pin on the follower.
 
     Source: Filemon (1960), figures 7 and 8.
@@ -37,19 +42,23 @@ def plot_drive_torque(result: DriveTorque, ax: Axes | None = None) -> Axes:
         raise _validate.fail(
             "result", "a DriveTorque", result, "give what escapement.drive_torque returns"
         )
+    _validate.choice("units", units, SYSTEMS)
     ax = ax or _style.new_axes(_style.TWO_COLUMN, 3.2)
     state = result.samples
     angle = np.degrees(state.theta)
-    prefix, unit = scaled("N m", [state.torque, state.contact_moment])
+    own = factor("torque", units)
+    moments = np.array([state.torque, state.contact_moment]) / own
+    prefix, unit = scaled(unit_name("torque", units), moments)
+    scale = prefix / own
     ax.axhline(0.0, color=_style.BLACK, lw=0.6)
     _shade(ax, result)
-    ax.plot(angle, state.torque * prefix, color=_style.BLUE, lw=1.6, label="drive torque")
+    ax.plot(angle, state.torque * scale, color=_style.BLUE, lw=1.6, label="drive torque")
     ax.plot(
-        angle, state.contact_moment * prefix, color=_style.VERMILLION, lw=0.8,
+        angle, state.contact_moment * scale, color=_style.VERMILLION, lw=0.8,
         ls=_style.LOOKS[1].linestyle, label="moment on the follower",
     )  # fmt: skip
-    _mark_mean(ax, result, prefix)
-    _mark_maximum(ax, result, prefix, unit)
+    _mark_mean(ax, result, scale)
+    _mark_maximum(ax, result, scale, unit)
     _mark_reversals(ax, result)
     ax.set_xlim(angle[0], angle[-1])
     ax.set(xlabel=label("driver angle from dead centre", "°"), ylabel=label("torque", unit))
@@ -69,16 +78,16 @@ def _shade(ax: Axes, result: DriveTorque) -> None:
             name = "_"
 
 
-def _mark_mean(ax: Axes, result: DriveTorque, prefix: float) -> None:
+def _mark_mean(ax: Axes, result: DriveTorque, scale: float) -> None:
     start, end = math.degrees(result.mechanism.breaks[0]), math.degrees(result.half)
     ax.plot(
-        [start, end], [result.torque_mean * prefix] * 2, color=_style.BLACK, lw=1.0,
+        [start, end], [result.torque_mean * scale] * 2, color=_style.BLACK, lw=1.0,
         ls=(0, (4, 2)), label="mean of the first half",
     )  # fmt: skip
 
 
-def _mark_maximum(ax: Axes, result: DriveTorque, prefix: float, unit: str) -> None:
-    x, y = math.degrees(result.torque_max_angle), result.torque_max * prefix
+def _mark_maximum(ax: Axes, result: DriveTorque, scale: float, unit: str) -> None:
+    x, y = math.degrees(result.torque_max_angle), result.torque_max * scale
     ax.plot(x, y, "v", color=_style.BLACK, ms=5, label="greatest torque", zorder=4)
     _write(ax, f"{number(y)} {unit} at {x:.2f}°", (x, y), (0.0, 10.0))
 
