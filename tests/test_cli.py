@@ -204,11 +204,26 @@ def test_a_motion_is_drawn_in_si(command):
 def test_a_geometry_without_dynamics_is_reported_with_a_warning(command):
     options = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
     code, out, err = command("mechanism", "gear-driven", *options, "--json")
-    assert (code, json.loads(out)["closest_radius_over_fixed"]) == (0, 0.0)
-    assert err.startswith("escapement: warning: stations 4, lobes 0, curve 'hypocycloid': the pin ")
-    assert err.count("\n") == 1
+    record = json.loads(out)
+    assert (code, record["closest_radius_over_fixed"]) == (0, 0.0)
+    assert record["message"].startswith("warning: stations 4, lobes 0, curve 'hypo")
+    assert err == f"escapement: {record['message']}\n"
     err = command("mechanism", "gear-driven", *options, "--pins", "9")[2]
     assert "--pins must be at most 1 for a ratio of times of 1 a pin, got 9; give 1: two" in err
+
+
+def test_what_a_mechanism_lacks_is_null_with_a_reason(command):
+    radii = ("--sun-radius", "1", "--planet-radius", ".5001234")
+    inertias = ("--driver-inertia", "1e-6", "--follower-inertia", "1e-6")
+    out, err = command("mechanism", "elliptical-planetary", *radii, *inertias, "--json")[1:]
+    record = json.loads(out)
+    missing = [key for key, value in record.items() if value is None]
+    assert missing == ["stations", "critical_friction"]
+    reasons = record["message"].split("; ")
+    for key, reason in zip(missing, reasons, strict=True):
+        assert reason.startswith(f"{key} is not given: ")
+    assert err == f"escapement: {record['message']}\n"
+    assert "message" not in json.loads(command("mechanism", "--json")[1])
 
 
 def test_existing_motion_is_kept_unless_forced(command, tmp_path):

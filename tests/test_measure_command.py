@@ -96,6 +96,20 @@ def test_default_kind_known_zeros_and_classes(measure):
     assert found["message"] == ""
 
 
+def test_a_reading_far_out_and_shafts_not_judged_are_in_the_message(measure):
+    once = esc.synthetic_readings(DRIVE, samples=2000, turns=0.9, noise=1e-3, seed=4)
+    once.output[77] += 0.5
+    esc.write_readings(once, "far_out.csv", force=True)
+    found, err = measure("far_out.csv", *KIND)
+    assert found["chi_squared_published"]["statistic"] is None
+    (away,) = re.findall(r"error of 28\.6 degrees is (\d+) standard deviations", found["message"])
+    assert int(away) == round(found["error_max_deg"] / found["standard_deviation_deg"])
+    silent = {e["shaft"] for e in found["shaft_errors"] if e["p_value"] is None}
+    assert silent == {"input", "output"}
+    assert "come back with input and output are not judged" in found["message"]
+    assert found["message"] in err
+
+
 def test_table_says_what_json_says(measure, command):
     found, _ = measure("planetary.csv", *KIND)
     out = command("measure", "planetary.csv", *KIND)[1]

@@ -35,7 +35,8 @@ def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
 
 def test_meyer(report, reproduced):
     folder, rows = reproduced[0] / "meyer", reproduced[1]["meyer"]["rows"]
-    inches = report("reproduce", "meyer", "--units", "in-lbf-s")["rows"]
+    in_inches = report("reproduce", "meyer", "--units", "in-lbf-s")
+    inches = in_inches["rows"]
     assert len(rows) == 49
     columns = ("printed", "as_published", "program_1973", "true")
     figures = {"velocity_max", "velocity_min", "rise_time", "period"}
@@ -46,9 +47,27 @@ def test_meyer(report, reproduced):
         assert same["torque"] == row["torque_inlbf"]
     written = {path.name for path in folder.iterdir()}
     assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
-    assert json.loads((folder / "meyer_appendix_e.json").read_text())["rows"] == rows
-    table = (folder / "meyer_appendix_e.csv").read_text().splitlines()
-    assert len(table) == 50
+    written = json.loads((folder / "meyer_appendix_e.json").read_text())
+    assert (written["rows"], written["units"], in_inches["units"]) == (rows, "SI", "in-lbf-s")
+    with (folder / "meyer_appendix_e.csv").open(newline="") as file:
+        table = list(csv.DictReader(file))
+    assert len(table) == 49
+    assert all(line["units"] == "SI" for line in table)
+
+
+@pytest.mark.parametrize(
+    ("source", "list_key", "keys"),
+    [
+        ("filemon", "equations", {"printed_error", "right_error"}),
+        ("dijksman", "equations", {"printed_error", "right_error"}),
+        ("prikhodko", "rows", {"right", "value"}),
+    ],
+)
+def test_what_is_null_has_its_reason_in_the_message(reproduced, source, list_key, keys):
+    record = reproduced[1][source]
+    null = {key for entry in record[list_key] for key, value in entry.items() if value is None}
+    assert null == keys
+    assert all(key in record["message"] for key in keys)
 
 
 def test_meyer_prints_rows_reasons_and_counts(command):

@@ -10,6 +10,12 @@ from typing import Any
 
 from escapement.units import factor
 
+_NOT_GIVEN = {
+    "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
+    "stops in the same direction again",
+    "critical_friction": "a mesh has no Painleve limit",
+}
+
 
 def as_json(record: dict[str, Any]) -> str:
     """One object; what is not a finite number is null."""
@@ -39,6 +45,15 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value
+
+
+def not_given(record: dict[str, Any]) -> list[str]:
+    """Why keys hold nothing, of those for which there is but one reason."""
+    return [
+        f"{key} is not given: {why}"
+        for key, why in _NOT_GIVEN.items()
+        if key in record and plain(record[key]) is None
+    ]
 
 
 def in_units(value: float, quantity: str, system: str) -> float:

@@ -23,6 +23,7 @@ def reproduce(units: str) -> Reproduction:
         "agreeing": sum(cell.agrees for cell in cells),
         "equations": [vars(slip) for slip in slips],
         "start_ratios": ratios,
+        "message": "printed_error and right_error are null where a slip is a matter of words",
     }
 
     def show() -> None:

@@ -26,6 +26,7 @@ def reproduce(units: str) -> Reproduction:
         "transmission_max": mechanism.ratio_max,
         "position_function_error": prikhodko.position_function_error(),
         "pitch_curve_slip": prikhodko.pitch_curve_slip(),
+        "message": "right and value are null where a number follows from nothing printed",
     }
     return Reproduction(_NAME, record, _as_table(rows), lambda: _print(rows, record), _draw)
 

@@ -41,11 +41,13 @@ def execute(args: argparse.Namespace) -> int:
     record = _report(mechanism, args)
     if args.plot is not None:
         _draw(mechanism, args)
-    _warn_of_no_dynamics(mechanism)
+    reasons = _reasons(mechanism, record)
     if args.json:
-        _output.print_json(record)
+        _output.print_json(record | ({"message": "; ".join(reasons)} if reasons else {}))
     else:
         _print(record, _kinds.module(_kinds.chosen(args)).QUANTITIES, args.units)
+    if reasons:
+        _output.note("; ".join(reasons))
     return 0
 
 
@@ -83,12 +85,13 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
             _output.print_columns([header], [row.values() for row in rows])
 
 
-def _warn_of_no_dynamics(mechanism: "Mechanism") -> None:
-    """Say where a mechanism has a geometry and no dynamics."""
+def _reasons(mechanism: "Mechanism", record: dict[str, Any]) -> list[str]:
+    """What does not exist, and why: dynamics beside a geometry, and numbers of the report."""
     try:
         _ = mechanism.path
     except InvalidValue as error:
-        _output.note(f"warning: {error}")
+        return [f"warning: {error}", *_output.not_given(record)]
+    return _output.not_given(record)
 
 
 def _draw(mechanism: "Mechanism", args: argparse.Namespace) -> None:

@@ -1,7 +1,6 @@
 """`escapement run`: one motion and its figures of merit."""
 
 import argparse
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -178,17 +177,15 @@ def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any
         "handoff_velocities": motion.handoff_velocities,
         "energy_residual": motion.ledger.residual,
         "status": outcome.status.label,
-        "message": _message(outcome.message, figures.critical_friction),
+        "message": _message(outcome.message, values),
         "engine": motion.engine,
     }
 
 
-def _message(message: str, critical_friction: float) -> str:
+def _message(message: str, values: dict[str, Any]) -> str:
     """What became of the run, and why it names no critical friction where there is none."""
-    if math.isfinite(critical_friction):
-        return message
-    reason = "critical_friction is not given: a mesh has no Painleve limit"
-    return reason if message == _DONE else f"{message}; {reason}"
+    reasons = _output.not_given(values)
+    return "; ".join(reasons if reasons and message == _DONE else [message, *reasons])
 
 
 def _check_plot(motion: "Motion", args: argparse.Namespace) -> None:

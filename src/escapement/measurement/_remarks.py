@@ -36,6 +36,13 @@ def _of_the_fit(result: "Measurement") -> Iterator[str]:
             f"{math.degrees(abs(result.mechanism.follower_step)):.3g}: check the mechanism, "
             "which column is the input, and the unit of the angles"
         )
+    if not math.isfinite(result.published_test.statistic):
+        far = int(np.argmax(np.abs(result.errors - result.mean)))
+        away = abs(result.errors[far] - result.mean) / result.standard_deviation
+        yield (
+            f"an error of {math.degrees(result.errors[far]):.3g} degrees is {away:.0f} standard "
+            "deviations out, where a normal law expects nothing: chi_squared_published is infinite"
+        )
     if math.isnan(result.fit.phase_error):
         yield "the output turns evenly over these samples, so the phase cannot be told"
     readings = result.readings
@@ -69,5 +76,11 @@ def _of_shafts(result: "Measurement") -> Iterator[str]:
                 f"an error of {math.degrees(error.amplitude):.3g} degrees comes back "
                 f"{'once' if error.order == 1 else 'twice'} a {where}"
             )
+    unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
+    if unknown:
+        yield (
+            f"errors that come back with {' and '.join(unknown)} are not judged: not measured all "
+            "round, or not to be told from others"
+        )
     if result.periodogram.turns < (1.0 - 1e-9) * np.ptp(result.input) / TURN:
         yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"
