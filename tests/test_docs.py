@@ -22,6 +22,7 @@ from urllib.parse import unquote
 import pytest
 
 import escapement as esc
+from escapement import errors
 from escapement.cli import COMMANDS, main
 from escapement.cli._parser import Parser
 from escapement.configuration import parse_plan
@@ -32,6 +33,7 @@ DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
 LANGUAGES = {"python", "toml", "console", "sh", "text"}
 LARGEST_IMAGE = 150_000
+INERTIAS = "--driver-inertia 1e-6 --follower-inertia 1e-5"
 FIGURES = ("period", "velocity_mean", "velocity_max", "velocity_min")
 
 _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -231,12 +233,59 @@ def test_sensitivities_are_those_of_the_model():
             assert f"{100.0 * change:+.2f}" == cell, (name, figure)
 
 
+def test_how_often_the_published_test_rejects_is_what_its_row_says():
+    text = page_text("measurement.md")
+    (row,) = re.findall(r"^\| as published \| \$k-3\$ \| (.*) \|$", text, re.MULTILINE)
+    rates = [float(cell) / 5.0 for cell in row.split(" | ")]
+    assert f"it rejects {min(rates):.1f} to {max(rates):.1f} times as often as it should" in text
+
+
 @pytest.mark.parametrize("name", ["Geneva", "GearDriven"])
 def test_signatures_are_those_of_the_package(name):
     (shown,) = re.findall(rf"`{name}(\(.*\))`", page_text("mechanisms.md"))
     parameters = inspect.signature(getattr(esc, name)).parameters.values()
     bare = [parameter.replace(annotation=parameter.empty) for parameter in parameters]
     assert shown == str(inspect.Signature(bare)).replace("'", '"')
+
+
+def test_every_error_is_on_the_page_with_what_it_also_is():
+    rows = r"^\| `(\w+)` \|(?: `(\w+)`)? \|"
+    table = dict(re.findall(rows, page_text("python.md"), re.MULTILINE))
+    for error in (it for it in vars(errors).values() if inspect.isclass(it)):
+        if error is errors.EscapementError:
+            continue
+        also = [base.__name__ for base in error.__bases__ if base is not errors.EscapementError]
+        assert table[error.__name__] == "".join(also)
+
+
+def keys(record: object) -> set[str]:
+    """Keys of an object and of those in its lists."""
+    if isinstance(record, dict):
+        return set(record).union(*map(keys, record.values()))
+    return set().union(*map(keys, record)) if isinstance(record, list) else set()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f"run {INERTIAS} --torque .1 --crank-radius .01",
+        f"mechanism {INERTIAS} --crank-radius .01",
+        "mechanism gear-driven --stations 12 --lobes 3 --curve hypocycloid --fixed-radius .01",
+        "mechanism elliptical-planetary --sun-radius 1 --planet-radius .5001234",
+        "mechanism tabulated --table table.csv",
+        "drive-torque --speed 1 --load-torque 0 --follower-inertia 1e-5",
+        "measure runs/encoder_synthetic.csv elliptical-planetary --sun-radius .016 "
+        "--planet-radius .009 --resolution 4096",
+    ],
+    ids=lambda line: " ".join(line.split()[:2]),
+)
+def test_every_key_of_json_is_on_the_page(line, workplace, capsys):
+    rows = "".join(f"{10 * i},{10 * i}\n" for i in range(13))
+    (workplace / "table.csv").write_text(rows)
+    assert main([*line.split(), "--json"]) == 0
+    found = keys(json.loads(capsys.readouterr().out))
+    page = "measurement.md" if line.startswith("measure") else "command-line.md"
+    assert found - set(_INLINE.findall(page_text(page))) == set()
 
 
 def page_text(name: str) -> str:

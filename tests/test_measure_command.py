@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -158,9 +159,11 @@ def test_more_classes_than_a_test_can_have(command):
     }
 
 
-def test_help_has_the_usual_names_of_columns(command):
-    words = re.findall(r"\w+", command("measure", "--help")[1])
-    assert {name for names in _NAMES.values() for name in names} <= set(words)
+def test_help_and_page_have_the_usual_names_of_columns(command):
+    usual = {name for names in _NAMES.values() for name in names}
+    assert usual <= set(re.findall(r"\w+", command("measure", "--help")[1]))
+    page = Path(__file__).resolve().parents[1] / "docs" / "measurement.md"
+    assert usual <= set(re.findall(r"`(\w+)`", page.read_text(encoding="utf-8")))
 
 
 WRONG = {
