@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 from escapement.store._chunks import Tiling, encode, tiling
 from escapement.store._study import RESULTS, Study, count_failed
 
-_CASES = {"energy": 16384, "ivp": 4}
-"""Cases of a block, at most, by engine: a quarter of a second of work up to two seconds."""
+_CASES = {"energy": (1024, 16384), "ivp": (4, 4)}
+"""Cases of a block, at least and at most, by engine: up to a quarter of a second, two seconds.
+
+Fewer would cost more than a call and a chunk do, which is as much as tens of fast cases.
+"""
 _BLOCKS = 64  # of any study that is large enough: as many cores have work
 
 
@@ -34,9 +37,7 @@ class Block(NamedTuple):
 
 def blocks_of(frame: Study) -> Tiling:
     """How the cases of a study are cut into blocks."""
-    most = _CASES[frame.attributes["engine"]]
-    # a call and a chunk cost as much as tens of cases, so none of too few
-    least = max(1, most // 16)
+    least, most = _CASES[frame.attributes["engine"]]
     return tiling(frame.shape, min(most, max(least, math.prod(frame.shape) // _BLOCKS)))
 
 
