@@ -42,12 +42,43 @@ def test_what_parts_the_columns(tmp_path, line):
 
 
 @pytest.mark.parametrize(
+    ("heading", "turned", "units"),
+    [
+        ("theta,phi", False, (1.0, 1.0)),
+        ("deg,deg", False, (1.0, 1.0)),
+        ("x,y", False, (1.0, 1.0)),
+        ("theta_rad,phi_rad", False, (180.0 / math.pi, 180.0 / math.pi)),
+        ("rad,rad", False, (180.0 / math.pi, 180.0 / math.pi)),
+        ("driver (deg),follower (rad)", False, (1.0, 180.0 / math.pi)),
+        ("phi_deg,theta_deg", True, (1.0, 1.0)),
+        ("Follower [rad],angle", True, (180.0 / math.pi, 1.0)),
+        ("angle,input", True, (1.0, 1.0)),
+        ("theta (rad) phi (rad)", False, (180.0 / math.pi, 180.0 / math.pi)),
+    ],
+)
+def test_headings_tell_order_and_unit(tmp_path, heading, turned, units):
+    theta = np.linspace(-40.0, 50.0, 31)
+    phi = theta - 20.0 * np.sin(np.radians(4.0 * theta)) / 4.0
+    columns = np.column_stack([phi, theta] if turned else [theta, phi]) / units
+    between = "," if "," in heading else " "
+    np.savetxt(tmp_path / "table.csv", columns, "%.17g", between, header=heading, comments="")
+    table = esc.Tabulated.from_csv(tmp_path / "table.csv")
+    np.testing.assert_allclose(table.theta, np.radians(theta), rtol=1e-14)
+    np.testing.assert_allclose(table.phi, np.radians(phi), rtol=1e-14)
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         ("1 2\n3 4 5\n", ["two numbers", "line 2", "'3 4 5'", "semicolon"]),
         ("a,b\n1,2\n3\n", ["two numbers", "line 3", "'3'"]),
         ("1,2\n3,four\n", ["two numbers", "line 2", "four"]),
         ("1,2\n3,nan\n", ["two numbers", "line 2"]),
+        ("O.0,0.0\n1,2\n", ["two numbers", "line 1", "'O.0,0.0'"]),
+        ("# first\n0.0,nan\n1,2\n", ["two numbers", "line 2", "'0.0,nan'"]),
+        ("0,0,\n1,2\n", ["two numbers", "line 1", "'0,0,'"]),
+        ("theta rad phi rad\n1 2\n", ["radians", "line 1", "each of its two columns"]),
+        ("theta,driver\n1,2\n", ["line 1", "one for follower"]),
     ],
 )
 def test_tables_that_cannot_be_read(tmp_path, text, words):

@@ -18,7 +18,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "table": {
         "type": Path,
         "metavar": "FILE.csv",
-        "help": "driver and follower angles in degrees, two columns: one whole cell, "
+        "help": "driver and follower angles, two columns, in degrees unless their headings "
+        "say radians: one whole cell, "
         "or any rows with --cell-angle and --follower-step",
     },
     "measured": {

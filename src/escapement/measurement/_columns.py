@@ -1,26 +1,15 @@
 """Columns of a CSV file: what parts them, which are the angles, in which unit."""
 
 import csv
-import re
 from typing import NamedTuple
 
 import numpy as np
 
 from escapement import _validate
+from escapement._headings import NAMES, UNITS, name_and_unit
 from escapement.errors import InputFileError, InvalidValue
-from escapement.measurement.readings import TURN
 from escapement.model import FloatArray
 
-UNITS = {"deg": TURN / 360.0, "rad": 1.0}
-"""Units of angles, in rad."""
-_NAMES = {
-    "input": ("input", "in", "driver", "theta", "phi1"),
-    "output": ("output", "out", "follower", "phi", "phi3"),
-}
-_SPELLINGS = {
-    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
-    "rad": "rad", "radian": "rad", "radians": "rad",
-}  # fmt: skip
 _SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
 
 
@@ -110,7 +99,7 @@ def find_layout(text: str, input: str | None, output: str | None, angle_unit: st
         raise InvalidValue(
             f"input and output must be different columns, got {fields[places[0]]!r} for both"
         )
-    units = [angle_unit or (_name_and_unit(fields[i])[1] if header else None) for i in places]
+    units = [angle_unit or (name_and_unit(fields[i])[1] if header else None) for i in places]
     scales = tuple(UNITS[unit or "deg"] for unit in units)
     assumed = None in units
     return Layout(separator, decimal_comma, len(fields), places, scales, header, assumed)  # type: ignore[arg-type]
@@ -138,8 +127,8 @@ def _is_number(field: str, decimal_comma: bool) -> bool:
 
 def _find(fields: list[str], role: str, name: str | None) -> int:
     """Place of the column of a role, by the name given or a usual one."""
-    bare = [_name_and_unit(field)[0] for field in fields]
-    wanted = _NAMES[role] if name is None else (_name_and_unit(name)[0],)
+    bare = [name_and_unit(field)[0] for field in fields]
+    wanted = NAMES[role] if name is None else (name_and_unit(name)[0],)
     whole = [field.strip() for field in fields]
     found = [i for i, field in enumerate(bare) if field in wanted]
     if name is not None and name.strip() in whole:
@@ -156,13 +145,6 @@ def _find(fields: list[str], role: str, name: str | None) -> int:
     raise _validate.fail(
         f"{role} column", f"one of {_short(listed)}", name, _validate.nearest(name, tuple(whole))
     )
-
-
-def _name_and_unit(field: str) -> tuple[str, str | None]:
-    """A column's name in small letters, and the unit it ends in."""
-    words = re.findall(r"[^\W_]+|°", field.lower())
-    unit = _SPELLINGS.get(words[-1]) if len(words) > 1 else None
-    return "".join(words[:-1] if unit else words), unit
 
 
 def _short(text: str) -> str:

@@ -2,23 +2,26 @@
 
 import csv
 import math
+import re
 from os import PathLike
 
 import numpy as np
 
+from escapement._headings import NAMES, UNITS, name_and_unit
 from escapement.errors import InputFileError, MissingInput
 from escapement.model import FloatArray
 
 
 def read_angles(path: str | PathLike[str]) -> FloatArray:
-    """Both columns of a table, shape (2, rows), in the file's unit.
+    """Driver and follower angles of a table, shape (2, rows) [rad].
 
     Parameters
     ----------
     path : path
         Two numbers in each line, apart by a tab, semicolon, comma or blanks; beside a
         tab or semicolon a comma may be the decimal point. A line of headings may come
-        first, and lines that start with # are passed over.
+        first, none of them a number, and lines that start with # are passed over.
+        Angles are in degrees, the driver's first, where no heading says otherwise.
 
     Raises
     ------
@@ -28,7 +31,7 @@ def read_angles(path: str | PathLike[str]) -> FloatArray:
     try:
         with open(path, encoding="utf-8-sig") as stream:
             lines = [(k, text.strip()) for k, text in enumerate(stream, 1)]
-            rows = [(k, text, _angles(text)) for k, text in lines if text and text[0] != "#"]
+            rows = [(k, text, _numbers(text)) for k, text in lines if text and text[0] != "#"]
     except (FileNotFoundError, NotADirectoryError):
         raise MissingInput(f"table {path} must exist, and does not; check the path") from None
     except (OSError, ValueError, csv.Error) as error:
@@ -36,25 +39,55 @@ def read_angles(path: str | PathLike[str]) -> FloatArray:
         raise InputFileError(
             f"table {path} must be a text file, and cannot be read: {reason}; write it as CSV"
         ) from None
-    if rows and rows[0][2] is None:
-        rows = rows[1:]
-    for k, text, angles in rows:
-        if angles is None:
+    places, units = (0, 1), ("deg", "deg")
+    if rows and not any(number is not None for number in rows[0][2]):
+        k, text, _ = rows.pop(0)
+        try:
+            places, units = _headings(text)
+        except ValueError as error:
+            raise InputFileError(
+                f"table {path} must have {error}, got {text[:40]!r} in line {k}; "
+                "write for example theta_deg,phi_deg"
+            ) from None
+    for k, text, numbers in rows:
+        if len(numbers) != 2 or not all(n is not None and math.isfinite(n) for n in numbers):
             raise InputFileError(
                 f"table {path} must have two numbers in each line, got {text[:40]!r} in line {k}; "
                 "give driver and follower angle in degrees, apart by comma, semicolon, tab or blank"
             )
-    return np.array([angles for *_, angles in rows], dtype=float).reshape(-1, 2).T
+    table = np.array([numbers for *_, numbers in rows], dtype=float).reshape(-1, 2)
+    return np.array([table[:, i] * UNITS[unit] for i, unit in zip(places, units, strict=True)])
 
 
-def _angles(text: str) -> list[float] | None:
-    """Both numbers of a line; None where it holds anything else."""
+def _headings(text: str) -> tuple[tuple[int, int], tuple[str, str]]:
+    """Places of driver and follower, and their units, as far as a line of headings tells."""
+    # a unit in brackets belongs to the word before it
+    fields = _fields(re.sub(r"\s+(?=[(\[])", "", text))
+    if len(fields) != 2:
+        if any(name_and_unit(field)[1] == "rad" for field in fields):
+            raise ValueError("a heading for each of its two columns where it names radians")
+        return (0, 1), ("deg", "deg")
+    (first, one), (second, other) = (name_and_unit(field) for field in fields)
+    if first in NAMES["output"] or second in NAMES["input"]:
+        if first in NAMES["input"] or second in NAMES["output"]:
+            raise ValueError("a heading for driver and one for follower")
+        return (1, 0), (other or "deg", one or "deg")
+    return (0, 1), (one or "deg", other or "deg")
+
+
+def _numbers(text: str) -> list[float | None]:
+    """Fields of a line as numbers; None for what is none."""
+    return [_number(field) for field in _fields(text)]
+
+
+def _fields(text: str) -> list[str]:
     mark = next((mark for mark in "\t;," if mark in text), None)
-    cells = text.split() if mark is None else next(csv.reader([text], delimiter=mark))
-    if mark in ("\t", ";"):
-        cells = [cell.replace(",", ".") for cell in cells]
+    fields = text.split() if mark is None else next(csv.reader([text], delimiter=mark))
+    return [field.replace(",", ".") for field in fields] if mark in ("\t", ";") else fields
+
+
+def _number(field: str) -> float | None:
     try:
-        angles = [float(cell) for cell in cells]
+        return float(field)
     except ValueError:
         return None
-    return angles if len(angles) == 2 and all(map(math.isfinite, angles)) else None

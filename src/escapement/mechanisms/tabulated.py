@@ -136,13 +136,14 @@ class Tabulated:
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str], **options: Any) -> "Tabulated":
-        """Read a table of driver and follower angles in degrees.
+        """Read a table of driver and follower angles.
 
         Parameters
         ----------
         path : path
-            Two columns, apart by commas, semicolons, tabs or blanks; a line of headings
-            may come first, and lines that start with # are passed over.
+            Two columns, apart by commas, semicolons, tabs or blanks: driver and follower
+            in degrees. A line of headings may come first, without any number, and tell
+            otherwise: phi_rad,theta_rad say. Lines that start with # are passed over.
         **options
             `measured`; `cell_angle` and `follower_step` in radians.
 
@@ -153,7 +154,7 @@ class Tabulated:
         InvalidValue
             When an option breaks a rule.
         """
-        angles = np.radians(read_angles(path))
+        angles = read_angles(path)
         try:
             table = cls(*angles, **options)
             _ = table.spline

@@ -1,0 +1,23 @@
+"""Headings of columns of angles: which shaft's they are, and in which unit."""
+
+import math
+import re
+
+UNITS = {"deg": 2.0 * math.pi / 360.0, "rad": 1.0}
+"""Units of angles, in rad."""
+NAMES = {
+    "input": ("input", "in", "driver", "theta", "phi1"),
+    "output": ("output", "out", "follower", "phi", "phi3"),
+}
+"""What the columns of driver and follower are called."""
+_SPELLINGS = {
+    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
+    "rad": "rad", "radian": "rad", "radians": "rad",
+}  # fmt: skip
+
+
+def name_and_unit(field: str) -> tuple[str, str | None]:
+    """A column's name in small letters, and the unit it ends in."""
+    *words, last = re.findall(r"[^\W_]+|°", field.lower()) or [""]
+    unit = _SPELLINGS.get(last)
+    return "".join(words if unit else [*words, last]), unit
