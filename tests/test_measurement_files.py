@@ -170,6 +170,16 @@ def test_what_is_not_understood(file, monkeypatch, content, said, block):
     assert len(message) < 300
 
 
+@pytest.mark.parametrize("damaged", [5, 40])
+def test_a_long_row_is_not_made_good_by_a_short_one(file, damaged):
+    rows = [f"{i},{a},{b},20" for i, (a, b) in enumerate(ROWS)]
+    rows[damaged] = f"{damaged},5,{','.join(ROWS[damaged])},20"
+    rows[20] = rows[20].removesuffix(",20")
+    content = "\n".join(["time_s,input_deg,output_deg,temp", *rows]) + "\n"
+    with pytest.raises(InputFileError, match=f"line {min(damaged, 20) + 2} must have 4 fields"):
+        esc.read_readings(file(content))
+
+
 GOOD_BYTES = text().encode()
 
 

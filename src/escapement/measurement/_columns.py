@@ -1,6 +1,7 @@
 """Columns of a CSV file: what parts them, which are the angles, in which unit."""
 
 import csv
+from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
@@ -45,10 +46,9 @@ class Layout(NamedTuple):
     def load(self, lines: list[str]) -> FloatArray | None:
         """Input and output of lines that are all plain numbers, else None."""
         blank = self.separator == " "
-        if not blank:
-            separators = sum(line.count(self.separator) for line in lines)
-            if separators != (self.width - 1) * len(lines):
-                return None
+        # of rows too long or short `loadtxt` takes the columns it is to use
+        if not blank and set(map(str.count, lines, repeat(self.separator))) != {self.width - 1}:
+            return None
         if self.decimal_comma:
             lines = [line.replace(",", ".") for line in lines]
         try:
