@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import escapement as esc
 from any_path import Plain, each_wheel
-from escapement.constant_speed import design, geneva
+from escapement.constant_speed import contact_moment, design, geneva
 from escapement.errors import InvalidValue
 from escapement.mechanisms._slotted import radius
 from tabulated_drive import DRIVE, measured
@@ -97,6 +97,22 @@ def test_dwell_needs_no_torque():
     assert float(result.at(2.0).phi) == pytest.approx(math.pi / 6)
     with pytest.raises(InvalidValue, match="theta must be between pin entry"):
         result.at(math.pi * 2)
+
+
+@pytest.mark.parametrize("internal", [False, True])
+def test_an_exit_angle_that_rounding_puts_into_the_dwell_is_the_exit(internal):
+    for slots in range(3, 101):
+        wheel = esc.Geneva(slots, pins=1, internal=internal)
+        result = esc.drive_torque(wheel, 10.0, 1.0, 0.05)
+        last = wheel.breaks[-1]
+        half_step = -180.0 / slots if internal else 180.0 / slots
+        exits = [last, np.nextafter(last, 9.0), np.radians(90.0 - half_step)]
+        moment = result.at(exits).contact_moment
+        assert moment[0] != 0.0
+        np.testing.assert_allclose(moment, moment[0], rtol=1e-9)
+        same = contact_moment(wheel, exits, 10.0, 0.0, 1.0, 0.05)
+        np.testing.assert_allclose(same, moment, rtol=1e-12)
+        assert result.at(last + 1e-9).contact_moment == 0.0
 
 
 def test_load_that_varies_with_the_follower_angle():

@@ -18,7 +18,7 @@ Load = float | Callable[[FloatArray], ArrayLike]
 """Load torque [N m], or a function that gives it at follower angles [rad]."""
 
 _LARGEST = 1e280  # N m: sums and slopes of torques need room
-_HAIR = 1e-12  # of a cell: what rounding may put an angle beyond its ends
+_HAIR = 1e-12  # of a cell: what rounding may put an angle beyond its ends, or the exit
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _asked(load: Callable[[FloatArray], ArrayLike], phi: FloatArray) -> FloatArr
 
 
 def within_cell(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
-    """Driver angles within the cell, or the error; a hair beyond its ends is the end."""
+    """Driver angles within the cell, or the error; a hair beyond its ends or the exit is these."""
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
     end = max(exit_, entry + mechanism.cell_angle)
     hair = _HAIR * (end - entry)
@@ -152,7 +152,8 @@ def within_cell(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
             f"theta must be between pin entry and the end of the cell, {entry!r} to {end!r} "
             f"rad, got {float(theta[outside].flat[0])!r}; count angles from dead centre"
         )
-    return np.clip(theta, entry, end)
+    engaged = theta <= exit_ + hair
+    return np.where(engaged, np.clip(theta, entry, exit_), np.minimum(theta, end))
 
 
 def finite(name: str, value: ArrayLike) -> FloatArray:
