@@ -55,6 +55,24 @@ def test_the_reference_engine_keeps_its_tolerance_over_the_knots(table):
     assert abs(slow.ledger.residual) < 1e-10
 
 
+def test_many_rows_cost_the_reference_engine_no_digits():
+    """Steps of the ratio at the knots, were they but roundings of the table, would add up."""
+    timer = esc.Escapement(exact(DRIVE, 601), INERTIA, torque=0.0113)
+    velocity = esc.simulate(timer, 1, engine="ivp", rtol=1e-13).handoff_velocities[0]
+    work = timer.torque * DRIVE.cell_angle
+    assert velocity == pytest.approx(np.sqrt(2.0 * work / INERTIA.driver), rel=1e-13)
+
+
+@pytest.mark.parametrize("rows", [61, 201, 601])
+def test_a_ratio_has_no_steps_at_the_knots(rows):
+    path = exact(DRIVE, rows).path
+    pieces, order = int(path[1]), int(path[2])
+    series = path[4 + pieces :].reshape(pieces, order)
+    steps = (series * (-1.0) ** np.arange(order)).sum(axis=1)[1:] - series.sum(axis=1)[:-1]
+    assert np.abs(steps).max() < 10.0 * np.finfo(float).eps * DRIVE.ratio_max
+    assert abs(steps.mean()) < 0.1 * np.finfo(float).eps * DRIVE.ratio_max
+
+
 @pytest.mark.parametrize("rows", [451, 601])
 def test_rounding_next_to_a_stop_is_no_turning_back(rows):
     """g is a rounding error below zero where the follower stops."""

@@ -58,10 +58,9 @@ class PeriodicSpline:
         from scipy.interpolate import BSpline
 
         coefficients = np.concatenate([self.coefficients, self.coefficients[:DEGREE]])
-        if order > 0:  # the splines sum to one: what all share has no slope, only rounding
-            coefficients = coefficients - coefficients[0]
         spline = BSpline(_extended(self.knots), coefficients, DEGREE)
-        return np.asarray(spline(self._folded(x), nu=order), dtype=float)
+        # a spline of its own: from the splines' slopes rounding would make steps at the knots
+        return np.asarray(spline.derivative(order)(self._folded(x)), dtype=float)
 
     def deviation(self, x: ArrayLike, order: int = 0) -> FloatArray:
         """Standard deviation of the spline or of a derivative at 1-D x."""

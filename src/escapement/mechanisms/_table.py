@@ -122,7 +122,11 @@ def chebyshev_table(
         left, right = waiting.pop()
         half = 0.5 * (right - left)
         values = np.asarray(function(left + half * (1.0 + points)), dtype=float)
-        series = transform @ values
+        # a spline's many pieces are all but even: rounding of their sums would be a slope of
+        # one sign, and add up to a step over the cell
+        even = values[order // 2] if order < ORDER else 0.0
+        series = transform @ (values - even)
+        series[0] += even
         rough = np.abs(series[-2:]).max() > _RESOLVED * largest
         if rough and order >= ORDER:
             if half < 1e-9 or len(done) + len(waiting) >= _MOST:

@@ -226,9 +226,8 @@ class Tabulated:
         """Both ends of the cell [rad].
 
         Those of the table; where its rows are of any cells, the cell about zero that
-        begins where the follower is slowest. Between them the third derivative of g
-        has a step at each knot. Engine "energy" goes from knot to knot; "ivp" steps
-        over them, which costs it a digit or two of its tolerance.
+        begins where the follower is slowest. Between them the fourth derivative of g
+        has a step at each knot; both engines go from knot to knot.
         """
         first = float(self.spline.knots[0])
         if self._is_one_cell:
