@@ -1,14 +1,15 @@
 """Position function of a mechanism over any number of cells, and its slope."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
+from escapement.mechanisms._slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
 BLOCK = 1 << 17
 """Samples worked on at once, so that temporary arrays stay small."""
-_STEP = 1e-5  # rad: truncation and rounding of a central difference are both below 1e-9
 
 
 def blocks(count: int) -> Iterator[slice]:
@@ -39,14 +40,14 @@ def position(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
 def slope(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
     """Transmission g = dphi/dtheta at driver angles over any number of cells [-].
 
-    A central difference, so that a mechanism need offer nothing but positions;
-    taken within the cell, where angles are small. Zero in the dwell.
+    Zero in the dwell.
     """
-    g = np.empty_like(theta)
+    # not from the path where it can be helped: of a follower that turns back there is none
+    read = getattr(mechanism, "transmission", None) or partial(transmission, mechanism.path)
+    g, exit_ = np.empty_like(theta), mechanism.breaks[-1]
     for part in blocks(theta.size):
         _, local = _split(mechanism, theta[part])
-        rise = position(mechanism, local + _STEP) - position(mechanism, local - _STEP)
-        g[part] = rise / (2.0 * _STEP)
+        g[part] = np.where(local > exit_, 0.0, read(np.minimum(local, exit_)).g)
     return g
 
 
