@@ -32,7 +32,7 @@ def blocks(source: Source, stream: BinaryIO) -> Iterator[Block]:
     line, rest = 1, b""
     while True:
         new = stream.read(_BLOCK_BYTES)
-        whole, end, rest = (rest + new).rpartition(b"\n") if new else (rest, b"", b"")
+        whole, end, rest = _cut(rest + new) if new else (rest, b"", b"")
         if line == 1:
             whole = whole.removeprefix(b"\xef\xbb\xbf")
         if whole or end:
@@ -44,6 +44,15 @@ def blocks(source: Source, stream: BinaryIO) -> Iterator[Block]:
         if len(rest) > _BLOCK_BYTES:
             remedy = "separate the samples by line ends"
             raise source.fault(line, "be a row of angles", f"{len(rest)} bytes and more", remedy)
+
+
+def _cut(data: bytes) -> tuple[bytes, bytes, bytes]:
+    """What is before the last line end, that, and what follows."""
+    if b"\n" in data:
+        return data.rpartition(b"\n")
+    # the last byte may be half of a line end
+    whole, end, rest = data[:-1].rpartition(b"\r")
+    return whole, end, rest + data[-1:]
 
 
 def _text(source: Source, first: int, data: bytes) -> list[str]:
