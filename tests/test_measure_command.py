@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.measurement._columns import _NAMES
+from escapement._headings import NAMES
 
 DEG = math.pi / 180.0
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
@@ -160,7 +160,7 @@ def test_more_classes_than_a_test_can_have(command):
 
 
 def test_help_and_page_have_the_usual_names_of_columns(command):
-    usual = {name for names in _NAMES.values() for name in names}
+    usual = {name for names in NAMES.values() for name in names}
     assert usual <= set(re.findall(r"\w+", command("measure", "--help")[1]))
     page = Path(__file__).resolve().parents[1] / "docs" / "measurement.md"
     assert usual <= set(re.findall(r"`(\w+)`", page.read_text(encoding="utf-8")))

@@ -166,8 +166,11 @@ def test_fewest_slots(internal):
         assert esc.fewest_slots(float(limits[k]), internal) == k + 3
         assert esc.fewest_slots(float(limits[k]) * (1 + 1e-12), internal) == k + 4
     assert esc.fewest_slots(0.0, internal) == 3
-    with pytest.raises(InvalidValue, match="inertia_ratio must be below the limit of any wheel"):
-        esc.fewest_slots(1e20, internal)
+    most = float(geneva.reversal_limits(1_000_000, internal)[0])
+    assert esc.Geneva(esc.fewest_slots(most, internal), internal=internal).slots == 1_000_000
+    for ratio in (most * (1 + 1e-9), 1e8, 1e20):
+        with pytest.raises(InvalidValue, match=r"inertia_ratio must be below .* 1,000,000 slots"):
+            esc.fewest_slots(ratio, internal)
 
 
 def test_design_of_a_mechanism_of_another_kind():

@@ -11,9 +11,8 @@ from escapement.constant_speed import geneva
 from escapement.constant_speed._case import checked_inertia, checked_speed
 from escapement.constant_speed.extrema import transmission_extrema
 from escapement.errors import InvalidValue
+from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.model import Mechanism
-
-_MOST_SLOTS = 2**53  # beyond it floats do not tell one number of slots from the next
 
 
 def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
@@ -79,7 +78,8 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
     Raises
     ------
     InvalidValue
-        When F is below 0, or greater than any wheel's limit a double can tell.
+        When F is below 0, or too great even for a million slots, the most that a
+        `Geneva` has.
     """
     remedy = "give F = I_f omega^2/M_load"
     ratio = _validate.non_negative("inertia_ratio", inertia_ratio, remedy)
@@ -87,10 +87,10 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
     def free(slots: int) -> bool:
         return bool(geneva.reversal_limits(slots, internal)[0] >= ratio)
 
-    if not free(_MOST_SLOTS):
+    if not free(MOST_SLOTS):
         raise InvalidValue(
-            f"inertia_ratio must be below the limit of any wheel, got {ratio!r}; "
-            "lower the speed or the inertia, or brake the follower"
+            f"inertia_ratio must be below the limit of any wheel, of {MOST_SLOTS:,} slots at "
+            f"most, got {ratio!r}; lower the speed or the inertia, or brake the follower"
         )
     jammed, enough = 2, 3
     while not free(enough):

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from escapement import _validate
 from escapement.constant_speed import geneva
 from escapement.constant_speed._chebyshev import Function, Piece, extremes, interpolate
 from escapement.constant_speed._kernels import tabulate_jerk
-from escapement.mechanisms import Geneva
+from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.mechanisms._slotted import transmission
 from escapement.mechanisms._table import smooth_intervals
 from escapement.model import FloatArray, Mechanism, is_mechanism
@@ -69,7 +70,9 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
     """Extrema of g, g' and g'' over one engagement, and where they are.
 
     For a Geneva wheel, external or internal, g and g' by Filemon's closed forms;
-    every other extremum as a root of the next derivative.
+    every other extremum as a root of the next derivative. Values are accurate to
+    rounding, those of g'' of a mechanism without a closed form of it, as a table, to
+    some 1e-9 of the greatest.
 
     Raises
     ------
@@ -95,20 +98,20 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
     """g'' at driver angles from dead centre, pin engaged [-].
 
     A closed form for a Geneva wheel (d^3 alpha/d beta^3 of Filemon, before his
-    eq. 5, whose 1 - c^2 must read 1 + c^2), else the derivative of an
-    interpolant of g'.
+    eq. 5, whose 1 - c^2 must read 1 + c^2), for a gear-driven one and for a planetary
+    drive, else the derivative of an interpolant of g'.
     """
     angles = np.asarray(theta, dtype=float)
+    known = _known_jerk(mechanism)
+    if known is not None:
+        return known(angles)
     flat = np.ascontiguousarray(angles).reshape(-1)
     out = np.empty_like(flat)
-    if isinstance(mechanism, Geneva):
-        tabulate_jerk(mechanism.path, flat, out)
-    else:
-        slopes = [piece.derivative() for piece in _rate_pieces(mechanism)]
-        inside = np.array([piece.low for piece in slopes[1:]])
-        place = np.searchsorted(inside, flat, side="right")
-        for k in np.unique(place):
-            out[place == k] = slopes[k].values(flat[place == k])
+    slopes = [piece.derivative() for piece in _rate_pieces(mechanism)]
+    inside = np.array([piece.low for piece in slopes[1:]])
+    place = np.searchsorted(inside, flat, side="right")
+    for k in np.unique(place):
+        out[place == k] = slopes[k].values(flat[place == k])
     return out.reshape(angles.shape)
 
 
@@ -124,6 +127,22 @@ def checked(mechanism: Mechanism) -> Mechanism:
             "mechanism", "a mechanism", mechanism, "give for example Geneva(slots=4)"
         )
     return mechanism
+
+
+def _known_jerk(mechanism: Mechanism) -> Function | None:
+    """g'' in closed form, of a mechanism that has one."""
+    if isinstance(mechanism, EllipticalPlanetary):
+        return mechanism.jerk_function
+    if isinstance(mechanism, GearDriven):
+        return mechanism.jerk
+    return partial(_wheel_jerk, mechanism.path) if isinstance(mechanism, Geneva) else None
+
+
+def _wheel_jerk(path: FloatArray, theta: FloatArray) -> FloatArray:
+    flat = np.ascontiguousarray(theta).reshape(-1)
+    out = np.empty_like(flat)
+    tabulate_jerk(path, flat, out)
+    return out.reshape(theta.shape)
 
 
 def _closed_forms(wheel: Geneva) -> tuple[Extremum, float, float, Extremum, Extremum]:
@@ -150,8 +169,9 @@ def _rate_pieces(mechanism: Mechanism) -> list[Piece]:
 
 
 def _jerk_pieces(mechanism: Mechanism) -> list[Piece]:
-    if isinstance(mechanism, Geneva):
-        return interpolate(lambda x: jerk_function(mechanism, x), edges(mechanism))
+    known = _known_jerk(mechanism)
+    if known is not None:
+        return interpolate(known, edges(mechanism))
     return [piece.derivative() for piece in _rate_pieces(mechanism)]
 
 

@@ -11,7 +11,7 @@ from escapement import _validate
 from escapement.mechanisms._slotted import Transmission, radius, transmission, two_vector_path
 from escapement.model import FloatArray
 
-_MOST_SLOTS = 1_000_000
+MOST_SLOTS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Geneva:
 
     def __post_init__(self) -> None:
         remedy = "a Geneva wheel has from 3 slots to some dozens"
-        n = _validate.integer("slots", self.slots, 3, remedy, maximum=_MOST_SLOTS)
+        n = _validate.integer("slots", self.slots, 3, remedy, maximum=MOST_SLOTS)
         internal = _validate.truth("internal", self.internal)
         most = 1 if internal else (2 * n) // (n - 2)
         if self.pins is None:
