@@ -95,11 +95,10 @@ def first_against(s):
 
 
 @jit
-def dips(s, values, sign, left, right, first, last):
-    """Whether values of a sign nearly vanish from point `first` to before `last`: zeros may hide.
+def dips(s, values, left, right, first, last):
+    """Whether values of one sign nearly vanish from point `first` to before `last`.
 
-    `left` and `right` are the values at the ends. Where a parabola touches zero, the point
-    next to that has less than half of what one beside it has.
+    Two zeros may hide there. `left` and `right` are the values at the ends.
     """
     values &= PLACES
     count, steep = 0, 0
@@ -109,19 +108,31 @@ def dips(s, values, sign, left, right, first, last):
         steep += ((one - 2.0 * two) * (two - 2.0 * one) < 0.0) & (i < N - 1)
     if steep > 0:
         for i in range(max(1, first), min(last, N - 1)):
-            here, before, after = s[values + i], s[values + i - 1], s[values + i + 1]
-            here, before, after = sign * here, sign * before, sign * after
-            count += 0.0 < here <= min(before, after) and 2.0 * here < max(before, after)
+            count += _touches(s[values + i - 1], s[values + i], s[values + i + 1])
     if first == 0 < last:
-        count += _dips_at_end(sign * left, sign * s[values], sign * s[values + 1])
+        count += _touches_at_end(left, s[values], s[values + 1])
     if last == N:
-        count += _dips_at_end(sign * right, sign * s[values + N - 1], sign * s[values + N - 2])
+        count += _touches_at_end(right, s[values + N - 1], s[values + N - 2])
     return count > 0
 
 
 @jit
-def _dips_at_end(end, one, two):
+def _touches(before, here, after):
+    """Whether three values may be next to where a function touches zero.
+
+    Of a parabola that does the one nearest has less than half of what one beside it has.
+    """
+    if not (before * here > 0.0 and here * after > 0.0):
+        return False
+    here, before, after = abs(here), abs(before), abs(after)
+    return here <= min(before, after) and 2.0 * here < max(before, after)
+
+
+@jit
+def _touches_at_end(end, one, two):
     """Whether the parabola through an end and two points falls between them to half of `end`."""
+    if end < 0.0:
+        end, one, two = -end, -one, -two
     one, two = one - end, two - end
     slope = one * SECOND**2 - two * FIRST**2
     if not (slope < 0.0 and end > 0.0):
@@ -142,14 +153,15 @@ def duration(s):
 
 
 @jit
-def find_extremum(s, last, first, final):
+def find_extremum(s, last, first, final, apart):
     """Changes of sign of the acceleration before point `last` (N: over the panel).
 
-    `first` and `final` have its sign at the left end, and at the right end or reversal.
+    `first` and `final` have its sign at the left end, and at the right end or reversal;
+    `apart` says whether two of them may be so far apart that they count.
 
     Returns
     -------
-    changes, place : how many, and the point after the last one.
+    changes, place : how many, two more where two may hide, and the point after the last one.
     """
     if last == 0:
         return (1, 0) if first * final < 0.0 else (0, -1)
@@ -158,7 +170,13 @@ def find_extremum(s, last, first, final):
         if (s[A + i - 1] <= 0.0) != (s[A + i] <= 0.0):
             changes += 1
             place = i
+        elif apart and i + 1 < last and _touches(s[A + i - 1], s[A + i], s[A + i + 1]):
+            changes += 2
     if s[A + last - 1] * final < 0.0:
         changes += 1
         place = last
+    if apart and _touches_at_end(first, s[A], s[A + 1]):
+        changes += 2
+    if apart and last == N and _touches_at_end(final, s[A + N - 1], s[A + N - 2]):
+        changes += 2
     return changes, place

@@ -179,8 +179,8 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
     a_right = rate_at_end(s, at, RIGHT_END, -side, w_right, mu, load)
     bad += apart and c_right > 0.0
     bad += record and a_right <= 0.0
-    bad += apart and dips(s, C, -1.0, 1.0, c_right, reversal + 1, N)
-    bad += apart and record and dips(s, A, 1.0, 1.0, a_right, reversal + 1, N)
+    bad += apart and dips(s, C, c_right, c_right, reversal + 1, N)
+    bad += apart and record and dips(s, A, a_right, a_right, reversal + 1, N)
     good = bad == 0 and roughness <= max(strict, s[two + NOISE])
     source = (alpha * source + beta - beta_other) / alpha_other
     source = s[two + RIGHT] * source + s[two + RIGHT + 1]

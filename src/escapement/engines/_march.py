@@ -125,13 +125,11 @@ def march(
                 # a panel may hold one reversal: behind it all is on the other side
                 reversal = first_against(s)
                 split = N - reversal != against or c_right > 0.0 or at == START or tail > strict
-                split = split or dips(s, C, 1.0, c_left, c_right, 0, reversal)
+                split = split or dips(s, C, c_left, c_right, 0, reversal)
                 if split and s[at + HALF] <= MERGED:
                     # so close a pair does nothing; of one the order of points is rounding
                     split = False
                     reversal = reversal if c_right <= 0.0 else -1
-            elif s[at + HALF] > MERGED:
-                split = dips(s, C, 1.0, c_left, c_right, 0, N)
         if inside and not split:
             # near a stop the errors of all panels have one sign, hence the tenth
             limit = strict if reversal >= 0 else 0.1 * loose
@@ -140,6 +138,8 @@ def march(
             if split and reversal < 0 and s[at + HALF] <= NEARLY_STOPPED:
                 # next to a stop: so short a way is braked evenly
                 split, even = False, True
+            if not split and reversal < 0 and s[at + HALF] > MERGED:
+                split = dips(s, C, c_left, c_right, 0, N)
         now, final = 1.0, 1.0
         if record > TIME and not split:
             if s[chained + KINK] > 0.0 and not noted:
@@ -154,13 +154,13 @@ def march(
             final, last = 1.0, reversal
             if reversal < 0:
                 final, last = rate_at_end(s, at, RIGHT_END, side, w_right, mu, load), N
+            apart = s[at + HALF] > MERGED
             gains = slower == 0 and now > 0.0 and final > 0.0
             if not gains and not (slower == N and now < 0.0 and final < 0.0):
-                changes, extremum = find_extremum(s, last, now, final)
+                changes, extremum = find_extremum(s, last, now, final, apart)
             split = changes > 1 or (changes == 1 and at == START)
-            if not split and s[at + HALF] > MERGED:
-                split = dips(s, A, rising, now, final, 0, last)
-                split = split or (changes > 0 and dips(s, A, -rising, now, final, 0, last))
+            if changes == 0 and apart:
+                split = dips(s, A, now, final, 0, last)
         if reversal >= 0 and not split:
             other = solution_of(at, -side)
             if s[other + TAIL] == UNBUILT:
