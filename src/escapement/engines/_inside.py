@@ -36,6 +36,8 @@ from escapement.mechanisms._slotted import PLACES
 
 FIRST, SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])  # ways of two points from an end
 LEFT_END, RIGHT_END = np.int64(0), np.int64(1)
+NO_POINT, EVERY_POINT = np.int64(0), np.int64(N)  # for plain constants numba compiles users anew
+NOTHING = 1e-12  # of the drive's torque: next to the stop of a mesh rounding has more dips
 MERGED = 1e-9  # half width of a panel in which a pair of reversals does nothing
 
 
@@ -95,10 +97,11 @@ def first_against(s):
 
 
 @jit
-def dips(s, values, left, right, first, last):
+def dips(s, values, nothing, left, right, first, last):
     """Whether values of one sign nearly vanish from point `first` to before `last`.
 
-    Two zeros may hide there. `left` and `right` are the values at the ends.
+    Two zeros may hide there. `left` and `right` are the values at the ends; what is below
+    `nothing` all around does nothing either.
     """
     values &= PLACES
     count, steep = 0, 0
@@ -108,16 +111,16 @@ def dips(s, values, left, right, first, last):
         steep += ((one - 2.0 * two) * (two - 2.0 * one) < 0.0) & (i < N - 1)
     if steep > 0:
         for i in range(max(1, first), min(last, N - 1)):
-            count += _touches(s[values + i - 1], s[values + i], s[values + i + 1])
+            count += _touches(nothing, s[values + i - 1], s[values + i], s[values + i + 1])
     if first == 0 < last:
-        count += _touches_at_end(left, s[values], s[values + 1])
+        count += _touches_at_end(nothing, left, s[values], s[values + 1])
     if last == N:
-        count += _touches_at_end(right, s[values + N - 1], s[values + N - 2])
+        count += _touches_at_end(nothing, right, s[values + N - 1], s[values + N - 2])
     return count > 0
 
 
 @jit
-def _touches(before, here, after):
+def _touches(nothing, before, here, after):
     """Whether three values may be next to where a function touches zero.
 
     Of a parabola that does the one nearest has less than half of what one beside it has.
@@ -125,14 +128,17 @@ def _touches(before, here, after):
     if not (before * here > 0.0 and here * after > 0.0):
         return False
     here, before, after = abs(here), abs(before), abs(after)
-    return here <= min(before, after) and 2.0 * here < max(before, after)
+    high = max(before, after)
+    return here <= min(before, after) and 2.0 * here < high and high > nothing
 
 
 @jit
-def _touches_at_end(end, one, two):
+def _touches_at_end(nothing, end, one, two):
     """Whether the parabola through an end and two points falls between them to half of `end`."""
     if end < 0.0:
         end, one, two = -end, -one, -two
+    if not max(end, two) > nothing:
+        return False
     one, two = one - end, two - end
     slope = one * SECOND**2 - two * FIRST**2
     if not (slope < 0.0 and end > 0.0):
@@ -170,13 +176,13 @@ def find_extremum(s, last, first, final, apart):
         if (s[A + i - 1] <= 0.0) != (s[A + i] <= 0.0):
             changes += 1
             place = i
-        elif apart and i + 1 < last and _touches(s[A + i - 1], s[A + i], s[A + i + 1]):
+        elif apart and i + 1 < last and _touches(NOTHING, s[A + i - 1], s[A + i], s[A + i + 1]):
             changes += 2
     if s[A + last - 1] * final < 0.0:
         changes += 1
         place = last
-    if apart and _touches_at_end(first, s[A], s[A + 1]):
+    if apart and _touches_at_end(NOTHING, first, s[A], s[A + 1]):
         changes += 2
-    if apart and last == N and _touches_at_end(final, s[A + N - 1], s[A + N - 2]):
+    if apart and last == N and _touches_at_end(NOTHING, final, s[A + N - 1], s[A + N - 2]):
         changes += 2
     return changes, place

@@ -20,7 +20,9 @@ from escapement.engines._gauss import (
     to_powers,
 )
 from escapement.engines._inside import (
+    EVERY_POINT,
     MERGED,
+    NOTHING,
     RIGHT_END,
     contact_at_end,
     dips,
@@ -179,8 +181,10 @@ def turn(s, at, side, reversal, rho, mu, load, strict, record, source):
     a_right = rate_at_end(s, at, RIGHT_END, -side, w_right, mu, load)
     bad += apart and c_right > 0.0
     bad += record and a_right <= 0.0
-    bad += apart and dips(s, C, c_right, c_right, reversal + 1, N)
-    bad += apart and record and dips(s, A, a_right, a_right, reversal + 1, N)
+    nothing = NOTHING * (rho + s[at + ENDS] ** 2)
+    rest = reversal + 1
+    bad += apart and dips(s, C, nothing, c_right, c_right, rest, EVERY_POINT)
+    bad += apart and record and dips(s, A, NOTHING, a_right, a_right, rest, EVERY_POINT)
     good = bad == 0 and roughness <= max(strict, s[two + NOISE])
     source = (alpha * source + beta - beta_other) / alpha_other
     source = s[two + RIGHT] * source + s[two + RIGHT + 1]

@@ -12,8 +12,11 @@ from escapement.dynamics import side_at
 from escapement.engines._events import BREAK, MAXIMUM, MINIMUM, REVERSAL, note, note_extremum
 from escapement.engines._gauss import N
 from escapement.engines._inside import (
+    EVERY_POINT,
     LEFT_END,
     MERGED,
+    NO_POINT,
+    NOTHING,
     RIGHT_END,
     contact_at_end,
     dips,
@@ -114,6 +117,7 @@ def march(
             if at == START and against > 0:
                 against = clearly_against(s)
             c_left = side * contact_at_end(s, at, LEFT_END, w, rho, load)
+            nothing = NOTHING * (rho + s[at + ENDS] ** 2)
             if stopped > 0 or not w_right > 0.0:
                 if against == 0 and s[at + HALF] <= NEARLY_STOPPED:
                     way = -w / braking(s, at, side, w, rho, mu, load)
@@ -125,7 +129,7 @@ def march(
                 # a panel may hold one reversal: behind it all is on the other side
                 reversal = first_against(s)
                 split = N - reversal != against or c_right > 0.0 or at == START or tail > strict
-                split = split or dips(s, C, c_left, c_right, 0, reversal)
+                split = split or dips(s, C, nothing, c_left, c_right, NO_POINT, reversal)
                 if split and s[at + HALF] <= MERGED:
                     # so close a pair does nothing; of one the order of points is rounding
                     split = False
@@ -139,7 +143,7 @@ def march(
                 # next to a stop: so short a way is braked evenly
                 split, even = False, True
             if not split and reversal < 0 and s[at + HALF] > MERGED:
-                split = dips(s, C, c_left, c_right, 0, N)
+                split = dips(s, C, nothing, c_left, c_right, NO_POINT, EVERY_POINT)
         now, final = 1.0, 1.0
         if record > TIME and not split:
             if s[chained + KINK] > 0.0 and not noted:
@@ -160,7 +164,7 @@ def march(
                 changes, extremum = find_extremum(s, last, now, final, apart)
             split = changes > 1 or (changes == 1 and at == START)
             if changes == 0 and apart:
-                split = dips(s, A, now, final, 0, last)
+                split = dips(s, A, NOTHING, now, final, NO_POINT, last)
         if reversal >= 0 and not split:
             other = solution_of(at, -side)
             if s[other + TAIL] == UNBUILT:

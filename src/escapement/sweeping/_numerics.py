@@ -6,7 +6,7 @@ from pathlib import Path
 
 _SOURCES = (
     *("units.py", "model.py", "dynamics.py", "metrics.py", "motion.py", "trajectory.py"),
-    *("simulation.py", "solver.py", "status.py"),
+    *("simulation.py", "solver.py", "status.py", "_headings.py"),
     *("mechanisms/*.py", "engines/*.py", "configuration/*.py"),
     *("sweeping/_evaluate.py", "sweeping/_scenes.py"),
 )
