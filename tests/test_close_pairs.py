@@ -125,6 +125,20 @@ def test_with_friction_the_speed_depends_on_it(slots, inertia, friction, load, s
     assert abs(one.ledger.residual) < 1e-14
 
 
+def test_a_pair_a_hair_behind_the_edge_of_a_panel_is_one():
+    """At sixteenths of the engagement, where the fast engine's panels end."""
+    one = loaded(8, 21.229480106477777, 0.0, 0.5605460519473697)
+    two = loaded(4, 19.59796696558348, 0.0, 2.101616849446852, internal=True)
+    motions = [
+        (esc.simulate(one, 1, initial_speed=0.8372590709099732, engine=engine).reversals.theta,
+         esc.simulate(two, 1, initial_speed=2.348679211668878, engine=engine).extrema.theta)
+        for engine in ("energy", "ivp")
+    ]  # fmt: skip
+    for fast, reference in zip(*motions, strict=True):
+        assert len(fast) == 2
+        assert fast == pytest.approx(reference, abs=1e-6)
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.002])
 @pytest.mark.parametrize("speed", [299.0375, 299.04, 299.05, 299.1])
 def test_the_last_step_of_a_piece_is_looked_through(friction, speed):

@@ -114,6 +114,22 @@ def test_a_folder_that_cannot_be_written_is_done_without(tmp_path, place):
     assert not list(tmp_path.rglob("*.nbi"))
 
 
+def test_a_cache_that_cannot_be_read_costs_a_compilation(tmp_path):
+    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    code = """
+import errno
+from numba.core import caching
+def refused(*_):
+    raise PermissionError(errno.EACCES, "Permission denied")
+caching.IndexDataCacheFile.load = refused
+from toy.f import f
+print(f(1.0))
+"""
+    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run("from toy.f import f; print(f(1.0))", **here) == "2.0"
+    assert run(code, **here) == "2.0"
+
+
 def test_a_disk_that_fills_up_costs_the_cache_only(tmp_path):
     write_toy(tmp_path, "from toy._jit import jit", 2.0)
     code = """

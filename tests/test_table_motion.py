@@ -70,7 +70,9 @@ def test_a_ratio_has_no_steps_at_the_knots(rows):
     series = path[4 + pieces :].reshape(pieces, order)
     steps = (series * (-1.0) ** np.arange(order)).sum(axis=1)[1:] - series.sum(axis=1)[:-1]
     assert np.abs(steps).max() < 10.0 * np.finfo(float).eps * DRIVE.ratio_max
-    assert abs(steps.mean()) < 0.1 * np.finfo(float).eps * DRIVE.ratio_max
+    # nor a bias: the mean of steps of half a rounding error each, by chance
+    chance = 4.0 * 0.6 / np.sqrt(steps.size)
+    assert abs(steps.mean()) < chance * np.finfo(float).eps * DRIVE.ratio_max
 
 
 @pytest.mark.parametrize("rows", [451, 601])

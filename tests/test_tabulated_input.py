@@ -51,7 +51,7 @@ def test_what_parts_the_columns(tmp_path, line):
         ("rad,rad", False, (180.0 / math.pi, 180.0 / math.pi)),
         ("driver (deg),follower (rad)", False, (1.0, 180.0 / math.pi)),
         ("phi_deg,theta_deg", True, (1.0, 1.0)),
-        ("Follower [rad],angle", True, (180.0 / math.pi, 1.0)),
+        ("Follower [rad],angle [deg]", True, (180.0 / math.pi, 1.0)),
         ("angle,input", True, (1.0, 1.0)),
         ("theta (rad) phi (rad)", False, (180.0 / math.pi, 180.0 / math.pi)),
     ],

@@ -81,7 +81,10 @@ def _watch_cache(dispatcher: Any) -> None:
 
     def load_or_say(signature: Any, context: Any) -> Any:
         rtsys.initialize(context)
-        found = load(signature, context)
+        found = None
+        # another process may be writing it, or a disk fail: then it is compiled
+        with contextlib.suppress(OSError):
+            found = load(signature, context)
         if found is None:
             _say_that_it_compiles()
         return found

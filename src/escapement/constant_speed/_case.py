@@ -142,7 +142,7 @@ def _asked(load: Callable[[FloatArray], ArrayLike], phi: FloatArray) -> FloatArr
 
 
 def within_cell(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
-    """Driver angles within the cell, or the error; a hair beyond its ends or the exit is these."""
+    """Driver angles within the cell, or the error; one a hair beyond an end or the exit is that."""
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
     end = max(exit_, entry + mechanism.cell_angle)
     hair = _HAIR * (end - entry)

@@ -134,13 +134,17 @@ def _touches(nothing, before, here, after):
 
 @jit
 def _touches_at_end(nothing, end, one, two):
-    """Whether the parabola through an end and two points falls between them to half of `end`."""
+    """Whether the parabola through an end and two points falls between them to half of `end`.
+
+    Where `end` is next to nothing, so may be what its slope, a little uncertain, tells.
+    """
     if end < 0.0:
         end, one, two = -end, -one, -two
     if not max(end, two) > nothing:
         return False
     one, two = one - end, two - end
-    slope = one * SECOND**2 - two * FIRST**2
+    unsure = 0.01 * abs(two) * FIRST * (SECOND - FIRST)
+    slope = one * SECOND**2 - two * FIRST**2 - unsure
     if not (slope < 0.0 and end > 0.0):
         return False
     rise, scale = two * FIRST - one * SECOND, FIRST * SECOND * (SECOND - FIRST)
@@ -159,15 +163,14 @@ def duration(s):
 
 
 @jit
-def find_extremum(s, last, first, final, apart):
+def find_extremum(s, last, first, final):
     """Changes of sign of the acceleration before point `last` (N: over the panel).
 
-    `first` and `final` have its sign at the left end, and at the right end or reversal;
-    `apart` says whether two of them may be so far apart that they count.
+    `first` and `final` have its sign at the left end, and at the right end or reversal.
 
     Returns
     -------
-    changes, place : how many, two more where two may hide, and the point after the last one.
+    changes, place : how many, and the point after the last one.
     """
     if last == 0:
         return (1, 0) if first * final < 0.0 else (0, -1)
@@ -176,13 +179,7 @@ def find_extremum(s, last, first, final, apart):
         if (s[A + i - 1] <= 0.0) != (s[A + i] <= 0.0):
             changes += 1
             place = i
-        elif apart and i + 1 < last and _touches(NOTHING, s[A + i - 1], s[A + i], s[A + i + 1]):
-            changes += 2
     if s[A + last - 1] * final < 0.0:
         changes += 1
         place = last
-    if apart and _touches_at_end(NOTHING, first, s[A], s[A + 1]):
-        changes += 2
-    if apart and last == N and _touches_at_end(NOTHING, final, s[A + N - 1], s[A + N - 2]):
-        changes += 2
     return changes, place

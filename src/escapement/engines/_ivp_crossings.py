@@ -9,7 +9,7 @@ from escapement.model import FloatArray
 
 _PER_STEP = 8  # looks per solver step
 _FINEST = 1e-18  # of a piece that takes a time of order one
-_NOTHING = 1e-9  # of the greatest value: so much at an end is rounding
+NOTHING = 1e-9  # of the greatest value: so much at an end is rounding
 
 Function = Callable[[float], float]
 
@@ -54,7 +54,7 @@ def _with_dips(function: Function, x: FloatArray, f: FloatArray) -> tuple[FloatA
     # at an end that nothing follows the least may be before it, or the end itself
     least = {int(i): 0.0 for i in inner[::-1] + 1}
     if size.size > 1 and sides[-2] * sides[-1] > 0.0 and size[-1] < min(size[-2], 0.1 * size.max()):
-        least = {size.size - 1: _NOTHING * float(size.max())} | least
+        least = {size.size - 1: NOTHING * float(size.max())} | least
     for i, nothing in least.items():
         sense, low, high = sides[i], x[i - 1], x[min(i + 1, size.size - 1)]
         dip = minimize_scalar(

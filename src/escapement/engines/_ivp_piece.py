@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from escapement._jit import jit
 from escapement.dynamics import acceleration, bend, contact, contact_moment
 from escapement.dynamics import tabulate as tabulate_motion
-from escapement.engines._ivp_crossings import crossings, refine
+from escapement.engines._ivp_crossings import NOTHING, crossings, refine
 from escapement.engines._ivp_solution import Landed, Solution
 from escapement.mechanisms._slotted import transmission_at
 from escapement.mechanisms._table import is_table
@@ -25,7 +25,6 @@ from escapement.model import FloatArray
 
 MOST_STEPS = 25_000
 """Solver steps a piece may take, a second or two; DOP853 needs fifty."""
-_NOTHING = 1e-9  # of the greatest force in a piece
 _LEAST = 1e-30  # an absolute tolerance of zero: no scale of the error is ever 0/0
 
 
@@ -249,7 +248,7 @@ class _Piece:
             turns = [*crossings(force_at, grid, forces), last]
         else:
             # the force may vanish where the piece ends: next to nothing there is rounding
-            if abs(forces[-1]) <= _NOTHING * np.abs(forces).max():
+            if abs(forces[-1]) <= NOTHING * np.abs(forces).max():
                 forces[-1] = self.sign * abs(forces[-1])
             turns = crossings(force_at, grid, forces)
         if turns:

@@ -158,12 +158,11 @@ def march(
             final, last = 1.0, reversal
             if reversal < 0:
                 final, last = rate_at_end(s, at, RIGHT_END, side, w_right, mu, load), N
-            apart = s[at + HALF] > MERGED
             gains = slower == 0 and now > 0.0 and final > 0.0
             if not gains and not (slower == N and now < 0.0 and final < 0.0):
-                changes, extremum = find_extremum(s, last, now, final, apart)
+                changes, extremum = find_extremum(s, last, now, final)
             split = changes > 1 or (changes == 1 and at == START)
-            if changes == 0 and apart:
+            if not split and s[at + HALF] > MERGED:
                 split = dips(s, A, NOTHING, now, final, NO_POINT, last)
         if reversal >= 0 and not split:
             other = solution_of(at, -side)

@@ -130,7 +130,7 @@ def _find(fields: list[str], role: str, name: str | None) -> int:
     bare = [name_and_unit(field)[0] for field in fields]
     wanted = NAMES[role] if name is None else (name_and_unit(name)[0],)
     whole = [field.strip() for field in fields]
-    found = [i for i, field in enumerate(bare) if field in wanted]
+    found = [i for i, field in enumerate(bare) if field and field in wanted]
     if name is not None and name.strip() in whole:
         found = [i for i, field in enumerate(whole) if field == name.strip()]
     if len(found) == 1:

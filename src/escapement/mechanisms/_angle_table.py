@@ -68,6 +68,8 @@ def _headings(text: str) -> tuple[tuple[int, int], tuple[str, str]]:
             raise ValueError("a heading for each of its two columns where it names radians")
         return (0, 1), ("deg", "deg")
     (first, one), (second, other) = (name_and_unit(field) for field in fields)
+    if {one, other} == {"rad", None}:
+        raise ValueError("the units of both columns in its headings, or of neither")
     if first in NAMES["output"] or second in NAMES["input"]:
         if first in NAMES["input"] or second in NAMES["output"]:
             raise ValueError("a heading for driver and one for follower")

@@ -19,19 +19,19 @@ _BENT = 200.0  # the same for the derivative of the ratio: by the square of how 
 def column(name: str, values: Any) -> FloatArray:
     """A 1-D array of finite numbers, long enough for a spline."""
     try:
-        column = np.array(values, dtype=float)
+        given = np.array(values, dtype=float)
     except (TypeError, ValueError):
         raise _validate.fail(name, "a list of numbers", values, "give angles in rad") from None
-    if column.ndim != 1:
-        raise _validate.fail(name, "one-dimensional", column.shape, "give a list of angles")
-    if column.size < FEWEST:
+    if given.ndim != 1:
+        raise _validate.fail(name, "one-dimensional", given.shape, "give a list of angles")
+    if given.size < FEWEST:
         raise _validate.fail(
-            name, f"at least {FEWEST} rows long", column.size, "give more of the position function"
+            name, f"at least {FEWEST} rows long", given.size, "give more of the position function"
         )
-    if not np.isfinite(column).all():
-        bad = float(column[~np.isfinite(column)][0])
+    if not np.isfinite(given).all():
+        bad = float(given[~np.isfinite(given)][0])
         raise _validate.fail(name, "finite throughout", bad, "leave out the row")
-    return column
+    return given
 
 
 def check_rows(theta: FloatArray, phi: FloatArray, measured: bool) -> None:

@@ -15,7 +15,7 @@ from escapement.store._chunks import Tiling, encode, tiling
 from escapement.store._study import RESULTS, Study, count_failed
 
 _CASES = {"energy": (1024, 16384), "ivp": (4, 4)}
-"""Cases of a block, at least and at most, by engine: up to a quarter of a second, two seconds.
+"""Cases of a block, at least and at most: `energy` takes up to 0.25 s, `ivp` about 2 s.
 
 Fewer would cost more than a call and a chunk do, which is as much as tens of fast cases.
 """
