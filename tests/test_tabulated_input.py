@@ -78,6 +78,9 @@ def test_headings_tell_order_and_unit(tmp_path, heading, turned, units):
         ("# first\n0.0,nan\n1,2\n", ["two numbers", "line 2", "'0.0,nan'"]),
         ("0,0,\n1,2\n", ["two numbers", "line 1", "'0,0,'"]),
         ("theta rad phi rad\n1 2\n", ["radians", "line 1", "each of its two columns"]),
+        ("theta_rad,phi\n1,2\n", ["units of both columns", "line 1", "theta_deg,phi_deg"]),
+        ("theta_mrad,phi_mrad\n1,2\n", ["degrees or radians", "line 1", "theta_deg,phi_deg"]),
+        ("theta (turns),phi\n1,2\n", ["degrees or radians", "line 1", "theta_deg,phi_deg"]),
         ("theta,driver\n1,2\n", ["line 1", "one for follower"]),
     ],
 )

@@ -7,7 +7,7 @@ from os import PathLike
 
 import numpy as np
 
-from escapement._headings import NAMES, UNITS, name_and_unit
+from escapement._headings import FOREIGN, NAMES, UNITS, name_and_unit
 from escapement.errors import InputFileError, MissingInput
 from escapement.model import FloatArray
 
@@ -61,6 +61,8 @@ def read_angles(path: str | PathLike[str]) -> FloatArray:
 
 def _headings(text: str) -> tuple[tuple[int, int], tuple[str, str]]:
     """Places of driver and follower, and their units, as far as a line of headings tells."""
+    if any(FOREIGN.fullmatch(word) for word in re.findall(r"[^\W\d_]+", text)):
+        raise ValueError("its angles in degrees or radians")
     # a unit in brackets belongs to the word before it
     fields = _fields(re.sub(r"\s+(?=[(\[])", "", text))
     if len(fields) != 2:
