@@ -47,6 +47,7 @@ def test_what_parts_the_columns(tmp_path, line):
         ("theta,phi", False, (1.0, 1.0)),
         ("deg,deg", False, (1.0, 1.0)),
         ("x,y", False, (1.0, 1.0)),
+        ("first,second", False, (1.0, 1.0)),
         ("theta_rad,phi_rad", False, (180.0 / math.pi, 180.0 / math.pi)),
         ("rad,rad", False, (180.0 / math.pi, 180.0 / math.pi)),
         ("driver (deg),follower (rad)", False, (1.0, 180.0 / math.pi)),

@@ -14,9 +14,7 @@ _SPELLINGS = {
     "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
     "rad": "rad", "radian": "rad", "radians": "rad",
 }  # fmt: skip
-FOREIGN = re.compile(
-    r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec|minute|second)s?", re.IGNORECASE
-)
+FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?", re.IGNORECASE)
 """Units of angles that are not read."""
 
 

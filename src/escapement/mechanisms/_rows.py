@@ -76,7 +76,8 @@ def check_spacing(gap: float, digit: float, steepest: float, mean: float, cell: 
     """Whether exact rows are far enough apart for the digits they have.
 
     `gap` is their least distance in driver angle, `digit` the unit of the follower angles' last
-    digit, `steepest` the greatest derivative of the ratio through them, `mean` the mean ratio.
+    digit [rad]; `steepest` the greatest derivative of the ratio through them, `mean` the mean
+    ratio, over the `cell` [rad].
     """
     # the derivative less what the rounding puts into it; next to none is no measure
     steepest = max(steepest - _ALLOWED * _BENT * digit / gap**2, mean / cell)
