@@ -12,6 +12,24 @@ from escapement.engines import _energy_batch
 # a shell's background jobs ignore Ctrl-C, and so would the processes that tests interrupt
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
+COMPILES = "bad_input"
+WITHOUT_MOTION = (
+    *("drive_torque", "elliptical_gears", "elliptical_motion", "gear_driven"),
+    *("gear_equation", "geneva", "measurement_encoders", "measurement_files"),
+    *("measurement_fit", "measurement_periodic", "measurement_plots", "measurement_statistics"),
+    *("plot_mechanism", "synthesis", "transmission_extrema"),
+)
+
+
+def pytest_collection_modifyitems(items):
+    """Let one process compile the engines, while the others begin with what does without them."""
+
+    def turn(item):
+        file = item.path.stem.removeprefix("test_")
+        return 0 if file == COMPILES else 1 if file in WITHOUT_MOTION else 2
+
+    items.sort(key=turn)
+
 
 @pytest.fixture
 def command(capsys, monkeypatch, tmp_path):

@@ -59,7 +59,7 @@ def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
 
 def test_pins_never_touch_the_follower(drive):
     wheels = Wheels(drive)
-    for theta in np.linspace(drive.breaks[0], drive.breaks[0] + drive.cell_angle, 7):
+    for theta in np.linspace(drive.breaks[0], drive.breaks[0] + drive.cell_angle, 4):
         ax = plots.plot_mechanism(drive, theta, Figure().add_subplot())
         edge = by_id(ax, "follower").get_path().vertices[: wheels.outline.size] @ [1, 1j]
         dense = np.concatenate([np.linspace(a, b, 12) for a, b in pairwise(edge)])

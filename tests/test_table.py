@@ -61,8 +61,8 @@ def test_a_corner_between_two_edges_is_refused():
 @pytest.mark.parametrize("efficiency", [0.85, 0.6])
 def test_both_engines_agree_on_a_mesh(efficiency, load):
     scene = timer(efficiency=efficiency, load_torque=load)
-    fast = esc.simulate(scene, 8, rtol=1e-12)
-    slow = esc.simulate(scene, 8, engine="ivp", rtol=1e-11)
+    fast = esc.simulate(scene, 4, rtol=1e-12)
+    slow = esc.simulate(scene, 4, engine="ivp", rtol=1e-11)
     np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-10)
     np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-10)
     np.testing.assert_allclose(fast.extrema.theta_dot, slow.extrema.theta_dot, rtol=1e-10)

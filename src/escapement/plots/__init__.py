@@ -6,6 +6,7 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 
 from escapement.plots._save import save
 from escapement.plots._style import new_axes
+from escapement.plots.animation import animate
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven
@@ -25,6 +26,7 @@ from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal,
 from escapement.plots.tabulated import plot_table
 
 __all__ = [
+    "animate",
     "new_axes",
     "plot_configurations",
     "plot_contact_moment",

@@ -1,15 +1,20 @@
-"""The one way to write a figure to a file."""
+"""The one way to write a figure or a film to a file."""
 
 import io
 import os
-from typing import Any
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 from matplotlib.figure import Figure
 
 from escapement._pictures import picture_format
-from escapement._whole_file import check_target, write_whole
-from escapement.errors import CannotCreate
+from escapement._whole_file import check_target, storage_error, write_whole
+from escapement.errors import CannotCreate, InvalidValue
+
+if TYPE_CHECKING:
+    from matplotlib.animation import FuncAnimation
 
 _METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": None},
@@ -18,17 +23,17 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure: complete under its name, or not at all.
+def save(figure: "Figure | FuncAnimation", path: str | os.PathLike[str]) -> None:
+    """Write a figure or a film: complete under its name, or not at all.
 
     Parameters
     ----------
-    figure : Figure
+    figure : Figure or FuncAnimation
         What to write. The same figure gives the same bytes: nothing in the
         file tells the time.
     path : path
-        Its suffix decides the format: .png, .pdf or .svg. An existing file is
-        replaced, unless it is read-only.
+        Its suffix decides the format: .png, .pdf or .svg; a film's is .gif. An existing
+        file is replaced, unless it is read-only.
 
     Raises
     ------
@@ -39,13 +44,35 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     StorageError
         When writing fails half-way, for example on a full disk.
     """
-    suffix = picture_format(path)
+    suffix = picture_format(path) if isinstance(figure, Figure) else _film_format(path)
     target = check_target(path, force=True)
     if target.exists() and not os.access(target, os.W_OK):
         raise CannotCreate(
             f"output {path} must be a file that may be replaced, got a read-only one; name another"
         )
+    if not isinstance(figure, Figure):
+        try:
+            film = _film(figure)
+        except OSError as error:
+            raise storage_error(path, error) from None
+        write_whole(path, [film], force=True)
+        return
     image = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "escapement", "pdf.fonttype": 42}):
         figure.savefig(image, format=suffix[1:], dpi=300, metadata=_METADATA[suffix])
     write_whole(path, [image.getvalue()], force=True)
+
+
+def _film_format(path: str | os.PathLike[str]) -> str:
+    suffix = Path(path).suffix
+    if suffix.lower() != ".gif":
+        raise InvalidValue(f"output {path} of a film must end in .gif, got {suffix!r}; change it")
+    return suffix.lower()
+
+
+def _film(film: "FuncAnimation") -> bytes:
+    """A film as Pillow writes it, which wants a file of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "film.gif"
+        film.save(path, writer="pillow")
+        return path.read_bytes()

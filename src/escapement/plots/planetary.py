@@ -49,7 +49,7 @@ def plot_planetary(
             "give EllipticalPlanetary(16e-3, 9e-3)",
         )  # fmt: skip
     angle = _validate.number("theta", theta, "give the driver angle in rad")
-    left, right, bottom, top = box = _extent(mechanism, angle)
+    left, right, bottom, top = box = extent(mechanism, angle)
     if ax is None:
         ax = _style.new_axes(_style.ONE_COLUMN, _style.ONE_COLUMN * (top - bottom) / (right - left))
     draw_planetary(ax, mechanism, angle, angle)
@@ -141,7 +141,7 @@ def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None
         arrow.set(color=_style.BLACK, linewidth=0.8, zorder=5, fill=True)
 
 
-def _extent(mechanism: EllipticalPlanetary, theta: float) -> tuple[float, float, float, float]:
+def extent(mechanism: EllipticalPlanetary, theta: float) -> tuple[float, float, float, float]:
     """Left, right, bottom and top of the picture, room for arrows and scale included."""
     sun, distance = 1e3 * mechanism.sun_radius, 1e3 * mechanism.centre_distance
     shaft = distance * np.exp(1j * theta)

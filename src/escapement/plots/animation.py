@@ -1,0 +1,129 @@
+"""A motion as one would see it: the mechanism to scale, turning, beside its velocities."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from escapement import _validate
+from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
+from escapement.model import FloatArray, Mechanism
+from escapement.motion import Motion
+from escapement.plots import _style
+from escapement.plots._labels import scaled
+from escapement.plots.drawing import plot_mechanism
+from escapement.plots.gear_driven import plot_gear_driven
+from escapement.plots.motion import plot_velocities
+from escapement.plots.planetary import draw_planetary, extent
+
+if TYPE_CHECKING:
+    from matplotlib.animation import FuncAnimation
+
+_MOST_FRAMES = 2_000
+_HEIGHT = 3.2
+
+Draw = Callable[[float], object]
+
+
+def animate(
+    motion: Motion,
+    start: float = 0.0,
+    stop: float | None = None,
+    *,
+    frames: int = 100,
+    rate: float = 25.0,
+) -> "FuncAnimation":
+    """Film of a motion, in slow motion: drive and follower to scale, and their velocities.
+
+    Parameters
+    ----------
+    motion : Motion
+        What `escapement.simulate` returns; the `motion` of `escapement.terminal` repeats
+        itself, and so does its film.
+    start, stop : float
+        Part of the motion that is shown [s]. Default: all of it.
+    frames : int
+        Pictures in all, evenly spaced in time: a second or so of work for ten.
+    rate : float
+        Pictures a second when shown [1/s].
+
+    Returns
+    -------
+    matplotlib.animation.FuncAnimation
+        To be written with `save` as .gif, or shown in a notebook with
+        `IPython.display.HTML(film.to_jshtml())`. Its title tells the instant and how much
+        slower than the mechanism it runs.
+
+    Raises
+    ------
+    InvalidValue
+        For a table of angles, which has no shape to be drawn, a part that is not within the
+        motion, or a number of pictures beyond 2000.
+    """
+    mechanism = motion.escapement.mechanism
+    if not isinstance(mechanism, Geneva | GearDriven | EllipticalPlanetary):
+        remedy = "draw its motion with plot_velocities"
+        raise _validate.fail("motion", "of a mechanism that can be drawn", mechanism, remedy)
+    first, last = _part(motion, start, stop)
+    count = _validate.integer("frames", frames, 2, "100 is a good choice", _MOST_FRAMES)
+    rate = _validate.positive("rate", rate, "25 pictures a second look smooth")
+    from matplotlib.animation import FuncAnimation
+
+    times = np.linspace(first, last, count, endpoint=False)
+    state = motion.at(times)
+    figure = _style.new_figure(_style.TWO_COLUMN, _HEIGHT)
+    drawing, velocities = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
+    plot_velocities(motion, _style.dress(velocities))
+    factor, unit = scaled("s", np.array([motion.end_time]))
+    velocities.set_xlim(first * factor, last * factor)
+    now = velocities.axvline(first * factor, color=_style.BLACK, lw=0.8, zorder=4)
+    (marks,) = velocities.plot([], [], "o", color=_style.BLACK, ms=4, zorder=5)
+    draw = _drawing(drawing, mechanism, state.theta)
+    slower = count / rate / (last - first)
+    pace = f"{slower:.3g} times slower" if slower >= 1.0 else f"{1.0 / slower:.3g} times faster"
+    digits = max(0, int(np.ceil(-np.log10(factor * (last - first) / count))))
+
+    def show(frame: int) -> None:
+        drawing.clear()
+        draw(float(state.theta[frame]))
+        place = times[frame] * factor
+        drawing.set_title(f"{place:.{digits}f} {unit}, {pace}", fontsize=_style.SMALL_SIZE)
+        now.set_xdata([place, place])
+        marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
+
+    show(0)
+    # a layout made anew for every picture would let the axes tremble
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return FuncAnimation(figure, show, frames=count, interval=1e3 / rate)
+
+
+def _part(motion: Motion, start: float, stop: float | None) -> tuple[float, float]:
+    """First and last instant to be shown [s]."""
+    end = float(motion.end_time)
+    first = _validate.non_negative("start", start, "begin at 0")
+    last = end if stop is None else _validate.number("stop", stop, "leave it out")
+    if not first < last <= end:
+        given = f"start {first:g} and stop {last:g}"
+        raise _validate.fail("film", f"a part of the motion's {end:g} s", given, "leave both out")
+    return first, last
+
+
+def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Draw:
+    """What draws the mechanism at a driver angle, with limits that do not change."""
+    if isinstance(mechanism, Geneva):
+        return lambda theta: plot_mechanism(mechanism, theta, ax)
+    if isinstance(mechanism, GearDriven):
+        return lambda theta: plot_gear_driven(mechanism, theta, ax)
+    assert isinstance(mechanism, EllipticalPlanetary)
+    boxes = np.array([extent(mechanism, float(theta)) for theta in angles])
+    left, bottom = boxes[:, [0, 2]].min(axis=0)
+    right, top = boxes[:, [1, 3]].max(axis=0)
+
+    def draw(theta: float) -> None:
+        draw_planetary(ax, mechanism, theta, theta)
+        ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+        ax.set_axis_off()
+
+    return draw

@@ -1,0 +1,100 @@
+"""Films: every picture shows the mechanism where the motion has it at that instant."""
+
+import errno
+import os
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import escapement as esc
+from escapement import plots
+from escapement.errors import InvalidValue, StorageError
+from escapement.plots import _save
+from figure_tools import by_id
+from tabulated_drive import exact
+
+INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
+DRIVES = [esc.Geneva(4), esc.Geneva(6, pins=1), esc.GearDriven(4, 1, "epicycloid")]
+
+
+def motion(mechanism, engagements=2):
+    return esc.simulate(esc.Escapement(mechanism, INERTIA, 0.0113, friction=0.05), engagements)
+
+
+def pin(mechanism, theta):
+    """Where the first pin stands, the follower's axis being the origin."""
+    ax = plots.plot_gear_driven if isinstance(mechanism, esc.GearDriven) else plots.plot_mechanism
+    return by_id(ax(mechanism, theta), "pin-0").center
+
+
+@pytest.mark.parametrize("mechanism", DRIVES, ids=lambda drive: type(drive).__name__)
+def test_the_last_picture_is_that_of_its_instant(mechanism, tmp_path):
+    shown = motion(mechanism)
+    start, stop = 0.2 * shown.end_time, 0.9 * shown.end_time
+    film = plots.animate(shown, start, stop, frames=5)
+    plots.save(film, tmp_path / "film.gif")
+    instant = start + 0.8 * (stop - start)
+    state = shown.at(instant)
+    drawing, velocities = film._fig.axes
+    assert by_id(drawing, "pin-0").center == pytest.approx(pin(mechanism, float(state.theta)))
+    marks = velocities.lines[-1]
+    np.testing.assert_allclose(marks.get_ydata(), [state.theta_dot, state.phi_dot])
+    assert drawing.get_title().startswith(f"{1e3 * instant:.0f} ms, ")
+    np.testing.assert_allclose(velocities.get_xlim(), [1e3 * start, 1e3 * stop])
+
+
+def test_a_planetary_drive_keeps_its_scale(tmp_path):
+    drive = esc.EllipticalPlanetary(16e-3, 9e-3)
+    film = plots.animate(esc.simulate(esc.Escapement(drive, INERTIA, 0.01), 1), frames=4)
+    before = film._fig.axes[0].get_xlim()
+    plots.save(film, tmp_path / "film.gif")
+    assert film._fig.axes[0].get_xlim() == before
+
+
+def test_the_file_plays_for_ever_at_the_rate_asked_for(tmp_path):
+    shown = motion(DRIVES[0])
+    for name in "ab":
+        film = plots.animate(shown, frames=6, rate=20.0)
+        plots.save(film, tmp_path / f"{name}.gif")
+    with Image.open(tmp_path / "a.gif") as image:
+        assert (image.n_frames, image.info["duration"], image.info["loop"]) == (6, 50, 0)
+    assert f"{6 / 20 / shown.end_time:.3g} times slower" in film._fig.axes[0].get_title()
+    assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
+
+
+def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
+    film = plots.animate(motion(DRIVES[0], 1), frames=2)
+
+    def full(_film):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch, pytest.raises(StorageError, match="No space left"):
+        patch.setattr(_save, "_film", full)
+        plots.save(film, tmp_path / "film.gif")
+    with pytest.raises(InvalidValue, match=r"must end in \.gif, got '\.png'"):
+        plots.save(film, tmp_path / "film.png")
+    assert list(tmp_path.iterdir()) == []
+    plots.save(film, tmp_path / "film.gif")
+    assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
+
+
+@pytest.mark.parametrize(
+    ("choice", "said"),
+    [
+        ({"start": -1.0}, "start must be"),
+        ({"stop": 1e9}, "film must be a part of the motion's"),
+        ({"start": 1e-3, "stop": 1e-3}, "film must be a part of the motion's"),
+        ({"frames": 1}, "frames must be a whole number of at least 2"),
+        ({"frames": 5000}, "frames must be a whole number of at most 2000"),
+        ({"rate": 0.0}, "rate must be"),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(choice, said):
+    with pytest.raises(InvalidValue, match=said):
+        plots.animate(motion(DRIVES[0], 1), **choice)
+
+
+def test_a_table_has_no_shape():
+    with pytest.raises(InvalidValue, match="plot_velocities"):
+        plots.animate(esc.simulate(esc.Escapement(exact(40), INERTIA, 0.01), 1))
