@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from elliptical_tools import PAPER, drives
+from escapement.mechanisms import EllipticalPlanetary
 from escapement.mechanisms._slotted import transmission
 from escapement.model import Mechanism
 
@@ -174,6 +175,21 @@ def test_dwells_end_where_they_say(drive, speed, position):
     half = 0.5 * drive.dwell_within(limit)
     moved = drive.follower_angle(np.array([stop - half, stop, stop + half]))
     np.testing.assert_allclose(np.diff(moved), limit, rtol=1e-6, atol=1e-14)
+
+
+@pytest.mark.parametrize("excess", [1e-13, 5e-9, 1e-6, 0.1, 7 / 9, 300.0])
+@pytest.mark.parametrize("share", [1e-60, 1e-20, 1e-6, 0.02, 0.4])
+def test_short_dwells_and_radii_next_to_each_other(excess, share):
+    drive = EllipticalPlanetary(9e-3 * (1.0 + excess), 9e-3)
+    with mpmath.workdps(90):
+        k = mpmath.mpf(drive.sun_radius) / mpmath.mpf(drive.planet_radius)
+        assert drive.ratio_max == pytest.approx(float(k * k - 1), rel=1e-15)
+        limit = share * drive.follower_step
+        turn = mpmath.mpf(0.5 * drive.dwell_within(limit)) * k
+        moved = 2 * mpmath.atan(mpmath.tan(turn / 2) / k) - turn / k
+        # the output turns by the cube of the way, or slower
+        assert abs(float(moved / mpmath.mpf(limit)) - 1.0) < 1e-13
+    assert drive.stations is None or drive.stations > 1
 
 
 def test_dwell_of_the_whole_cell():

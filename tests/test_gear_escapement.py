@@ -19,6 +19,7 @@ from escapement import (
 from escapement._curves import CURVES
 from escapement.constant_speed import drive_torque
 from escapement.errors import InvalidValue
+from escapement.status import Status
 
 
 def test_a_wheel_whose_g_is_rounded_below_zero_starts_from_rest():
@@ -86,6 +87,20 @@ def test_painleve_limit_is_the_least_ratio(curve, n, m, exponent):
         ratio = (rho + found.g**2) / (np.abs(found.g) * np.abs(found.u))
     assert limit <= ratio.min() * (1.0 + 1e-12)
     assert limit == pytest.approx(ratio.min(), rel=1e-3)
+
+
+@pytest.mark.parametrize(("n", "m"), [(12, "3999/1000"), (72, "33999/1000"), (100, "47999/1000")])
+def test_painleve_limit_of_a_pin_that_all_but_meets_the_axis(n, m):
+    """Of the numbers of its path g2 would be infinite, and no friction too much."""
+    wheel = GearDriven(n, m)
+    found = wheel.transmission(wheel.breaks[-1] * (1.0 - np.geomspace(1e-12, 1.0, 20_001)))
+    with np.errstate(divide="ignore"):
+        least = ((1.0 + found.g**2) / np.abs(found.g * found.u)).min()
+    limit = critical_friction(wheel, Inertia(1.0, 1.0))
+    assert limit == pytest.approx(least, rel=1e-5)
+    for share, status in ((0.999, Status.OK), (1.001, Status.PAINLEVE)):
+        drive = Escapement(wheel, Inertia(1.0, 1.0), 1.0, share * limit)
+        assert simulate(drive, 1).status is status
 
 
 def test_constant_speed_has_a_closed_mean():

@@ -49,6 +49,29 @@ def test_peaks_are_those_of_the_transmission(wheel):
     assert cycle.jerk_max * found.motion_ratio**3 == pytest.approx(found.jerk_max)
 
 
+@pytest.mark.parametrize(
+    ("n", "m"), [(12, "399/100"), (12, "3999/1000"), (50, "22999/1000"), (72, "33999/1000")]
+)
+def test_a_pin_that_all_but_meets_the_axis(n, m):
+    """Nothing is left of the difference of its path's two vectors squared."""
+    wheel = GearDriven(n, m)
+    found, at_start = motion_peaks(wheel), follower_motion(wheel, 0.0)
+    step, angle, end = wheel.follower_step, wheel.alpha, wheel.breaks[-1]
+    start = abs(float(wheel.transmission(end).dg)) * angle**2 / step
+    assert found.acceleration_start == pytest.approx(start, rel=1e-9)
+    near = wheel.transmission(end * (1.0 - np.geomspace(1e-9, 1.0, 4000))).dg
+    assert found.acceleration_max == pytest.approx(np.abs(near).max() * angle**2 / step, rel=1e-5)
+    # g' is zero at dead centre: jerk by its slope there and at the start
+    h = 1e-7
+    ways = wheel.transmission(h * end * np.array([-2.0, -1.0, 1.0, 2.0])).dg
+    slope = float(ways @ [1.0, -8.0, 8.0, -1.0]) / (12.0 * h * end)
+    assert float(wheel.jerk(0.0)) == pytest.approx(slope, rel=1e-6)
+    scale = wheel.motion_ratio**3
+    assert float(at_start.jerk) * scale == pytest.approx(found.jerk_start, rel=1e-8)
+    jerk = float(wheel.jerk(-end)) * angle**3 / step
+    assert found.jerk_start == pytest.approx(jerk, rel=1e-8)
+
+
 @pytest.mark.parametrize("wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}")
 def test_motion_over_a_cycle(wheel):
     """Each is the derivative of the one before; the follower rests in the dwell."""
@@ -132,6 +155,8 @@ def test_lobes_are_those_of_a_mechanism(stations, curve):
 
 
 def test_charts_end():
+    assert lobes_for(6, 1e-6, "epicycloid") == []
+    assert lobes_for(6, 1e-4, "epicycloid") != []
     with pytest.raises(InvalidValue, match="lobes must be at least 0 and at most 100000"):
         motion_ratio_chart(3, [1e6], "epicycloid")
 
@@ -170,6 +195,25 @@ def _fits(n, m, curve, pins, unused, wanted, room):
     return not wheel.through_centre and abs(wheel.motion_ratio - wanted) <= room
 
 
+def test_what_is_just_on_a_limit_is_found():
+    """Six pins never let go at V0 = 1/6, which 1 - 5/6 is not in doubles."""
+    exact, dwell = (
+        find_mechanisms(12, tolerance=0.0, **wish)
+        for wish in ({"motion_ratio": 1.0 / 6.0}, {"dwell_ratio": 5.0 / 6.0})
+    )
+    assert [one.mechanism for one in exact] == [one.mechanism for one in dwell] != []
+    closest = min(one.closest_radius for one in exact)
+    again = find_mechanisms(12, 1.0 / 6.0, tolerance=0.0, shaft_radius=closest * (1.0 + 1e-14))
+    assert len(again) == len(exact)
+
+
+def test_generous_limits_cost_nothing():
+    few = find_mechanisms(6, 0.5, most_pins=60, most_unused=30)
+    assert find_mechanisms(6, 0.5, most_pins=10**12, most_unused=100_000) == few
+    wheel = GearDriven(12, 3)
+    assert gear_pairs(wheel, 0.05, 10**15) == gear_pairs(wheel, 0.05, 2000)
+
+
 def test_sizes_are_kept():
     wishes = {"largest_radius": 0.05, "shaft_radius": 0.004, "planet_radius": 0.006}
     found = find_mechanisms(6, dwell_ratio=0.9, most_slots=6, **wishes)
@@ -198,12 +242,23 @@ def test_sizes_are_kept():
         ({"motion_ratio": 0.3, "curves": 3}, "curves must be one of .*got 3"),
         ({"motion_ratio": 0.3, "most_slots": "a"}, "most_slots must be a whole number"),
         ({"motion_ratio": 0.3, "finest": 10**4}, "most_lobes and finest must"),
+        ({"motion_ratio": 0.3, "most_unused": 10**6}, "most_unused must be .* at most 100000"),
         ({"motion_ratio": 0.3, "largest_radius": 0.0}, "largest_radius must be greater than 0"),
     ],
 )
 def test_impossible_wishes(arguments, words):
     with pytest.raises(InvalidValue, match=words):
         find_mechanisms(6, **arguments)
+
+
+@pytest.mark.parametrize("wrong", [["a"], [1.0, math.nan], [[1.0], [1.0, 2.0]]])
+def test_what_are_no_numbers_is_refused(wrong):
+    for call in (
+        lambda: motion_ratio_chart(6, wrong),
+        lambda: follower_motion(GearDriven(12, 3), wrong),
+    ):
+        with pytest.raises(InvalidValue, match="must be"):
+            call()
 
 
 def test_one_curve_may_be_named():

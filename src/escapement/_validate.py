@@ -3,9 +3,13 @@
 import math
 import operator
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from escapement.errors import InvalidValue
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
 
 
 def fail(name: str, rule: str, value: Any, remedy: str) -> InvalidValue:
@@ -57,6 +61,19 @@ def non_negative(name: str, value: Any, remedy: str) -> float:
     result = number(name, value, remedy)
     if not result >= 0.0:
         raise fail(name, "at least 0", value, remedy)
+    return result
+
+
+def numbers(name: str, values: Any, remedy: str) -> "NDArray[float64]":
+    """`values` as an array of finite doubles."""
+    import numpy as np
+
+    try:
+        result = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise fail(name, "real numbers", values, remedy) from None
+    if not np.isfinite(result).all():
+        raise fail(name, "finite", values, remedy)
     return result
 
 

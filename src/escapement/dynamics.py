@@ -22,7 +22,7 @@ With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta).
 import numpy as np
 
 from escapement._jit import jit
-from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms._slotted import circle, transmission_at
 from escapement.mechanisms._table import is_table
 from escapement.model import Inertia, Mechanism
 
@@ -155,8 +155,7 @@ def painleve_limit(path, rho, entry, exit_):
     at_exit = painleve_ratio(path, exit_, rho)
     if at_exit < limit:
         limit, angle = at_exit, exit_
-    first = path[3] / path[1]
-    second = (path[3] + path[4]) / (path[1] + path[2])
+    first, second = circle(path)
     for end in (first, second):
         g = _stationary(first, second, rho, end)
         # g = (G0 + G1 x)/(L0 + L1 x) with x = sin^2 of the half angle
@@ -183,8 +182,7 @@ def beyond_painleve(path, rho, mu, entry, exit_):
     """
     if is_table(path):
         return False
-    first = path[3] / path[1]
-    second = (path[3] + path[4]) / (path[1] + path[2])
+    first, second = circle(path)
     if mu * abs(first - second) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
         return False
     if second < 0.0 < first:

@@ -42,12 +42,11 @@ def tabulate_ratio(path, theta, sign, mu, out):
 
 @jit
 def derivatives_at(path, theta):
-    """(g, g', g'', g''') of a slotted path, from u^2 = (g1 - g)(g - g2)."""
+    """(g, g', g'', g''') of a slotted path, from u' = a b - (a + b) g - u^2 + g^2."""
     g, u, dg = transmission_at(path, theta)
     total = path[6] - 2.0 * g
-    across = path[3] / path[1] + (path[3] + path[4]) / (path[1] + path[2]) - 2.0 * g
-    du = 0.5 * total * across
-    ddu = -dg * (total + across)
+    du = 0.25 * path[6] ** 2 - path[0] ** 2 - path[6] * g - u * u + g * g
+    ddu = -dg * total - 2.0 * u * du
     return (
         g,
         dg,

@@ -54,6 +54,20 @@ def transmission_at(path, theta):
 
 
 @jit
+def circle(path):
+    """g1 and g2 of a pin path: where the circle that (g, u) runs on meets u = 0.
+
+    At a pin exit g is zero and u^2 = -g1 g2. The path's own numbers say the same of a
+    pin that all but meets the follower's axis by a difference that no digit is left of.
+    """
+    first = path[3] / path[1]
+    if path[7] > 0.0:
+        slide = transmission_at(path, path[7])[1]
+        return first, -slide * slide / first
+    return first, (path[3] + path[4]) / (path[1] + path[2])
+
+
+@jit
 def transmission_on(path, left, half, s, points, to):
     """Transmission at 16 driver angles left + half * (1 + s[points + i]).
 
@@ -166,6 +180,13 @@ def transmission(path: FloatArray, theta: ArrayLike) -> Transmission:
     g, u, dg = np.empty_like(flat), np.empty_like(flat), np.empty_like(flat)
     _tabulate(path, flat, g, u, dg)
     return Transmission(*(values.reshape(angles.shape) for values in (g, u, dg)))
+
+
+def jerk(path: FloatArray, found: Transmission) -> FloatArray:
+    """g'' where the transmission is known: q' = a b + i (a + b) q - q^2 and g' = u (a+b-2g)."""
+    total = path[6]
+    slope = 0.25 * total**2 - path[0] ** 2 - total * found.g - found.u**2 + found.g**2
+    return slope * (total - 2.0 * found.g) - 2.0 * found.u * found.dg
 
 
 def radius(path: FloatArray, theta: ArrayLike) -> FloatArray:

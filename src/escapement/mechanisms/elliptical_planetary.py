@@ -75,7 +75,7 @@ class EllipticalPlanetary(EllipticalGears):
         """
         share = 1.0 / self.ratio
         whole = Fraction(share).limit_denominator(_MOST_STATIONS)
-        return whole.denominator if abs(share - whole) < 1e-12 else None
+        return whole.denominator if whole < 1 and abs(share - whole) < 1e-12 else None
 
     @property
     def motion_ratio(self) -> float:
@@ -91,7 +91,8 @@ class EllipticalPlanetary(EllipticalGears):
     @property
     def ratio_max(self) -> float:
         """Greatest transmission, k^2 - 1, half-way between stops [-]."""
-        return (self.ratio - 1.0) * (self.ratio + 1.0)
+        # 1 taken from the rounded ratio would leave few digits of two radii nearly alike
+        return (self.sun_radius - self.planet_radius) / self.planet_radius * (self.ratio + 1.0)
 
     @property
     def acceleration_max(self) -> tuple[float, float]:
@@ -199,13 +200,28 @@ class EllipticalPlanetary(EllipticalGears):
         """Driver angle from a stop in which the output turns by up to half a step [rad]."""
         from scipy.optimize import brentq
 
-        def beyond(turn: float) -> float:
-            left = 2.0 * math.atan(math.tan(0.5 * turn) / self.ratio) - turn / self.ratio
-            return left - limit
+        # by the cube of the planet's turn about the stop, further on by 0.6 of that or more
+        cube = math.cbrt(12.0 * self.ratio**3 * limit / self.ratio_max)
+        high = min(1.3 * cube, math.pi)
+        if limit <= 0.0 or self._turned(high) <= limit:
+            return high / self.ratio
+        found = brentq(lambda turn: self._turned(turn) - limit, 0.05 * high, high, xtol=1e-300)
+        return float(found) / self.ratio
 
-        if beyond(math.pi) <= 0.0:
-            return 0.5 * self.cell_angle
-        return float(brentq(beyond, 0.0, math.pi, xtol=1e-15)) / self.ratio
+    def _turned(self, turn: float) -> float:
+        """Output angle from a stop while the planet turns by up to pi [rad].
+
+        2 atan(a/k) - turn/k with a = tan(turn/2), of which little is left where a is small
+        or k next to 1.
+        """
+        k, a = self.ratio, math.tan(0.5 * turn)
+        share = (self.sun_radius - self.planet_radius) / self.sun_radius
+        if a > 0.3:
+            return turn * share - 2.0 * math.atan(share * a / (1.0 + a * a / k))
+        powers = np.arange(1, 19)
+        left = -np.expm1(-2.0 * powers * math.log1p(k * share))
+        terms = -((-a * a) ** powers) / (2 * powers + 1) * left
+        return 2.0 * a / k * float(terms.sum())
 
     def _half_turn(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
         half = 0.5 * self.ratio * np.asarray(theta, dtype=float)

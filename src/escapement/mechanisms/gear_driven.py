@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from escapement.errors import InvalidValue
 from escapement.mechanisms._gear_train import GearTrain
-from escapement.mechanisms._slotted import Transmission, transmission, two_vector_path
+from escapement.mechanisms._slotted import Transmission, jerk, transmission, two_vector_path
 from escapement.model import FloatArray
 
 
@@ -23,7 +23,8 @@ class GearDriven(GearTrain):
         Stations n, >= 3: the wheel turns by 2 pi/n at each step.
     lobes : int, Fraction, float or str
         Unreal lobes m that fit between two neighbouring lobes of the pin's path
-        [-], rational, 0 to 100 000: 2, 1/2 or "1/2".
+        [-], rational, 0 to 100 000, its denominator at most 1000: 2, 1/2 or "1/2". A
+        float within 1e-12 (1 + m) of such a number is that number.
     curve : str
         "hypocycloid" (protracted, k > 2), "epicycloid" (k < 0), or the cognates
         that trace the same paths: "contracted-hypocycloid" (1 < k < 2) and
@@ -144,18 +145,9 @@ class GearDriven(GearTrain):
         return Transmission(np.full_like(angles, self._uniform), slide, np.zeros_like(angles))
 
     def jerk(self, theta: ArrayLike) -> FloatArray:
-        """g'' at driver angles from dead centre [rad], pin engaged [-].
-
-        With q = C'/C: q' = a b + i (a + b) q - q^2 on a path of two vectors, and
-        g'' is the derivative of g' = u (a + b - 2 g).
-        """
+        """g'' at driver angles from dead centre [rad], pin engaged [-]."""
         found = self.transmission(theta)
-        if self.through_centre:
-            return np.zeros_like(found.g)
-        total = self._forward * (self.arms.rate_1 + self.arms.rate_2)
-        product = self.arms.rate_1 * self.arms.rate_2
-        slope = product - total * found.g - found.u**2 + found.g**2
-        return slope * (total - 2.0 * found.g) - 2.0 * found.u * found.dg
+        return np.zeros_like(found.g) if self.through_centre else jerk(self.path, found)
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""

@@ -45,7 +45,7 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
     """
     n = _validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
     name = _validate.choice("curve", curve, CURVES)
-    values = np.asarray(lobes, dtype=float)
+    values = _validate.numbers("lobes", lobes, "give numbers of lobes")
     if not np.all((values >= 0.0) & (values <= MOST_LOBES)):
         rule = f"at least 0 and at most {MOST_LOBES}"
         raise _validate.fail("lobes", rule, lobes, "give numbers of lobes")
@@ -56,8 +56,8 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
 def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> list[float]:
     """Numbers of lobes that give a ratio of times with one pin, ascending.
 
-    The chart read the other way round. They are real numbers: take a rational one
-    near by.
+    The chart read the other way round, up to 100 000 lobes. They are real numbers: take a
+    rational one near by.
 
     Parameters
     ----------
@@ -92,7 +92,8 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
     if high < low - _EDGE:
         return []
     grid = np.linspace(low - _EDGE, high + _EDGE, _GRID)  # m = 0 itself is on the chart
-    return [max((c - start) * n / 2.0 - 1.0, 0.0) for c in _roots(value, grid)]
+    found = [max((c - start) * n / 2.0 - 1.0, 0.0) for c in _roots(value, grid)]
+    return [m for m in found if m <= MOST_LOBES]
 
 
 def _ratio(stations: int, lobes: Fraction, curve: str) -> float:

@@ -130,9 +130,11 @@ def gear_pairs(
         teeth = times * ratio.numerator, times * ratio.denominator
         largest = 2.0 * limit / (mechanism.reach_over_fixed * teeth[0])
         modules = [m * 1e-3 for m in STANDARD_MODULES if m * 1e-3 <= largest * (1.0 + 1e-12)]
+        if not modules:  # nor for more teeth
+            break
         try:
             found.append(GearPair(mechanism, *teeth, module=modules[-1]))
-        except (InvalidValue, IndexError):
+        except InvalidValue:
             continue
     return sorted(found, key=lambda pair: (-pair.module, -pair.fixed_teeth))
 
@@ -172,11 +174,11 @@ def planet_inertia(
     part given here; that is neglected. A counterweight opposite the pin removes it.
     The carrier's own inertia, losses of the mesh and gravity are not in it.
     """
-    scale = _validate.positive("fixed_radius", fixed_radius, "give the radius R0 in m") ** 2
+    radius = _validate.positive("fixed_radius", fixed_radius, "give the radius R0 in m")
     mass = _validate.non_negative("planet_mass", planet_mass, "give the mass in kg")
     own = _validate.non_negative("planet_inertia", planet_inertia, "give the inertia in kg m^2")
     pin = _validate.non_negative("pin_mass", pin_mass, "give the mass in kg")
     count = _validate.integer("planets", planets, 1, "give the number of planets")
     first, _, second, rate = _checked(mechanism).arms
     pins = mechanism.pins * pin * (first**2 + (rate * second) ** 2)
-    return count * (scale * (mass * first**2 + pins) + own * rate**2)
+    return count * (radius * radius * (mass * first**2 + pins) + own * rate**2)

@@ -17,6 +17,7 @@ from numpy.polynomial import Polynomial
 
 from escapement import _validate
 from escapement.mechanisms import GearDriven, Geneva
+from escapement.mechanisms._slotted import circle
 
 
 @dataclass(frozen=True)
@@ -67,12 +68,11 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
             "mechanism", "a slotted wheel", mechanism, "give a Geneva or a GearDriven"
         )
     path = mechanism.path
-    first = path[3] / path[1]  # g at dead centre
-    second = (path[3] + path[4]) / (path[1] + path[2])
+    first, second = circle(path)  # g at dead centre, and where u vanishes again
     g = Polynomial([0.0, 1.0])
-    slope, circle = path[6] - 2.0 * g, (first - g) * (g - second)
-    squared = circle * slope**2
-    jerk = slope * (slope * (first + second - 2.0 * g) / 2.0 - 2.0 * circle)
+    slope, product = path[6] - 2.0 * g, (first - g) * (g - second)
+    squared = product * slope**2
+    jerk = slope * (slope * (first + second - 2.0 * g) / 2.0 - 2.0 * product)
     angle, step = mechanism.engagement_angle, mechanism.follower_step
     return MotionPeaks(
         motion_ratio=mechanism.motion_ratio,

@@ -12,6 +12,7 @@ from escapement.mechanisms import GearDriven
 from escapement.synthesis.peaks import MotionPeaks, motion_peaks
 
 _MOST = 100_000
+_EDGE = 1e-12  # what is exactly on a limit keeps it, however its digits are rounded
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,9 @@ def find_mechanisms(
         "most_lobes": _validate.integer("most_lobes", most_lobes, 0, "give a number of lobes"),
         "finest": _validate.integer("finest", finest, 1, "1 for whole numbers of lobes"),
         "most_pins": _validate.integer("most_pins", most_pins, 1, "give a number of pins"),
-        "most_unused": _validate.integer("most_unused", most_unused, 0, "0 to use every lobe"),
+        "most_unused": _validate.integer(
+            "most_unused", most_unused, 0, "0 to use every lobe", _MOST
+        ),
     }
     if (counts["most_lobes"] + 1) * counts["finest"] ** 2 > _MOST:
         raise InvalidValue(
@@ -120,7 +123,8 @@ def find_mechanisms(
     for wheel in _mechanisms(n, wanted, room, names, **counts):
         scale = 1.0 if size is None else size / wheel.reach_over_fixed
         closest = scale * wheel.closest_radius_over_fixed
-        fits = closest >= shaft and scale / abs(float(wheel.gear_ratio)) >= planet
+        radius = scale / abs(float(wheel.gear_ratio))
+        fits = closest >= shaft * (1.0 - _EDGE) and radius >= planet * (1.0 - _EDGE)
         if fits and wheel.slots <= limit:
             peaks = motion_peaks(wheel)
             if size is not None:
@@ -166,15 +170,19 @@ def _mechanisms(
                 continue
             if free.through_centre:
                 continue
-            for pins in range(1, most_pins + 1):
-                for unused in range(most_unused + 1):
-                    ratio = pins * free.lobe_ratio / (unused + 1)
-                    if abs(ratio - wanted) > room or pins * free.lobe_ratio > 1.0 + 1e-12:
-                        continue
+            for pins in range(1, min(most_pins, int((1.0 + _EDGE) / free.lobe_ratio)) + 1):
+                for unused in _unused(pins * free.lobe_ratio, wanted, room, most_unused):
                     try:
                         yield GearDriven(n, m, curve, pins, unused)
                     except InvalidValue:  # an unused lobe would find a slot
                         continue
+
+
+def _unused(share: float, wanted: float, room: float, most: int) -> range:
+    """Numbers of unused lobes with which pins that drive for a share of a lobe are near enough."""
+    near, far = wanted + room + _EDGE, wanted - room - _EDGE
+    first = max(0, math.ceil(share / near - 1.0))
+    return range(first, most + 1 if far <= 0.0 else min(most, math.floor(share / far - 1.0)) + 1)
 
 
 def _sized(wheel: GearDriven, fixed_radius: float) -> GearDriven:
