@@ -26,6 +26,7 @@ from escapement.published.filemon import (
 )
 from escapement.published.filemon_equations import equations
 from escapement.units import INCH_POUND
+from figure_tools import by_id
 
 # every cell that is wrong, recomputed by hand in another program, and the rule behind it
 ERRATA = {
@@ -188,12 +189,10 @@ def test_nomograms_can_be_read_by_hand(name):
     figure.draw_without_rendering()
     left, right = figure.axes
     for ax, axis in ((left, "x"), (left, "y"), (right, "x")):
-        places = np.sort(getattr(ax, f"{axis}axis").get_minorticklocs())
-        pairs = np.column_stack([places, places]) if axis == "x" else np.zeros((places.size, 2))
-        pairs[:, 1 if axis == "y" else 0] = places
-        pairs[:, 0 if axis == "y" else 1] = 1.0
-        pixels = ax.transData.transform(pairs)[:, 1 if axis == "y" else 0]
-        assert np.diff(pixels).min() / figure.dpi * 25.4 > 0.4
+        rulings = by_id(ax, f"rulings-{axis}")
+        starts = np.array([segment[0] for segment in rulings.get_segments()])
+        pixels = rulings.get_transform().transform(starts)[:, "xy".index(axis)]
+        assert np.diff(np.sort(pixels)).min() / figure.dpi * 25.4 > 0.4
     for n, line in zip(sheet.slots, left.lines, strict=False):
         ratio = 0.37 * sheet.ratios[1]
         factor = np.exp(

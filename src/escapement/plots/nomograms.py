@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from escapement.constant_speed import reversal_study
 from escapement.model import FloatArray
@@ -92,6 +92,7 @@ def plot_nomogram(sheet: Sheet) -> Figure:
     _draw_loads(right, low, high)
     _scale(left, "x", *sheet.ratios)
     _scale(left, "y", low, high)
+    _scale(right, "y", low, high)
     _scale(right, "x", low, 10.0 * high)
     right.tick_params(axis="y", which="major", labelright=True, labelsize=_SCALE_SIZE)
     left.set_xlabel("Inertia ratio $F = I_f\\,\\omega^2/M_e$", fontsize=_style.LABEL_SIZE)
@@ -144,13 +145,18 @@ def _scale(ax: Axes, which: str, low: float, high: float) -> None:
     axis: Axis = getattr(ax, f"{which}axis")
     ax.set(**{f"{which}scale": "log", f"{which}lim": (low, high)})
     axis.set_major_locator(FixedLocator(list(_ticks(low, high, _LABELLED))))
-    axis.set_minor_locator(FixedLocator(list(_ticks(low, high, _fine()))))
+    axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
-    axis.set_minor_formatter(FuncFormatter(lambda *_: ""))
     turn = 90.0 if which == "x" else 0.0
     axis.set_tick_params(which="major", labelsize=_SCALE_SIZE, rotation=turn)
     ax.grid(which="major", axis="both", color=_style.GREY, lw=0.45)
-    ax.grid(which="minor", axis="both", color=_style.LIGHT_GREY, lw=0.3)
+    # hundreds of minor ticks would take longer to lay out than all the rest
+    fine = list(_ticks(low, high, _fine()))
+    look: dict[str, Any] = {"color": _style.LIGHT_GREY, "lw": 0.3, "zorder": 0.4}
+    if which == "x":
+        ax.vlines(fine, 0.0, 1.0, transform=ax.get_xaxis_transform(), gid="rulings-x", **look)
+    else:
+        ax.hlines(fine, 0.0, 1.0, transform=ax.get_yaxis_transform(), gid="rulings-y", **look)
     ax.set_axisbelow(True)
 
 
