@@ -1,9 +1,11 @@
 """Errors that come back every turn: found on their shaft, and nowhere else."""
 
 import math
+import re
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import escapement as esc
 from escapement import measurement
@@ -87,7 +89,67 @@ def test_correlated_errors_are_remarked_upon():
     assert calm.message == "synthetic data, computed and not measured"
     result = esc.measure(read(noise=0.1 * DEG, output_eccentricity=DEG), PRIKHODKO)
     assert result.autocorrelation > 0.9
+    assert abs(result.rest_autocorrelation) < 0.2  # the eccentricity is found
     assert "neighbouring errors are alike" in result.message
+    assert "tests of normality, errors of phase and offset and intervals" in result.message
+    assert "comes back once a turn of the output" in result.message
+
+
+@pytest.mark.parametrize(("correlation", "most"), [(0.0, 0.02), (0.3, 0.03), (0.6, 0.1)])
+def test_noise_whose_neighbours_are_alike_is_not_stated_as_a_shaft_s_error(correlation, most):
+    stated, judged = [], []
+    theta = np.linspace(0.0, 6.0 * math.pi, 148, endpoint=False)
+    for seed in range(60):
+        white = np.random.default_rng(seed).standard_normal(348)
+        noise = lfilter([math.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)[200:]
+        output = measurement.position(PRIKHODKO, theta) + 0.9 * DEG * noise
+        result = esc.measure(esc.Readings(theta, output), PRIKHODKO)
+        stated.append(bool(re.search("comes back (once|twice)", result.message)))
+        judged.append("all tests, false alarms, standard errors" in result.message)
+    assert np.mean(stated) <= most
+    assert np.mean(judged) == pytest.approx({0.0: 0.0, 0.3: 0.5, 0.6: 1.0}[correlation], abs=0.2)
+
+
+def test_correlation_of_the_rest_is_that_beside_the_waves_found():
+    result = esc.measure(read(noise=0.4 * DEG, output_eccentricity=0.4 * DEG), PRIKHODKO)
+    phi = measurement.position(PRIKHODKO, result.input + result.fit.phase)
+    columns = np.column_stack([np.ones_like(phi), result.fit.slope, np.cos(phi), np.sin(phi)])
+    rest = result.errors - columns @ np.linalg.lstsq(columns, result.errors, rcond=None)[0]
+    by_hand = rest[1:] @ rest[:-1] / (rest @ rest)
+    assert result.rest_autocorrelation == pytest.approx(by_hand, abs=1e-9)
+
+
+def test_an_amplitude_that_phase_and_offset_hide_is_not_stated():
+    """Of six slots they take all but 0.4 % of a cosine once a cell, and nothing of a sine."""
+    drive, within, hidden = esc.Geneva(6), [], []
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        theta = np.linspace(0.0, 6.0 * math.pi, 500, endpoint=False)
+        errors = 0.02 * np.sin(3.0 * theta) + 0.05 * random.standard_normal(500)
+        output = measurement.position(drive, theta) + errors * DEG
+        result = esc.measure(esc.Readings(theta, output), drive)
+        found = shown(result, "cell")
+        hidden.append("an error comes back once a cell, its size all but" in result.message)
+        assert hidden[-1] or found.amplitude < 0.03 * DEG
+        within.append(abs(found.amplitude - 0.02 * DEG) < 3.0 * found.standard_error)
+    assert np.mean(within) > 0.95
+    assert np.mean(hidden) > 0.8
+
+
+def test_an_even_turn_is_measured_all_round():
+    readings = read(samples=360, turns=1.0, noise=0.1 * DEG)
+    theta = np.radians(np.arange(360.0))
+    result = esc.measure(esc.Readings(theta, readings.output), PRIKHODKO)
+    assert "input" not in result.message.partition("not judged")[0]
+    assert shown(result, "input").p_value > 0.0
+    short = esc.measure(esc.Readings(theta[:-1], readings.output[:-1]), PRIKHODKO)
+    assert math.isnan(shown(short, "input").p_value)
+
+
+def test_angles_far_from_zero_do_not_shorten_the_periodogram():
+    readings = read(samples=60, turns=3.2, noise=0.1 * DEG)
+    result = esc.measure(esc.Readings(readings.input + 1e10, readings.output), PRIKHODKO)
+    assert "periodogram" not in result.message
 
 
 def test_many_turns_are_cut_for_the_periodogram_alone():

@@ -6,14 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from escapement.measurement.readings import TURN, wraps
+from escapement.measurement.readings import wraps
 
 if TYPE_CHECKING:
     from escapement.measurement.comparison import Measurement
+    from escapement.measurement.shafts import ShaftError
 
 _SURE = 1e-3
 """p-values below it are remarked upon."""
 _ALIKE = 0.05  # less correlation spoils no p-value
+_TELLING = 3.0  # standard errors of an amplitude; one in a thousand by chance has 3.7
+_LEAST = 5e-324  # a p-value too small for a double
 _CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 
 
@@ -59,28 +62,47 @@ def _of_the_fit(result: "Measurement") -> Iterator[str]:
 
 
 def _of_independence(result: "Measurement") -> Iterator[str]:
-    n, correlation = result.errors.size, result.autocorrelation
-    if correlation > max(3.3 / math.sqrt(n), _ALIKE):
+    least = max(3.3 / math.sqrt(result.errors.size), _ALIKE)
+    alike, rest = result.autocorrelation, result.rest_autocorrelation
+    # a wave that is found makes neighbours alike, and spoils no test for waves
+    if rest > least:
+        spoilt = "all tests, false alarms, standard errors and intervals of the mean"
+    else:
+        spoilt = "tests of normality, errors of phase and offset and intervals of the mean"
+    if max(alike, rest) > least:
         yield (
-            f"neighbouring errors are alike (correlation {correlation:.2f}), while tests of "
-            "normality and intervals of the mean take them for independent: do not trust their "
-            "p-values"
+            f"neighbouring errors are alike (correlation {max(alike, rest):.2f}), while {spoilt} "
+            "take them for independent: do not trust those"
         )
 
 
 def _of_shafts(result: "Measurement") -> Iterator[str]:
     for error in result.shaft_errors:
         if error.p_value < _SURE:
-            where = "cell" if error.shaft == "cell" else f"turn of the {error.shaft}"
-            yield (
-                f"an error of {math.degrees(error.amplitude):.3g} degrees comes back "
-                f"{'once' if error.order == 1 else 'twice'} a {where}"
-            )
+            yield _of_shaft(error, result.rest_autocorrelation)
     unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
     if unknown:
         yield (
             f"errors that come back with {' and '.join(unknown)} are not judged: not measured all "
             "round, or not to be told from others"
         )
-    if result.periodogram.turns < (1.0 - 1e-9) * np.ptp(result.input) / TURN:
+    if result.periodogram.samples < result.errors.size:
         yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"
+
+
+def _of_shaft(error: "ShaftError", correlation: float) -> str:
+    """What comes back; not for a fact where noise whose neighbours are alike may do as much."""
+    # n such errors are worth n (1 - r)/(1 + r) independent ones to a slow wave, and of an F
+    # test with two degrees of freedom that share is the exponent of p
+    worth = (1.0 - correlation) / (1.0 + correlation) if correlation > 0.0 else 1.0
+    sure = max(error.p_value, _LEAST) ** worth < _SURE
+    where = "cell" if error.shaft == "cell" else f"turn of the {error.shaft}"
+    when = f"{'comes' if sure else 'may come'} back {'once' if error.order == 1 else 'twice'}"
+    amplitude, doubt = math.degrees(error.amplitude), math.degrees(error.standard_error)
+    size = f"{amplitude:.3g} +- {doubt:.2g} degrees"
+    if _TELLING * doubt < amplitude:
+        text = f"an error of {size} {when} a {where}"
+    else:
+        hidden = "its size all but hidden by phase, offset and others"
+        text = f"an error {when} a {where}, {hidden} ({size})"
+    return text if sure else f"{text}, or is noise whose neighbours are alike"

@@ -120,9 +120,18 @@ class Measurement:
         rest = self.errors - self.mean
         return float(rest[1:] @ rest[:-1] / (rest @ rest))
 
-    @cached_property
+    @property
     def shaft_errors(self) -> tuple[ShaftError, ...]:
         """Sinusoidal errors of each shaft; see `escapement.measurement.ShaftError`."""
+        return self._shaft_errors[0]
+
+    @property
+    def rest_autocorrelation(self) -> float:
+        """`autocorrelation` of what phase, offset and the sure ones of these leave [-]."""
+        return self._shaft_errors[1]
+
+    @cached_property
+    def _shaft_errors(self) -> tuple[tuple[ShaftError, ...], float]:
         driver = self.input + self.fit.phase
         follower = position(self.mechanism, driver)
         cell = self.mechanism.cell_angle

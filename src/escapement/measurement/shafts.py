@@ -26,7 +26,8 @@ class ShaftError(NamedTuple):
         reaches the output is multiplied by the transmission.
     standard_error : of the amplitude [rad].
     p_value : probability that independent normal errors show as much (F test).
-    turns : of the shaft, or cells, that were measured; below 1 the rest is NaN.
+    turns : of the shaft, or cells, from the first sample to the last; if less than 1
+        with one mean step more, the rest is NaN.
     """
 
     shaft: str
@@ -48,11 +49,18 @@ class _Shaft(NamedTuple):
     def turns(self) -> float:
         return float(np.ptp(self.angle)) / TURN
 
+    @property
+    def all_round(self) -> bool:
+        """Whether it was measured all round, one mean step after the last sample counted."""
+        return self.turns * self.angle.size >= (1.0 - 1e-9) * (self.angle.size - 1)
+
 
 def shaft_errors(
     driver: FloatArray, follower: FloatArray, slope: FloatArray, cell: float, errors: FloatArray
-) -> tuple[ShaftError, ...]:
+) -> tuple[tuple[ShaftError, ...], float]:
     """Sinusoidal errors once and twice a turn of the input, the output, and a cell.
+
+    Beside them the correlation of neighbours in what the sure ones leave, -1 to 1.
 
     Over few turns one looks much like another. So the surest is fitted first, with a
     phase and an offset, then the surest of what is left, as long as one in a thousand
@@ -74,7 +82,7 @@ def shaft_errors(
         _Shaft("output", follower, 1.0),
         _Shaft("cell", driver * (TURN / cell), 1.0),
     ]
-    seen = [shaft for shaft in shafts if shaft.turns >= 1.0]
+    seen = [shaft for shaft in shafts if shaft.all_round]
     sums = _summed(seen, slope, errors)
     sure = _chosen(sums)
     names = [(shaft.name, order) for shaft in seen for order in ORDERS]
@@ -82,19 +90,25 @@ def shaft_errors(
         name: sums.test(pair, _columns([other for other in sure if other != pair]))
         for name, pair in zip(names, sums.pairs, strict=True)
     }
-    return tuple(
+    errors_of_shafts = tuple(
         ShaftError(shaft.name, order, *found.get((shaft.name, order), _NOTHING), shaft.turns)
         for shaft in shafts
         for order in ORDERS
     )
+    return errors_of_shafts, sums.correlation(_columns(sure))
 
 
 class _Sums(NamedTuple):
-    """Normal equations of all columns: offset, phase, then a pair for each wave."""
+    """Normal equations of all columns: offset, phase, then a pair for each wave.
+
+    gram, products, total : of the columns, with the errors, of the errors.
+    following : of each of the columns and the errors, last, with the next sample's.
+    """
 
     gram: FloatArray
     products: FloatArray
     total: float
+    following: FloatArray
     samples: int
 
     @property
@@ -128,6 +142,18 @@ class _Sums(NamedTuple):
         error = math.sqrt(variance * float(along @ np.linalg.solve(left, along)))
         return amplitude, error, float(f.sf(explained / (2.0 * variance), 2, freedom))
 
+    def correlation(self, others: list[int]) -> float:
+        """Correlation of neighbours in what offset, phase and other columns leave."""
+        base = [0, 1, *others]
+        inverse = np.linalg.pinv(self.gram[np.ix_(base, base)], rcond=1e-12, hermitian=True)
+        fitted = inverse @ self.products[base]
+        left = self.total - float(self.products[base] @ fitted)
+        if left <= _COLLINEAR * self.total:
+            return 0.0
+        rest = np.zeros(len(self.products) + 1)
+        rest[base], rest[-1] = -fitted, 1.0
+        return float(rest @ self.following @ rest) / left
+
 
 def _chosen(sums: _Sums) -> list[int]:
     """Waves that are there for sure, the surest first, each beside those before."""
@@ -150,7 +176,7 @@ def _columns(pairs: list[int]) -> list[int]:
 def _summed(shafts: list[_Shaft], slope: FloatArray, errors: FloatArray) -> _Sums:
     """Sums over all samples, a block of them at a time."""
     size = 2 + 2 * len(ORDERS) * len(shafts)
-    gram, products = np.zeros((size, size)), np.zeros(size)
+    gram, following = (np.zeros((size + 1, size + 1)) for _ in range(2))
     for part in blocks(errors.size):
         columns = [np.ones_like(errors[part]), slope[part]]
         for shaft in shafts:
@@ -158,7 +184,7 @@ def _summed(shafts: list[_Shaft], slope: FloatArray, errors: FloatArray) -> _Sum
             for order in ORDERS:
                 wave = np.exp(1j * order * shaft.angle[part])
                 columns += [effect * wave.real, effect * wave.imag]
-        table = np.array(columns)
+        table = np.array([*columns, errors[part]])
         gram += table @ table.T
-        products += table @ errors[part]
-    return _Sums(gram, products, float(errors @ errors), errors.size)
+        following += table[:, 1:] @ table[:, :-1].T
+    return _Sums(gram[:-1, :-1], gram[:-1, -1], float(gram[-1, -1]), following, errors.size)
