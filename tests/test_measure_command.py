@@ -177,6 +177,10 @@ WRONG = {
     "unknown column": (["geneva.csv", "--input-column", "x"], 2, "input column", "'x'"),
     "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
     "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase,"),
+    "far zeros": (
+        ["geneva.csv", "--phase", "0", "--offset", "1e300"], 2, "--offset must be within 1e10",
+        "got 1e+300; give an angle in degrees",
+    ),
     "words": (["geneva.csv", "--offset", "x"], 2, "--offset", "finite number"),
     "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),
     "few bins": (["geneva.csv", "--bins", "3"], 2, "--bins", "at least 4", "got 3"),

@@ -95,6 +95,15 @@ def test_degrees_are_not_assumed_in_silence(file):
         assert (said in esc.measure(readings, DRIVE).message) == bool(remark)
 
 
+@pytest.mark.parametrize("unit", ["grad", "gon", "mrad", "µrad", "rev", "arcmin"])
+def test_a_foreign_unit_is_not_taken_for_degrees(file, unit):
+    path = file(text(head=f"shaft_{unit},wheel_{unit}"))
+    names = {"input": f"shaft_{unit}", "output": f"wheel_{unit}"}
+    with pytest.raises(InputFileError, match=f"degrees or radians, got 'shaft_{unit}'"):
+        esc.read_readings(path, **names)
+    check(esc.read_readings(path, **names, angle_unit="deg"))
+
+
 def test_columns_by_name(file):
     rows = [(a, a, b, b) for a, b in ROWS]
     path = file(text(rows, head="in A,in B,out A,out B"))
@@ -139,6 +148,8 @@ BAD = {
     "three columns of numbers": (text([(a, a, b) for a, b in ROWS], head=None), "line 1", "name"),
     "unknown names": (text(head="x,y"), "line 1", "input or in or driver", "none among 'x, y'"),
     "ambiguous": (text(head="input,in"), "line 1", "several", "'input, in'"),
+    "gradians": (text(head="input_grad,output_grad"), "line 1", "degrees or rad", "'input_grad'"),
+    "turns": (text(head="input [deg],output [turns]"), "line 1", "degrees", "'output [turns]'"),
     "empty": ("", "must hold rows of angles"),
     "blank": ("\n\n\n", "must hold rows of angles"),
     "comments only": ("# a\n# b\n", "must hold rows of angles"),

@@ -19,7 +19,7 @@ FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec
 
 
 def name_and_unit(field: str) -> tuple[str, str | None]:
-    """A column's name in small letters, and the unit it ends in."""
+    """A column's name in small letters, and the unit it ends in, one of `UNITS` or foreign."""
     *words, last = re.findall(r"[^\W_]+|°", field.lower()) or [""]
-    unit = _SPELLINGS.get(last)
+    unit = _SPELLINGS.get(last) or (last if FOREIGN.fullmatch(last) else None)
     return "".join(words if unit else [*words, last]), unit

@@ -138,7 +138,14 @@ def _read_zeros(args: argparse.Namespace) -> tuple[float, float] | None:
         raise UsageError(
             f"{missing[0]} must be given beside {other}, got that alone; give both or none"
         )
-    return None if missing else (math.radians(args.phase), math.radians(args.offset))
+    if missing:
+        return None
+    from escapement.measurement.readings import FARTHEST, WITHIN
+
+    for name, angle in given.items():
+        if abs(math.radians(angle)) > FARTHEST:
+            raise _validate.fail(name, WITHIN, angle, "give an angle in degrees")
+    return math.radians(args.phase), math.radians(args.offset)
 
 
 def _write(result: "Measurement", args: argparse.Namespace) -> None:

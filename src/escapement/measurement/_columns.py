@@ -100,6 +100,12 @@ def find_layout(text: str, input: str | None, output: str | None, angle_unit: st
             f"input and output must be different columns, got {fields[places[0]]!r} for both"
         )
     units = [angle_unit or (name_and_unit(fields[i])[1] if header else None) for i in places]
+    for place, unit in zip(places, units, strict=True):
+        if unit not in (*UNITS, None):
+            raise InputFileError(
+                f"must have angles in degrees or radians, got {_short(fields[place].strip())}; "
+                "convert them, or give the unit that they are in"
+            )
     scales = tuple(UNITS[unit or "deg"] for unit in units)
     assumed = None in units
     return Layout(separator, decimal_comma, len(fields), places, scales, header, assumed)  # type: ignore[arg-type]
