@@ -210,6 +210,27 @@ def test_a_follower_that_turns_back_has_kinematics_and_no_motion():
     assert esc.terminal(esc.Escapement(noisy, INERTIA, 0.01, efficiency=0.9)).velocity_max > 0.0
 
 
+def test_a_part_of_the_cell_without_rows_is_warned_about():
+    wheel = esc.Geneva(6, pins=1)
+    cell = {"cell_angle": wheel.cell_angle, "follower_step": wheel.follower_step}
+    theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 60)
+    with pytest.warns(UserWarning, match="none for 240 of 360 degrees after 60: the curve across"):
+        table = esc.Tabulated(theta, wheel.follower_angle(theta), **cell)
+    dwell = np.linspace(90.0, 240.0, 6) * np.pi / 180.0
+    assert np.abs(table.follower_angle(dwell) - wheel.follower_angle(theta[-1])).max() > 0.05
+    # with rows at even distances throughout it is not
+    whole = np.append(theta, wheel.breaks[-1] + np.radians(np.arange(2.0, 240.0, 2.0)))
+    rows = np.append(wheel.follower_angle(theta), np.full(119, wheel.follower_angle(theta[-1])))
+    table = esc.Tabulated(whole, rows, **cell)
+    assert np.abs(table.follower_angle(dwell) - rows[-1]).max() < 1e-6
+
+
+def test_rows_at_random_are_not_warned_of_gaps():
+    for seed in range(200):  # a warning would be an error
+        theta = np.random.default_rng(seed).uniform(0.0, 1.0, 12 + seed)
+        esc.Tabulated(theta, theta, measured=True, cell_angle=1.0, follower_step=1.0)
+
+
 def test_its_repr_is_short_and_tells_tables_apart():
     table, other = exact(200), exact(201)
     text = repr(esc.Escapement(table, esc.Inertia(1e-6, 1e-5), 0.01, efficiency=0.9))

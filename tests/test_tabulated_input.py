@@ -307,6 +307,20 @@ def test_commands_take_a_table(report, tmp_path):
     assert "the scatter of the table leaves the contact moment uncertain by" in torque["message"]
 
 
+@pytest.mark.filterwarnings("always")
+@pytest.mark.usefixtures("table_file")
+def test_commands_warn_of_a_table_with_a_gap(command):
+    rows = np.loadtxt("table.csv", delimiter=",")
+    np.savetxt("gap.csv", rows[:41], delimiter=",")
+    readings = esc.synthetic_readings(DRIVE, seed=1, noise=0.01)
+    esc.write_readings(readings, "readings.csv")
+    kind = ("tabulated", "--table", "gap.csv", "--cell-angle", "202.5", "--follower-step", "157.5")
+    inertias = ("--driver-inertia", "1e-5", "--follower-inertia", "2e-5")
+    run = ("run", *kind, "--torque", ".01", "--efficiency", ".9", *inertias)
+    for words in (("mechanism", *kind), run, ("measure", "readings.csv", *kind)):
+        assert "warning: theta must have rows all over the cell" in command(*words)[2]
+
+
 @pytest.mark.parametrize(
     ("argv", "code", "words"),
     [

@@ -1,6 +1,7 @@
 """A mechanism known by its position function alone: designed elsewhere, or measured."""
 
 import math
+import warnings
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -38,6 +39,8 @@ _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a s
 _SAMPLES = 2001
 _ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
 _CLOSE = 1e-9  # of a cell: angles this near each other are the same
+_GAP = 0.1  # of a cell without rows: the curve across is a guess
+_MANY = {False: 5.0, True: 15.0}  # usual distances of exact, measured rows: no gap by chance
 _OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
 
 
@@ -69,6 +72,12 @@ class Tabulated:
     ------
     InvalidValue
         When the table breaks a rule.
+
+    Warns
+    -----
+    UserWarning
+        Where more than a tenth of the cell has no rows: five times their usual
+        distance or more, fifteen times where they are measured.
 
     Notes
     -----
@@ -110,6 +119,22 @@ class Tabulated:
             object.__setattr__(self, name, value)
         if self._is_one_cell:
             self._check_step(theta, phi)
+        self._warn_of_gap(theta)
+
+    def _warn_of_gap(self, theta: FloatArray) -> None:
+        places = self._folded(theta)[0]
+        distances = np.diff(np.append(places, places[0] + self.cell_angle))
+        widest = int(np.argmax(distances))
+        usual = float(np.median(distances[distances > self._near]))
+        if distances[widest] > max(_GAP * self.cell_angle, _MANY[self.measured] * usual):
+            gap, cell, after = map(
+                math.degrees, (distances[widest], self.cell_angle, places[widest])
+            )
+            warnings.warn(
+                f"theta must have rows all over the cell, and has none for {gap:.3g} of {cell:.4g} "
+                f"degrees after {after:.4g}: the curve across is a guess; give rows there",
+                stacklevel=4,
+            )
 
     def _check_step(self, theta: FloatArray, phi: FloatArray) -> None:
         """Whether the rows of a whole cell turn by what they are said to."""
