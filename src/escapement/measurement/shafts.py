@@ -186,5 +186,6 @@ def _summed(shafts: list[_Shaft], slope: FloatArray, errors: FloatArray) -> _Sum
                 columns += [effect * wave.real, effect * wave.imag]
         table = np.array([*columns, errors[part]])
         gram += table @ table.T
+        # without the few pairs that a block's end parts
         following += table[:, 1:] @ table[:, :-1].T
     return _Sums(gram[:-1, :-1], gram[:-1, -1], float(gram[-1, -1]), following, errors.size)
