@@ -136,6 +136,21 @@ def test_missing_samples_do_not_lose_a_turn():
     assert result.standard_deviation < 1.1e-4
 
 
+@pytest.mark.parametrize("junk", [0.0, np.inf, 1e20])
+@pytest.mark.parametrize("column", ["input", "output"])
+def test_a_masked_reading_is_missing_whatever_lies_below_the_mask(column, junk):
+    theta = np.linspace(0.0, 40.0, 900)
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(900)
+    columns = {"input": theta, "output": measurement.position(PRIKHODKO, theta) + noise}
+    lost = np.arange(900) % 37 == 5
+    gaps, hidden = dict(columns), dict(columns)
+    gaps[column] = np.where(lost, np.nan, columns[column])
+    hidden[column] = np.ma.array(np.where(lost, junk, columns[column]), mask=lost)
+    one, other = (esc.measure(esc.Readings(**given), PRIKHODKO) for given in (gaps, hidden))
+    assert other.readings.missing == lost.sum()
+    np.testing.assert_array_equal(other.errors, one.errors)
+
+
 SWING = 4 * np.pi * np.sin(2 * np.pi * np.arange(300) / 200)
 FASTER = np.radians(np.cumsum(np.linspace(8.0, 60.0, 300)))
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,9 +27,9 @@ class Readings:
     Parameters
     ----------
     input, output : array_like, shape (n,)
-        Angles in the order in which they were taken [rad]; NaN where a reading is
-        missing. A column that stays within one turn is taken for one that starts
-        again at zero each turn, any other as counting on.
+        Angles in the order in which they were taken [rad]; NaN or masked where a
+        reading is missing. A column that stays within one turn is taken for one that
+        starts again at zero each turn, any other as counting on.
     line : array_like of int, shape (n,), optional
         Line of each sample in its file. Default: 1, 2, ...
     synthetic : bool
@@ -99,25 +100,25 @@ class Readings:
 
 
 def _column(name: str, values: ArrayLike) -> FloatArray:
-    array = np.asarray(values)
+    array: np.ma.MaskedArray[Any, Any] = np.ma.asanyarray(values)
     if array.dtype.kind not in "iuf" or array.ndim != 1:
         raise _validate.fail(
             name, "a row of real numbers", _shape(array), "give the angles in rad, one a sample"
         )
-    array = array.astype(float, copy=False)
-    if np.isinf(array).any():
-        place = int(np.flatnonzero(np.isinf(array))[0])
+    angles: FloatArray = np.ma.filled(array.astype(float, copy=False), np.nan)
+    if np.isinf(angles).any():
+        place = int(np.flatnonzero(np.isinf(angles))[0])
         raise InvalidValue(
-            f"{name} must be finite, got {float(array[place])!r} in sample {place + 1}; "
+            f"{name} must be finite, got {float(angles[place])!r} in sample {place + 1}; "
             "give NaN for a missing reading"
         )
-    far = np.flatnonzero(np.abs(array) > FARTHEST)
+    far = np.flatnonzero(np.abs(angles) > FARTHEST)
     if far.size:
         raise InvalidValue(
-            f"{name} must be {WITHIN}, got {float(array[far[0]])!r} rad in sample {far[0] + 1}; "
+            f"{name} must be {WITHIN}, got {float(angles[far[0]])!r} rad in sample {far[0] + 1}; "
             "give NaN for a reading that is none"
         )
-    return array
+    return angles
 
 
 def _shape(array: np.ndarray) -> str:
