@@ -8,6 +8,7 @@ import pytest
 import escapement as esc
 from escapement import plots
 from escapement.errors import InvalidValue
+from escapement.plots._quantiles import quantile
 from escapement.plots.sample import rank_correlation
 
 TIMER = esc.Escapement(esc.Geneva(slots=4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, 0.3)
@@ -39,14 +40,63 @@ def test_points_are_the_cases_and_lines_their_quantiles(study):
         np.testing.assert_array_equal(points.get_xdata(), study.sampled[name])
         np.testing.assert_array_equal(points.get_ydata(), period)
         np.testing.assert_array_equal(lost.get_xdata(), study.sampled[name][np.isnan(period)])
-        levels = sorted(line.get_ydata()[0] for line in ax.lines[2:])
-        np.testing.assert_allclose(levels, np.nanquantile(period, [0.05, 0.5, 0.95]))
+        np.testing.assert_allclose(levels(ax), np.nanquantile(period, [0.05, 0.5, 0.95]))
     assert sum(bar.get_width() for bar in distribution.patches) == np.isfinite(period).sum()
     assert friction.get_ylabel() == "Period (ms)"
     (legend,) = figure.legends
     texts = [text.get_text() for text in legend.get_texts()]
     assert texts == ["case", "median", "5 % and 95 %", f"no result ({study.failed} of 200)"]
     assert study.failed > 10
+
+
+def without_long_times(study, share):
+    """The same study, its longest times beyond what an engine follows."""
+    times = study.results["rise_time"]
+    short = {"rise_time": np.where(times > np.nanquantile(times, share), np.nan, times)}
+    return replace(study, results=study.results | short)
+
+
+def levels(ax):
+    """Heights of lines across a panel."""
+    return sorted(line.get_ydata()[0] for line in ax.lines if line.get_linestyle() in ("-", "--"))
+
+
+@pytest.mark.parametrize(("share", "drawn"), [(0.97, 3), (0.7, 2), (0.3, 1), (0.04, 0)])
+def test_a_time_that_is_not_given_is_longer_than_any(study, share, drawn):
+    cut = without_long_times(study, share)
+    times, ran = cut.results["rise_time"], np.isfinite(cut.results["period"])
+    lost = ran & np.isnan(times)
+    figure = plots.plot_sample(cut, ["rise_time", "period"])
+    rise, _, distribution, period, *_ = figure.axes
+    # those of the whole sample, as far as they lie among what is given
+    whole = 1e3 * np.nanquantile(study.results["rise_time"], [0.05, 0.5, 0.95])[:drawn]
+    np.testing.assert_allclose(levels(rise), whole, rtol=1e-12)
+    assert len(levels(period)) == 3
+    crosses, triangles = rise.lines[1:3]
+    np.testing.assert_array_equal(crosses.get_xdata(), cut.sampled["friction"][~ran])
+    np.testing.assert_array_equal(triangles.get_xdata(), cut.sampled["friction"][lost])
+    assert period.lines[2].get_xdata().size == 0
+    said = f"no rise time in {lost.sum()} of {ran.sum()} cases: counted as longest"
+    assert distribution.get_title(loc="right") == said
+    assert figure.axes[5].get_title(loc="right") == ""
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts[-2:] == [f"no result ({cut.failed} of 200)", "no time"]
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= legend.x0
+    assert legend.x1 <= figure.bbox.x1
+
+
+def test_a_quantile_on_the_last_number_before_infinity_is_that_number():
+    values = np.array([3.0, np.inf, 1.0, np.nan, 2.0, np.inf])
+    # of five that count: every quarter falls on one
+    found = [float(quantile(values, share)) for share in (0.0, 0.25, 0.375, 0.5, 0.51, 0.75)]
+    np.testing.assert_array_equal(found, [1.0, 2.0, 2.5, 3.0, np.nan, np.nan])
+    assert np.isnan(quantile(np.full(4, np.nan), 0.5))
+    rng = np.random.default_rng(3)
+    many = rng.standard_normal((4, 3, 101))
+    for share in (0.05, 0.5, 0.95):
+        np.testing.assert_allclose(quantile(many, share), np.quantile(many, share, axis=-1))
 
 
 def test_of_many_parameters_those_with_most_effect_are_drawn():
@@ -73,6 +123,11 @@ def test_rank_correlation_counts_ties_and_gaps_as_they_are():
     tied, y = np.array([4.0, 4.0, 5.0, 5.0]), np.array([1.0, 2.0, 3.0, 4.0])
     assert rank_correlation(tied, y) == pytest.approx(2.0 / np.sqrt(5.0), rel=1e-12)
     assert rank_correlation(np.append(tied, 0.0), np.append(y, np.nan)) == rank_correlation(tied, y)
+    # infinity is a rank above all others: 1 2 3.5 3.5 against 1 2 3 4
+    longest = np.array([1.0, 2.0, np.inf, np.inf])
+    expected = 4.5 / np.sqrt(5.0 * 4.5)
+    assert rank_correlation(longest, y) == pytest.approx(expected, rel=1e-12)
+    assert rank_correlation(x, np.full(100, np.inf)) == 0.0
     assert rank_correlation(x, np.full(100, np.nan)) == rank_correlation(x, np.ones(100)) == 0.0
 
 
@@ -92,6 +147,33 @@ def test_a_band_holds_the_sample_at_each_point_of_a_grid(grid):
     title = rise.get_legend().get_title().get_text()
     assert title.startswith("Median and 5 % to 95 % of 200 cases\nbut for ")
     assert f"but for {grid.failed} of 2000 in all" in title
+
+
+def test_a_band_ends_where_times_are_not_given(grid):
+    cut = without_long_times(grid, 0.6)
+    times, ran = cut.results["rise_time"], np.isfinite(cut.results["period"])
+    figure = plots.plot_study(cut)
+    rise, mean = figure.axes
+    complete = 0
+    for column, (line, band) in enumerate(zip(rise.lines, rise.collections, strict=True)):
+        here, known = times[:, column], ran[:, column]
+        given, some = np.isfinite(here).sum(axis=1), np.maximum(known.sum(axis=1), 1)
+        drawn = (given - 1) >= 0.5 * (some - 1)  # else the median falls on what is not given
+        drawn &= given > 0
+        np.testing.assert_array_equal(np.isfinite(line.get_ydata()), drawn)
+        whole = 1e3 * np.nanquantile(grid.results["rise_time"][drawn, column], 0.5, axis=1)
+        np.testing.assert_allclose(line.get_ydata()[drawn], whole, rtol=1e-12)
+        banded = ((given - 1) >= 0.95 * (some - 1)) & (given > 0)
+        edges = np.concatenate([path.vertices[:, 0] for path in band.get_paths()] or [[]])
+        assert set(edges) == set(line.get_xdata()[banded])
+        complete += int((drawn & ~banded).sum())
+    assert complete > 0
+    lost = int((ran & np.isnan(times)).sum())
+    title = rise.get_legend().get_title().get_text()
+    assert f"no rise time in {lost} of {ran.sum()} cases: counted as longest" in title
+    (alone,) = plots.plot_study(without_long_times(grid, 0.0)).axes
+    assert alone.get_ylabel().replace("\n", " ") == mean.get_ylabel().replace("\n", " ")
+    assert "cases: too many to draw" in alone.get_legend().get_title().get_text()
 
 
 def test_one_axis_beside_a_sample_needs_no_legend():
@@ -121,6 +203,10 @@ def test_what_cannot_be_drawn_is_refused(study, grid):
             draw(study, "period")
     with pytest.raises(InvalidValue, match="must be a sample at one point of its grid"):
         plots.plot_sample(grid)
+    with pytest.raises(InvalidValue, match=r"results must be one of velocity_max, .*'periods'"):
+        plots.plot_sample(study, results=["periods"])
+    with pytest.raises(InvalidValue, match="results must be a list of names, got 'period'"):
+        plots.plot_sample(study, results="period")
     nothing = {name: values * np.nan for name, values in study.results.items()}
     with pytest.raises(InvalidValue, match="must hold a number for period or velocity_max"):
         plots.plot_study(replace(study, results=nothing))

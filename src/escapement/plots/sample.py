@@ -10,19 +10,22 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from escapement import _validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots import _style
 from escapement.plots._labels import label, number, print_unit, scaled, superscript
+from escapement.plots._quantiles import QUANTILES, counted, missing, quantile, ran
 from escapement.plots._table import NoResult, Study, printed_name, single_case
 
-QUANTILES = (0.05, 0.5, 0.95)
 _RESULTS = ("period", "velocity_max", "rise_time")
 _MOST_PANELS = 3  # parameters beside one another
 _MOST_POINTS = 1500
 _BINS = (8, 40)
 _LINE = 20  # characters of a label beside a panel
 _BESIDE = dict(zip(QUANTILES, ("top", "center", "bottom"), strict=True))
+_LOST: dict[str, Any] = {"marker": "x", "color": _style.VERMILLION, "ms": 3.5, "mew": 0.8}
+_LONGER: dict[str, Any] = {"marker": "^", "color": _style.PURPLE, "ms": 3.5, "mew": 0.0}
 _APART = 0.06  # least distance of two numbers, of a panel's height
 
 
@@ -34,20 +37,27 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
     study : Study
         A sweep's result over a sample.
     results : sequence of str
-        Which results, a row each; those without a number are left out.
+        Which results, by name, a row each; those without a number are left out.
 
     Returns
     -------
     Figure
         Of more than three parameters, those whose ranks go most with the first
         result. Lines across a row are its 5 %, 50 % and 95 % quantiles, of all cases
-        that have an answer; the points are at most 1500 of them, drawn at random.
+        that have an answer; the points are at most 1500 of them, drawn at random. A
+        rise or settling time that a case lacks although it has an answer counts as
+        longer than any: such cases are marked at the top of the panels, and a quantile
+        that falls on one is not drawn.
 
     Raises
     ------
     InvalidValue
-        When the study is no sample, or no case has a result.
+        When the study is no sample, has no such result, or no case has one.
     """
+    if isinstance(results, str):
+        raise _validate.fail("results", "a list of names", results, f"give [{results!r}]")
+    for name in results:
+        _validate.choice("results", name, tuple(study.results))
     flat = _flat(study)
     rows = [name for name in results if np.isfinite(flat.results[name]).any()]
     if not rows:
@@ -71,19 +81,26 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
             _scatter(_style.dress(ax), flat.parameters[parameter], values, flat.failed, shown)
         line[0].set_ylabel(_wrapped(printed_name(study, name), unit))
         _distribution(_style.dress(line[-1]), values[np.isfinite(values)])
-        _quantile_lines(line, np.nanquantile(values, QUANTILES).tolist())
+        _quantile_lines(line, [float(quantile(values, share)) for share in QUANTILES])
+        if lack := missing(study, name):
+            note = f"{lack}: counted as longest"
+            line[-1].set_title(note, loc="right", fontsize=_style.SMALL_SIZE)
     for ax in panels.ravel():
         ax.label_outer()
     for ax, parameter in zip(panels[-1], names, strict=False):
         _dress_parameter(ax, study, parameter)
     panels[-1][-1].set_xlabel("Cases")
-    _explain(figure, flat, names, rows[0])
+    _explain(figure, flat, names, rows)
     return figure
 
 
 @dataclass(frozen=True)
 class _Flat:
-    """A sample as columns: parameters and results of shape (n,); `failed` without answer."""
+    """A sample as columns of shape (n,).
+
+    results : infinite where a case that has an answer lacks one, NaN where it has none.
+    failed : cases without an answer.
+    """
 
     parameters: dict[str, FloatArray]
     results: dict[str, FloatArray]
@@ -97,8 +114,8 @@ def _flat(study: Study) -> _Flat:
             "study must be a sample at one point of its grid for this figure, got "
             f"{', '.join(varied) or 'a single case'}; use plot_study"
         )
-    results = {name: np.ravel(v).astype(float) for name, v in study.results.items()}
-    failed = ~np.isfinite(results["velocity_mean"])
+    results = {name: np.ravel(counted(study, name)) for name in study.results}
+    failed = ~np.ravel(ran(study))
     parameters = {name: np.asarray(v, dtype=float) for name, v in study.sampled.items()}
     return _Flat(parameters, results, failed)
 
@@ -115,14 +132,14 @@ def _foremost(flat: _Flat, result: str) -> list[str]:
 
 
 def rank_correlation(x: FloatArray, y: FloatArray) -> float:
-    """Spearman's coefficient of two columns, over the rows where both are finite [-].
+    """Spearman's coefficient of two columns, over the rows where neither is NaN [-].
 
-    0 where one of them does not vary.
+    0 where one of them does not vary. Infinity ranks above any number.
     """
     from scipy.stats import spearmanr
 
-    both = np.isfinite(x) & np.isfinite(y)
-    if not both.any() or np.ptp(x[both]) == 0.0 or np.ptp(y[both]) == 0.0:
+    both = ~(np.isnan(x) | np.isnan(y))
+    if np.unique(x[both]).size < 2 or np.unique(y[both]).size < 2:
         return 0.0
     return float(spearmanr(x[both], y[both]).statistic)
 
@@ -135,13 +152,15 @@ def _chosen(size: int) -> np.ndarray:
 
 
 def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray, rows: np.ndarray) -> None:
-    """Points of the chosen rows, and crosses on the ground where there is no answer."""
+    """Points of the chosen rows; crosses below for no answer, triangles above for infinity."""
     small = rows.size > 300
     ax.plot(x[rows], y[rows], ".", color=_style.BLUE, ms=2.5 if small else 4.0, mew=0.0,
             alpha=0.5 if small else 0.8)  # fmt: skip
     lost = rows[failed[rows]]
-    ax.plot(x[lost], np.full(lost.size, 0.03), "x", color=_style.VERMILLION, ms=3.5, mew=0.8,
-            transform=ax.get_xaxis_transform())  # fmt: skip
+    above = rows[np.isinf(y[rows])]
+    for place, height, look in ((lost, 0.03, _LOST), (above, 0.97, _LONGER)):
+        ax.plot(x[place], np.full(place.size, height), ls="", transform=ax.get_xaxis_transform(),
+                **look)  # fmt: skip
 
 
 def _distribution(ax: Axes, values: FloatArray) -> None:
@@ -157,6 +176,8 @@ def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
     low, high = row[-1].get_ylim()
     placed: list[float] = []
     for share, value in sorted(zip(QUANTILES, values, strict=True), key=lambda q: q[0] == 0.5):
+        if not np.isfinite(value):
+            continue
         for ax in row:
             ax.axhline(value, color=_style.BLACK, lw=0.8, ls="-" if share == 0.5 else (0, (4, 2)))
         if all(abs(value - other) > _APART * (high - low) for other in placed):
@@ -188,8 +209,8 @@ def _wrapped(name: str, unit: str) -> str:
     return label(name, unit, _LINE)
 
 
-def _explain(figure: Figure, flat: _Flat, names: Sequence[str], result: str) -> None:
-    """What points, lines and crosses are, over the figure."""
+def _explain(figure: Figure, flat: _Flat, names: Sequence[str], rows: Sequence[str]) -> None:
+    """What points, lines, crosses and triangles are, over the figure."""
     size, lost = flat.failed.size, int(flat.failed.sum())
     points = f"case ({min(size, _MOST_POINTS)} of {size})" if size > _MOST_POINTS else "case"
     handles: list[Any] = [
@@ -199,14 +220,14 @@ def _explain(figure: Figure, flat: _Flat, names: Sequence[str], result: str) -> 
     ]
     if lost:
         text = f"no result ({lost} of {size})"
-        handles.append(
-            Line2D([], [], ls="", marker="x", color=_style.VERMILLION, ms=4, mew=0.8, label=text)
-        )
+        handles.append(Line2D([], [], ls="", label=text, **_LOST))
+    if any(np.isinf(flat.results[name]).any() for name in rows):
+        handles.append(Line2D([], [], ls="", label="no time", **_LONGER))
     count = len(flat.parameters)
-    effect = f"with most effect on {result.replace('_', ' ')}"
+    effect = f"with most effect on {rows[0].replace('_', ' ')}"
     title = f"{len(names)} of {count} parameters, those {effect}"
     figure.legend(
         handles=handles, loc="outside upper center", ncols=len(handles), frameon=False,
         fontsize=_style.SMALL_SIZE, title_fontsize=_style.SMALL_SIZE,
-        title=title if len(names) < count else None,
+        title=title if len(names) < count else None, columnspacing=1.4,
     )  # fmt: skip

@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from escapement.model import FloatArray
 from escapement.plots import _style
 from escapement.plots._labels import scaled
 from escapement.plots._panels import draw_lines, legend, spread, whole
-from escapement.plots._table import Study, available, tabulate
-from escapement.plots.sample import QUANTILES
+from escapement.plots._quantiles import QUANTILES, counted, missing, quantile, ran
+from escapement.plots._table import NoResult, Study, Table, available, tabulate
+
+_RESULTS = ("rise_time", "velocity_mean")
 
 
 def plot_spread(study: Study) -> Figure:
@@ -27,7 +30,9 @@ def plot_spread(study: Study) -> Figure:
     Figure
         Rise time and mean velocity against a swept parameter: the median over the
         sample, in a band from its 5 % to its 95 % quantile; a line for each value of
-        a second one.
+        a second one. A rise time that a case lacks although it has an answer is longer
+        than any: the median is not drawn where half of the cases lack it, nor is the
+        band where one in twenty does.
 
     Raises
     ------
@@ -35,14 +40,14 @@ def plot_spread(study: Study) -> Figure:
         When the study is no sample, or varies no axis beside it.
     """
     low, middle, high = (_at_quantile(study, share) for share in QUANTILES)
-    names = available(middle, ("rise_time", "velocity_mean"))
+    names = available(middle, _RESULTS)
     figure = _style.new_figure(_style.ONE_COLUMN, 0.9 + 2.2 * len(names))
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
     for ax, name in zip(panels, names, strict=True):
         table = tabulate(middle, name)
         lines = draw_lines(_style.dress(ax), middle, name, table)
         factor, _ = scaled(study.units.get(name, ""), table.values)
-        ends = [tabulate(side, name).values * factor for side in (low, high)]
+        ends = [_values(side, name, table) * factor for side in (low, high)]
         for line, column in zip(lines, spread(table.values.shape[1]), strict=True):
             below, above = (end[:, column] for end in ends)
             look: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "lw": 0.0}
@@ -51,10 +56,7 @@ def plot_spread(study: Study) -> Figure:
             else:
                 ax.fill_between(table.x_values, below, above, **look)
         ax.label_outer()
-    results = np.asarray(study.results["velocity_mean"])
-    note = f"Median and 5 % to 95 % of {results.shape[-1]} cases"
-    if lost := int((~np.isfinite(results)).sum()):
-        note += f"\nbut for {lost} of {results.size} in all, without result"
+    note = _note(study, names)
     legend(panels[0], study, table, lines, note)
     if table.lines is None:
         panels[0].set_title(note, fontsize=_style.SMALL_SIZE)
@@ -74,15 +76,32 @@ class _Grid:
     sampled: dict[str, np.ndarray] = field(default_factory=dict)
 
 
+def _present(study: Study) -> list[str]:
+    return [name for name in _RESULTS if name in study.results]
+
+
+def _values(side: _Grid, name: str, middle: Table) -> FloatArray:
+    """A quantile beside the median, NaN all over where it falls on no number anywhere."""
+    try:
+        return tabulate(side, name).values
+    except NoResult:
+        return np.full_like(middle.values, np.nan)
+
+
+def _note(study: Study, drawn: list[str]) -> str:
+    """Which cases the quantiles are of, and which of them have no number."""
+    answered = ran(study)
+    lines = [f"Median and 5 % to 95 % of {answered.shape[-1]} cases"]
+    if lost := int((~answered).sum()):
+        lines.append(f"but for {lost} of {answered.size} in all, without result")
+    for name in _present(study):
+        if lack := missing(study, name):
+            lines.append(f"{lack}: {'counted as longest' if name in drawn else 'too many to draw'}")
+    return "\n".join(lines)
+
+
 def _at_quantile(study: Study, share: float) -> _Grid:
-    """A quantile of every result over the cases that have one."""
+    """A quantile of the results drawn, over the cases that have an answer."""
     axes = {name: values for name, values in study.axes.items() if name != [*study.axes][-1]}
-    results = {}
-    for name, values in study.results.items():
-        if name == "status":
-            continue
-        numbers = np.where(np.isfinite(values), values, np.nan)
-        some = np.isfinite(numbers).any(axis=-1)
-        results[name] = np.full(some.shape, np.nan)
-        results[name][some] = np.nanquantile(numbers[some], share, axis=-1)
+    results = {name: quantile(counted(study, name), share) for name in _present(study)}
     return _Grid(axes, results, study.units, study.long_names)
