@@ -10,6 +10,7 @@ from any_path import Plain
 from escapement import measurement
 from escapement.errors import InvalidValue
 from escapement.measurement.encoder import sensor_share, sensor_uncertainty
+from escapement.measurement.spectrum import periodogram
 from measurement_tools import DEG, PRIKHODKO, read
 
 
@@ -128,6 +129,23 @@ WRONG = {
     "noise": (lambda: read(noise=-1.0), "noise", "at least 0"),
     "sense": (lambda: read(sense=0), "sense", "1 or -1"),
     "missing": (lambda: read(missing=1.0), "missing", "below 1"),
+    "drive": (lambda: esc.synthetic_readings("x", seed=1), "mechanism", "'x'"),
+    "counts": (lambda: read(encoder=4096), "an Encoder", "4096"),
+    "phase": (lambda: read(phase="1"), "phase must be a finite number", "'1'"),
+    "no phase": (lambda: read(phase=None), "phase must be a finite number", "None"),
+    "nan phase": (lambda: read(phase=math.nan), "phase must be a finite number", "nan"),
+    "offsets": (lambda: read(offset=[1, 2]), "offset must be a finite number", "[1, 2]"),
+    "far offset": (lambda: read(offset=1e300), "offset must be within 1e10 turns", "1e+300"),
+    "unlike": (lambda: periodogram(ROW, ROW[1:]), "one length", "60 and 59"),
+    "nan error": (lambda: periodogram(ROW, np.where(ROW > 8.9, np.nan, ROW)), "nan in sample 60"),
+    "masked": (lambda: periodogram(ROW, np.ma.masked_greater(ROW, 8.0)), "errors must be a row"),
+    "no errors": (lambda: periodogram([1.0, 2.0], ["a", "b"]), "errors must be a row"),
+    "empty": (lambda: periodogram(ROW[:0], ROW[:0]), "must differ"),
+    "highest": (
+        lambda: periodogram(ROW, ROW, 1e9),
+        "highest must be at most 8377.58",
+        "1000000000",
+    ),
     "level": (lambda: esc.measure(read(noise=0.1), PRIKHODKO).periodogram.level(2), "probability"),
 }
 

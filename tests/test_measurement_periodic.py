@@ -64,15 +64,31 @@ def test_periodogram_is_a_least_squares_fit_of_a_sinusoid():
         assert found.amplitude[i] == pytest.approx(amplitude, rel=5e-3, abs=1e-3)
 
 
+@pytest.mark.parametrize("turns", [2.33, 17.0])
+def test_where_no_sinusoid_can_be_told_there_is_no_power(turns):
+    random = np.random.default_rng(3)
+    angle = np.sort(random.uniform(0.0, 2.0 * np.pi * turns, 57))
+    errors = random.standard_normal(57)
+    found = measurement.spectrum.periodogram(angle, errors)
+    cycles = found.frequency * found.turns
+    for value in (found.power, found.amplitude):
+        assert np.isnan(value[cycles < 0.17]).all()
+        assert np.isfinite(value[cycles > 0.33]).all()
+        assert (value[np.isfinite(value)] > 0.0).all()
+    assert np.isnan(found.power[0])
+    assert found.power[found.peak] == np.nanmax(found.power)
+
+
 @pytest.mark.parametrize(("samples", "turns"), [(60, 10.0), (40, 20.0), (24, 0.5), (20, 30.0)])
 def test_periodogram_of_few_samples_a_turn(samples, turns):
     alarms = []
     for seed in range(40):
         readings = read(seed=seed, samples=samples, turns=turns, noise=0.1 * DEG)
         found = esc.measure(readings, PRIKHODKO).periodogram
-        assert np.isfinite(found.power).all()
-        assert found.power.max() < 0.99
-        alarms.append(found.false_alarm_probability(found.power.max()) < 0.05)
+        highest = found.power[found.peak]
+        assert 0.0 < highest < 0.99
+        assert highest == np.nanmax(found.power)
+        alarms.append(found.false_alarm_probability(highest) < 0.05)
     assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 40)
 
 
@@ -157,3 +173,11 @@ def test_many_turns_are_cut_for_the_periodogram_alone():
     assert "the periodogram covers the first 1000 turns" in result.message
     assert result.periodogram.samples == pytest.approx(40_000, abs=2)
     assert shown(result, "input").turns == pytest.approx(1500.0, abs=0.1)
+
+
+def test_samples_at_one_angle_are_no_first_turns():
+    angle = np.append(np.zeros(30), 2.0 * np.pi * np.linspace(2000.0, 3000.0, 30))
+    errors = np.random.default_rng(1).standard_normal(60)
+    found = measurement.spectrum.periodogram(angle, errors, highest=4.0)
+    assert found.samples == 60
+    assert found.turns == pytest.approx(3000.0)

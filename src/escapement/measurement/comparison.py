@@ -9,6 +9,7 @@ import numpy as np
 
 from escapement import _validate
 from escapement.errors import InvalidValue
+from escapement.measurement._checks import check_drive, checked_zero
 from escapement.measurement._csv import read_readings
 from escapement.measurement._fit import Fit, fit
 from escapement.measurement._position import position
@@ -21,10 +22,10 @@ from escapement.measurement.normality import (
     chi_squared,
     published_chi_squared,
 )
-from escapement.measurement.readings import FARTHEST, TURN, WITHIN, Readings, wraps
+from escapement.measurement.readings import TURN, Readings, wraps
 from escapement.measurement.shafts import ShaftError, shaft_errors
 from escapement.measurement.spectrum import Periodogram, periodogram
-from escapement.model import FloatArray, Mechanism, is_mechanism
+from escapement.model import FloatArray, Mechanism
 
 _EXPECTED = 5  # errors in a class, on average, for the chi-squared law to hold
 
@@ -199,10 +200,7 @@ def measure(
 
     Source: Prikhodko (2020), section 3.
     """
-    if not is_mechanism(mechanism):
-        raise _validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
-    if encoder is not None and not isinstance(encoder, Encoder):
-        raise _validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
+    check_drive(mechanism, encoder)
     share = _validate.number("confidence", confidence, "give a share, as 0.99")
     if not 0.0 < share < 1.0:
         raise _validate.fail("confidence", "between 0 and 1", confidence, "give a share, as 0.99")
@@ -239,12 +237,4 @@ def _checked_zeros(zeros: tuple[float, float]) -> tuple[float, float]:
         raise _validate.fail(
             "zeros", "a phase and an offset in rad", zeros, "give both, or leave it out"
         ) from None
-    return _checked_zero("phase", phase), _checked_zero("offset", offset)
-
-
-def _checked_zero(name: str, angle: float) -> float:
-    remedy = "give an angle in rad"
-    value = _validate.number(name, angle, remedy)
-    if abs(value) > FARTHEST:
-        raise _validate.fail(name, WITHIN, angle, remedy)
-    return value
+    return checked_zero("phase", phase), checked_zero("offset", offset)

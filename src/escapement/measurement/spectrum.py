@@ -28,8 +28,10 @@ class Periodogram:
     """Share of the variance of errors that comes back at a frequency.
 
     frequency : cycles a turn of the angle, ascending, shape (m,) [-].
-    power : share of the variance that a sinusoid explains, 0 to 1, shape (m,).
-    amplitude : of that sinusoid, shape (m,), in the unit of the errors.
+    power : share of the variance that a sinusoid explains, 0 to 1, shape (m,); NaN
+        where the samples cannot tell a sinusoid from its mean: below about a fifth of
+        a cycle over all of them, or where they lie at one phase or two opposite ones.
+    amplitude : of that sinusoid, shape (m,), in the unit of the errors; NaN likewise.
     samples : number of errors.
     turns : of the angle from the first of them to the last.
     bandwidth : frequencies that can be told apart, W of Baluev (2008) [-].
@@ -79,7 +81,7 @@ class Periodogram:
     @property
     def peak(self) -> int:
         """Index of the greatest power."""
-        return int(np.argmax(self.power))
+        return int(np.argmax(np.nan_to_num(self.power)))
 
 
 def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = None) -> Periodogram:
@@ -89,9 +91,9 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
     ----------
     angle : array_like, shape (n,)
         Angles in any order [rad]. Of many samples over more than 1000 turns those of
-        the first 1000 are used.
+        the first 1000 are used, of fewer turns where `highest` is above 12.
     errors : array_like, shape (n,)
-        Errors at them, not all equal.
+        Errors at them, finite and not all equal.
     highest : float, optional
         Highest frequency [cycles a turn]. Default: 12, or half as many as there are
         samples a turn where that is less.
@@ -103,20 +105,45 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
         better below: sums run over a fine grid of angles, in which each error is
         shared between its neighbours.
 
+    Raises
+    ------
+    InvalidValue
+        When the columns do not match, hold anything but finite numbers or the same
+        number throughout, or `highest` is more than the grid can hold over so many turns.
+
     Source: Zechmeister and Kuerster (2009), Astron. Astrophys. 496, eqs. 4 to 16.
     """
-    turns, values = np.asarray(angle, dtype=float) / TURN, np.asarray(errors, dtype=float)
+    turns, values = _row("angle", angle) / TURN, _row("errors", errors)
+    if turns.size != values.size:
+        raise InvalidValue(
+            f"angle and errors must be of one length, got {turns.size} and {values.size}; "
+            "give the angle of each error"
+        )
     if highest is not None:
         highest = _validate.positive("highest", highest, "give cycles a turn")
-    turns, values, top = _bounded(turns, values, highest)
-    if not (np.ptp(values) > 0.0 and np.ptp(turns) > 0.0):
+    if not (values.size and np.ptp(values) > 0.0 and np.ptp(turns) > 0.0):
         raise InvalidValue("errors and angles must differ for a periodogram, got one value only")
+    turns, values, top = _bounded(turns, values, highest)
     span = float(np.ptp(turns))
     top = max(top, 1.0 / span)
     sums = _Sums(turns, values - values.mean(), top, span)
     power, amplitude = sums.power()
     width = top * math.sqrt(4.0 * math.pi * float(turns.var()))
     return Periodogram(sums.frequency, power, amplitude, values.size, span, width)
+
+
+def _row(name: str, values: ArrayLike) -> FloatArray:
+    array = np.asarray(values)
+    if array.dtype.kind not in "iuf" or array.ndim != 1 or np.ma.is_masked(values):
+        raise _validate.fail(name, "a row of real numbers", values, "leave out what is missing")
+    row: FloatArray = array.astype(float)
+    if not np.isfinite(row).all():
+        place = int(np.argmin(np.isfinite(row)))
+        raise InvalidValue(
+            f"{name} must be finite, got {float(row[place])!r} in sample {place + 1}; "
+            "leave out what is missing"
+        )
+    return row
 
 
 class _Sums:
@@ -146,7 +173,7 @@ class _Sums:
         cs = -0.5 * self.ww.imag - c * s
         scale = cc * ss - cs * cs
         told = scale > _SINGULAR  # else all samples lie at one phase, or two opposite ones
-        scale = np.where(told, scale, np.inf)
+        scale = np.where(told, scale, np.nan)
         a, b = (yc * ss - ys * cs) / scale, (ys * cc - yc * cs) / scale
         return np.clip((a * yc + b * ys) / self.variance, 0.0, 1.0), np.hypot(a, b)
 
@@ -163,15 +190,20 @@ def _bounded(
     turns: FloatArray, values: FloatArray, highest: float | None
 ) -> tuple[FloatArray, FloatArray, float]:
     """Samples and highest frequency that a grid of bounded length can hold."""
-    span = float(np.ptp(turns))
+    span, asked = float(np.ptp(turns)), highest
     if highest is None:
-        highest = min(_PER_TURN, 0.5 * values.size / span) if span > 0.0 else _PER_TURN
+        highest = min(_PER_TURN, 0.5 * values.size / span)
     if span * highest <= _PER_TURN * MOST_TURNS:
         return turns, values, highest
     near = np.abs(turns - turns[0]) <= MOST_TURNS * min(1.0, _PER_TURN / highest)
-    if np.count_nonzero(near) >= LEAST_SAMPLES and np.ptp(values[near]) > 0.0:
+    told = np.count_nonzero(near) >= LEAST_SAMPLES and np.ptp(turns[near]) > 0.0
+    if told and np.ptp(values[near]) > 0.0:
         return turns[near], values[near], highest
-    return turns, values, _PER_TURN * MOST_TURNS / span
+    most = _PER_TURN * MOST_TURNS / span
+    if asked is not None:
+        rule = f"at most {most:.6g} for {values.size} samples over {span:.6g} turns"
+        raise _validate.fail("highest", rule, asked, "ask for less, or give samples of fewer turns")
+    return turns, values, most
 
 
 def _gamma_ratio(n: int) -> float:

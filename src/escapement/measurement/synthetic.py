@@ -3,6 +3,7 @@
 import numpy as np
 
 from escapement import _validate
+from escapement.measurement._checks import check_drive, checked_zero
 from escapement.measurement._position import position
 from escapement.measurement.encoder import Encoder
 from escapement.measurement.readings import LEAST_SAMPLES, TURN, Readings
@@ -66,6 +67,8 @@ def synthetic_readings(
     InvalidValue
         When an argument breaks its rule.
     """
+    check_drive(mechanism, encoder)
+    start, zero = checked_zero("phase", phase), checked_zero("offset", offset)
     count = _validate.integer("samples", samples, LEAST_SAMPLES, "give how many to compute")
     whole = _validate.integer("seed", seed, 0, "give any whole number")
     checked = {
@@ -82,11 +85,11 @@ def synthetic_readings(
         raise _validate.fail("missing", "from 0 to below 1", missing, "give a share, as 0.01")
     random = np.random.default_rng(whole)
     travel = TURN * _validate.number("turns", turns)
-    theta = phase + np.linspace(0.0, travel, count, endpoint=False)
+    theta = start + np.linspace(0.0, travel, count, endpoint=False)
     phi = _with_play(position(mechanism, theta), checked["backlash"])
     bend = 0.0 if encoder is None else encoder.greatest_deviation
-    angle = theta - phase + _shaft(random, theta, checked["input_eccentricity"], bend)
-    output = sense * (phi + _shaft(random, phi, checked["output_eccentricity"], bend)) + offset
+    angle = theta - start + _shaft(random, theta, checked["input_eccentricity"], bend)
+    output = sense * (phi + _shaft(random, phi, checked["output_eccentricity"], bend)) + zero
     output += checked["noise"] * random.standard_normal(count)
     if encoder is not None:
         angle, output = _digital(angle, encoder), _digital(output, encoder)

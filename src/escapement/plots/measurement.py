@@ -178,13 +178,14 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
     Returns
     -------
     Axes
-        Cycles a turn of the input and share of the variance explained [%]. Broken
+        Cycles a turn of the input and share of the variance explained [%], from the
+        lowest frequency on at which the samples tell a sinusoid from its mean. Broken
         line: one set of independent errors in a hundred has a higher peak anywhere.
         Dotted: once a turn of the input, of the output, and once a cell.
     """
     ax = _ready(result, ax)
     found = result.periodogram
-    keep = _outline(found.frequency.size, found.power)
+    keep = _outline(found.frequency.size, np.nan_to_num(found.power))
     ax.plot(found.frequency[keep], 100.0 * found.power[keep], color=_style.BLUE, lw=0.9)
     ax.axhline(
         100.0 * found.level(_FALSE_ALARM), color=_style.VERMILLION, lw=1.0,
