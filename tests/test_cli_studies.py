@@ -102,6 +102,13 @@ def test_plot_names_the_cases_that_leave_gaps(command, study):
     assert read_study("four.h5").outcomes == {"ok": 4, "painleve": 4}
 
 
+def test_plot_names_the_cases_that_take_longer_than_any_engine_follows(command, study):
+    command("sweep", study("[1e-13, 0.2, 0.5]"))
+    code, _, err = command("plot", "four.h5")
+    assert code == 0
+    assert "of 12 cases these leave gaps: 4 painleve, 4 without a rise time\n" in err
+
+
 def test_plot_draws_the_slice_that_was_selected(command, refusal, study, tmp_path):
     path = study()
     path.write_text(path.read_text().replace("slots = 4\n", "") + "slots = [3, 4, 6]\n")

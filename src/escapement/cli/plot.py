@@ -52,7 +52,7 @@ def execute(args: argparse.Namespace) -> int:
     from escapement.store import read_study
     from escapement.store_motion import is_motion, read_motion
 
-    outcomes: dict[str, int] = {}
+    gaps = ""
     if is_motion(args.file):
         if args.select is not None:
             raise UsageError(
@@ -68,17 +68,29 @@ def execute(args: argparse.Namespace) -> int:
         holds, figure = "motion", plot_motion(read_motion(args.file))
     else:
         study = _selected(read_study(args.file), args)
-        outcomes = study.outcomes if "status" in study.results else {}
+        gaps = _gaps(study) if "status" in study.results else ""
         holds, figure = "study", plots.plot_study(in_units(study, args.units))
     plots.save(figure, path)
     if args.json:
         _output.print_json({"input": str(args.file), "holds": holds, "output": str(path)})
     else:
         _output.note(f"{holds} drawn in {path}")
-    gaps = [f"{count} {label}" for label, count in outcomes.items() if label != Status.OK.label]
     if gaps:
-        _output.note(f"of {sum(outcomes.values())} cases these leave gaps: {', '.join(gaps)}")
+        _output.note(f"of {study.cases} cases these leave gaps: {gaps}")
     return 0
+
+
+def _gaps(study: "Study") -> str:
+    """How many cases have no number to draw, and why; "" for none."""
+    import numpy as np
+
+    counts = {label: n for label, n in study.outcomes.items() if label != Status.OK.label}
+    if "rise_time" in study.results:
+        answered = study.results["status"] == Status.OK
+        counts["without a rise time"] = int(
+            np.count_nonzero(answered & np.isnan(study.results["rise_time"]))
+        )
+    return ", ".join(f"{n} {what}" for what, n in counts.items() if n)
 
 
 def _check_hdf5(file: Path) -> None:
