@@ -46,7 +46,7 @@ def animate(
     frames : int
         Pictures in all, evenly spaced in time: a second or so of work for ten.
     rate : float
-        Pictures a second when shown [1/s].
+        Pictures a second when shown [1/s]; of a .gif no viewer shows more than 50.
 
     Returns
     -------
