@@ -56,13 +56,6 @@ def derivatives_at(path, theta):
 
 
 @jit
-def tabulate_jerk(path, theta, out):
-    """Fill `out` with the jerk function g'' of a slotted path."""
-    for i in range(theta.size):
-        out[i] = derivatives_at(path, theta[i])[2]
-
-
-@jit
 def _reversal_between(path, ratio, inner, outer):
     """Root of 1 + F g' between `inner` and `outer`, where it changes sign."""
     rising = 1.0 + ratio * derivatives_at(path, outer)[1] > 0.0

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike
 from escapement import _validate
 from escapement.constant_speed import geneva
 from escapement.constant_speed._chebyshev import Function, Piece, extremes, interpolate
-from escapement.constant_speed._kernels import tabulate_jerk
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
-from escapement.mechanisms._slotted import transmission
+from escapement.mechanisms._slotted import jerk, transmission
 from escapement.mechanisms._table import smooth_intervals
 from escapement.model import FloatArray, Mechanism, is_mechanism
 
@@ -135,14 +134,11 @@ def _known_jerk(mechanism: Mechanism) -> Function | None:
         return mechanism.jerk_function
     if isinstance(mechanism, GearDriven):
         return mechanism.jerk
-    return partial(_wheel_jerk, mechanism.path) if isinstance(mechanism, Geneva) else None
+    return partial(_wheel_jerk, mechanism) if isinstance(mechanism, Geneva) else None
 
 
-def _wheel_jerk(path: FloatArray, theta: FloatArray) -> FloatArray:
-    flat = np.ascontiguousarray(theta).reshape(-1)
-    out = np.empty_like(flat)
-    tabulate_jerk(path, flat, out)
-    return out.reshape(theta.shape)
+def _wheel_jerk(wheel: Geneva, theta: FloatArray) -> FloatArray:
+    return jerk(wheel.path, wheel.transmission(theta))
 
 
 def _closed_forms(wheel: Geneva) -> tuple[Extremum, float, float, Extremum, Extremum]:

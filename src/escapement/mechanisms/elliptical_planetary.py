@@ -200,7 +200,8 @@ class EllipticalPlanetary(EllipticalGears):
         """Driver angle from a stop in which the output turns by up to half a step [rad]."""
         from scipy.optimize import brentq
 
-        # by the cube of the planet's turn about the stop, further on by 0.6 of that or more
+        # about a stop the output turns by the cube of the planet's turn, further on by no less
+        # than 0.6 of that: the root lies below 1.2 of the cube's
         cube = math.cbrt(12.0 * self.ratio**3 * limit / self.ratio_max)
         high = min(1.3 * cube, math.pi)
         if limit <= 0.0 or self._turned(high) <= limit:
