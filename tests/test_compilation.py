@@ -157,6 +157,54 @@ print(wrong, "scipy.linalg" in sys.modules)
     assert run(code + "from toy.f import f; print(f(3.0))", **here) == "0 False\n6.0"
 
 
+def test_a_kernel_called_by_its_address(tmp_path):
+    """As if it were called by name, from the cache too, and never with other types."""
+    toy = tmp_path / "toy"
+    toy.mkdir()
+    for name in ("_jit.py", "_by_address.py"):
+        source = (PACKAGE / name).read_text().replace("escapement._jit", "toy._jit")
+        (toy / name).write_text(source)
+    (toy / "f.py").write_text("""
+from toy._by_address import by_address
+from toy._jit import jit
+
+@jit
+def weighed(x, factor, count):
+    total = 0.0
+    for i in range(count):
+        total += 2.0 * x[i]
+    return total, factor * total, count + 1
+
+weighed_at, address = by_address(weighed, 1, "(f8[::1], f8, i8)")
+
+@jit
+def f(calls, x, factor):
+    total, product, count = weighed_at(calls, x, factor, x.size)
+    return total, product, count
+""")
+    call = """
+import numpy as np
+from toy.f import address, f
+print(*f((0, address()), np.array([1.0, 2.0, 3.5]), 3))
+"""
+    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for _ in range(2):
+        assert run(call, **here) == "13.0 39.0 4"
+        assert len(list(tmp_path.rglob("*.nbc"))) == 2  # the second run compiles nothing
+    assert run(call, **here, NUMBA_DISABLE_JIT="1") == "13.0 39.0 4"
+    other = """
+import numba, numpy as np
+from toy.f import address, f
+try:
+    f((0, address()), np.array([1, 2]), 3.0)
+except numba.core.errors.NumbaError as error:
+    print("refused")
+"""
+    assert run(other, **here) == "refused"
+    (toy / "f.py").write_text((toy / "f.py").read_text().replace("2.0 *", "4.0 *"))
+    assert run(call, **here) == "26.0 78.0 4"
+
+
 @pytest.mark.parametrize("terminal", [True, False])
 def test_compiling_is_announced_once_and_on_a_terminal_only(tmp_path, terminal):
     write_toy(tmp_path, "from toy._jit import jit", 2.0)

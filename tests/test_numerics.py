@@ -10,7 +10,15 @@ from escapement.sweeping._numerics import numerics, sources
 
 PACKAGE = Path(escapement.__file__).parent
 DECIDE_NOTHING = {
-    *("__init__.py", "_curves.py", "_jit.py", "_peaks.py", "_validate.py", "errors.py"),
+    *(
+        "__init__.py",
+        "_by_address.py",
+        "_curves.py",
+        "_jit.py",
+        "_peaks.py",
+        "_validate.py",
+        "errors.py",
+    ),
 }
 """Names, checks, compilation, and figures that no study holds: results do not depend on them."""
 

@@ -19,7 +19,7 @@ from numba.core.runtime import rtsys
 
 
 def kernel_digest(package: Path) -> str:
-    """Digest of all files under `package` that hold a kernel.
+    """Digest of all files under `package` that hold a kernel, or call one by address.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def kernel_digest(package: Path) -> str:
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
         text = path.read_bytes()
-        if b"import jit" in text:
+        if b"import jit" in text or b"by_address" in text:
             digest.update(path.relative_to(package).as_posix().encode() + b"\0" + text)
     return digest.hexdigest()[:16]
 

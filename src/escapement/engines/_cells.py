@@ -5,15 +5,11 @@ asks for are known beforehand: cell 1 is the whole interval, cells 2k and 2k + 1
 are the halves of cell k.
 """
 
-from typing import Any
-
 import numpy as np
 
 from escapement._jit import jit
 from escapement.engines._gauss import POINTS, N
 from escapement.mechanisms._slotted import transmission_at, transmission_on
-from escapement.mechanisms._table import smooth_intervals
-from escapement.model import FloatArray
 
 AT_G, AT_ENDS = np.int64(0), np.int64(3 * N)
 _COLUMNS = AT_ENDS + 6
@@ -51,37 +47,3 @@ def tabulate_cells(path, breaks, levels):
             for i in range(_COLUMNS):
                 table[interval, cell, i] = line[i]
     return table
-
-
-_known: dict[tuple[int, bytes], tuple[FloatArray, FloatArray, FloatArray]] = {}
-_MOST_KNOWN = 64
-_last: tuple[Any, tuple[Any, ...]] = None, ()  # scene and numbers of the last call
-
-
-def with_cells(scene: tuple[Any, ...]) -> tuple[Any, ...]:
-    """A scene's numbers for the kernels: cells, path, edges, and what follows.
-
-    `scene` begins with path and breaks; the edges are those of its smooth intervals.
-    Mechanisms keep their path, so those last used are known by that array. An
-    escapement keeps its scene.
-    """
-    global _last
-    before, numbers = _last
-    if scene is before:
-        return numbers
-    path, breaks, *rest = scene
-    key = id(path), breaks.tobytes()
-    known = _known.get(key)
-    if known is None or known[0] is not path:
-        edges = smooth_intervals(path, breaks)
-        if len(_known) >= _MOST_KNOWN:
-            _known.clear()
-        known = _known[key] = path, edges, tabulate_cells(path, edges, _levels(edges))
-    numbers = known[2], path, known[1], *rest
-    _last = scene, numbers
-    return numbers
-
-
-def _levels(edges: FloatArray) -> int:
-    """How often an interval's cells are halved, the whole one included."""
-    return 6 if edges.size < 8 else 2

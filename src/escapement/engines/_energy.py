@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 
 from escapement._validate import fail
-from escapement.engines._cells import with_cells
 from escapement.engines._events import BREAK, MAXIMUM, REVERSAL
 from escapement.engines._handoffs import handoffs
 from escapement.engines._march import OK, PAINLEVE, STALL
 from escapement.engines._pieces import events_of, follow, states_in
+from escapement.engines._scene import numbers_of
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
@@ -49,7 +49,7 @@ class EnergyTrajectory:
         starts = np.concatenate([_START, self.times[: self.turns]]) / clock
         speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
         squares = (speeds * clock) ** 2
-        scene, tables = with_cells(self.escapement.scene), []
+        scene, tables = numbers_of(self.escapement.scene), []
         for first in range(0, starts.size, _AT_ONCE):
             # from one engagement before: whether the speed was rising decides of an extremum
             some = slice(max(first - 1, 0), first + _AT_ONCE)
@@ -96,7 +96,7 @@ class EnergyTrajectory:
     @cached_property
     def friction_loss(self) -> FloatArray:
         """Work lost in friction over each piece [J]."""
-        _cells, path, edges, _dwell, *losses = with_cells(self.escapement.scene)
+        _calls, _cells, path, edges, _dwell, *losses = numbers_of(self.escapement.scene)
         end_time = self.end_time / self.escapement.time_unit
         pieces = self._pieces[2:].T.copy()
         if pieces[-1, 0] != 0.0:
@@ -134,7 +134,7 @@ class EnergyTrajectory:
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angles and squared speeds at times since the piece's start."""
         _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
-        return follow(with_cells(self.escapement.scene), (angle, w, sign), end, times, self.rtol)
+        return follow(numbers_of(self.escapement.scene), (angle, w, sign), end, times, self.rtol)
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
@@ -157,7 +157,7 @@ def simulate(
 
     A duration of more than `longest` engagements is refused.
     """
-    clock, scene = escapement.time_unit, with_cells(escapement.scene)
+    clock, scene = escapement.time_unit, numbers_of(escapement.scene)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64

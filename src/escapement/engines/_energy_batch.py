@@ -4,14 +4,14 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, losses
-from escapement.engines._cells import with_cells
 from escapement.engines._figures import FIGURES, figures, workspace
 from escapement.engines._march import OK, PAINLEVE
+from escapement.engines._scene import numbers_of
 from escapement.model import FloatArray, Mechanism, dwell_angle
 
 
 @jit(allocates=True)
-def solve_scenes(cells, path, breaks, dwell, rho, mu, load, w, rtol, table, status):
+def solve_scenes(calls, cells, path, breaks, dwell, rho, mu, load, w, rtol, table, status):
     """Fill table[i] and status[i] for every scene i; natural units."""
     store, events = workspace(breaks)
     for i in range(rho.size):
@@ -20,7 +20,7 @@ def solve_scenes(cells, path, breaks, dwell, rho, mu, load, w, rtol, table, stat
             status[i] = PAINLEVE
         else:
             status[i] = figures(
-                cells, path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
+                calls, cells, path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
                 store, events, table[i],
             )  # fmt: skip
         if status[i] != OK:
@@ -60,5 +60,5 @@ def solve(
     status = np.empty(rho.size, dtype=np.uint8)
     breaks = np.array(mechanism.breaks)
     fixed = mechanism.path, breaks, dwell_angle(mechanism)
-    solve_scenes(*with_cells(fixed), rho, mu, load, w, rtol, table, status)
+    solve_scenes(*numbers_of(fixed), rho, mu, load, w, rtol, table, status)
     return table, status

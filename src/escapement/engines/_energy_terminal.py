@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from escapement.engines import _energy
-from escapement.engines._cells import with_cells
 from escapement.engines._figures import figures, workspace
+from escapement.engines._scene import numbers_of
 from escapement.engines._terminal import (
     CONTRACTION,
     FIGURES,
@@ -29,8 +29,8 @@ def terminal(
     clock = escapement.time_unit
     start = (initial_speed * clock) ** 2
     out = np.empty(FIGURES)
-    scene = with_cells(escapement.scene)
-    code = figures(*scene, start, rtol, *workspace(scene[2]), out)
+    scene = numbers_of(escapement.scene)
+    code = figures(*scene, start, rtol, *workspace(scene[3]), out)
     status = Status(code)
     if status is Status.STALL:
         message = stall_message(out[0], int(out[1]))

@@ -4,6 +4,7 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import ends_alike, free_turn
+from escapement.engines._calls import march, place
 from escapement.engines._cells import AT_ENDS
 from escapement.engines._events import (
     EVENTS,
@@ -16,7 +17,6 @@ from escapement.engines._events import (
     TIME,
     most_events,
     note,
-    place,
     turned,
 )
 from escapement.engines._march import (
@@ -25,13 +25,11 @@ from escapement.engines._march import (
     NOT_CONVERGED,
     OK,
     STALL,
-    march,
 )
 from escapement.engines._panels import (
     MAX_PANELS,
-    lay_out,
+    NO_PANELS,
     new_store,
-    tidy,
     tolerances,
 )
 from escapement.engines._terminal import (
@@ -59,7 +57,7 @@ def workspace(breaks):
 
 
 @jit
-def _judge(events, i, calm, s, path, rho, mu, load, out):
+def _judge(calls, events, i, calm, s, path, rho, mu, load, out):
     """Let one extremum of the transient decide on rise and settling time.
 
     Only the greatest and the least speed of an engagement tend to the terminal
@@ -68,10 +66,10 @@ def _judge(events, i, calm, s, path, rho, mu, load, out):
     final = out[V_MAX] if events[i, KIND] == MAXIMUM else out[V_MIN]
     error = abs(np.sqrt(events[i, SQUARE]) / final - 1.0)
     if not (abs(error - RISE_BAND) > ROUGH and abs(error - SETTLING_BAND) > ROUGH):
-        place(events, i, s, path, rho, mu, load)
+        place(calls, events, i, s, path, rho, mu, load)
         error = abs(np.sqrt(events[i, SQUARE]) / final - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
-        place(events, i, s, path, rho, mu, load)
+        place(calls, events, i, s, path, rho, mu, load)
         out[RISE] = events[i, SINCE] + events[i, TIME]
     if not events[i, LEADING] > 0.0:
         return calm
@@ -79,20 +77,20 @@ def _judge(events, i, calm, s, path, rho, mu, load, out):
         out[SETTLING] = np.nan
         return 0
     if np.isnan(out[SETTLING]):
-        place(events, i, s, path, rho, mu, load)
+        place(calls, events, i, s, path, rho, mu, load)
         out[SETTLING] = events[i, SINCE] + events[i, TIME]
     return calm + 1
 
 
 @jit
-def _leads(events, first, used, i, s, path, rho, mu, load):
+def _leads(calls, events, first, used, i, s, path, rho, mu, load):
     """Whether no other extremum of its kind in the engagement goes further."""
     for j in range(first, used):
         if j == i or events[j, KIND] != events[i, KIND]:
             continue
         if not abs(events[j, SQUARE] / events[i, SQUARE] - 1.0) > ROUGH:
-            place(events, i, s, path, rho, mu, load)
-            place(events, j, s, path, rho, mu, load)
+            place(calls, events, i, s, path, rho, mu, load)
+            place(calls, events, j, s, path, rho, mu, load)
         further = events[j, SQUARE] > events[i, SQUARE]
         if further == (events[i, KIND] == MAXIMUM) and events[j, SQUARE] != events[i, SQUARE]:
             return False
@@ -100,7 +98,7 @@ def _leads(events, first, used, i, s, path, rho, mu, load):
 
 
 @jit
-def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, out):
+def figures(calls, cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, its
@@ -116,17 +114,16 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
     if even and load == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
-    count = lay_out(store, path, breaks, cells, rho, loose)
+    count = NO_PANELS
     time, rising = 0.0, 0.0
     first = NONE
     found, calm, sought = False, NONE, False
     before, better_before = w, w
     record = EXTREMA
     for k in range(MAX_ENGAGEMENTS):
-        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _s, rising, count, used = march(
-            store, count, path, cells, rho, mu, load, w, 0.0, rising, loose, strict, record, events,
-            first,
+            calls, store, count, path, breaks, cells, rho, mu, load, w, 0.0, rising, loose, strict,
+            record, events, first,
         )  # fmt: skip
         if status != OK:
             for i in range(FIGURES):
@@ -143,9 +140,11 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
         for i in range(first, used):
             if MINIMUM <= events[i, KIND] <= MAXIMUM:
                 events[i, SINCE] = time
-                events[i, LEADING] = _leads(events, first, used, i, store, path, rho, mu, load)
+                events[i, LEADING] = _leads(
+                    calls, events, first, used, i, store, path, rho, mu, load
+                )
                 if found:
-                    calm = _judge(events, i, calm, store, path, rho, mu, load, out)
+                    calm = _judge(calls, events, i, calm, store, path, rho, mu, load, out)
         following, free = free_turn(exit_w, dwell, rho)
         time += length + free
         if not sought:
@@ -159,15 +158,15 @@ def figures(cells, path, breaks, dwell, rho, mu, load, w, rtol, store, events, o
                 if sound and better > 0.0 and better_before != before:
                     start = beyond(w, better, before, better_before)
                 status, count = terminal_cycle(
-                    store, count, cells, path, breaks, dwell, rho, mu, load, ends, start, following,
-                    w, better, rtol, events, used, out,
+                    calls, store, count, cells, path, breaks, dwell, rho, mu, load, ends, start,
+                    following, w, better, rtol, events, used, out,
                 )  # fmt: skip
                 sought, found = True, status == OK
                 if status in (NOT_CONVERGED, NO_TERMINAL):
                     return status
                 for i in range(used if found else 0):
                     if MINIMUM <= events[i, KIND] <= MAXIMUM:
-                        calm = _judge(events, i, calm, store, path, rho, mu, load, out)
+                        calm = _judge(calls, events, i, calm, store, path, rho, mu, load, out)
                 first = NONE
                 # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) engagements
                 if found and out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:

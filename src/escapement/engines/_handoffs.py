@@ -4,23 +4,22 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import beyond_painleve, free_turn
+from escapement.engines._calls import march
 from escapement.engines._events import EVENTS, NONE, most_events
-from escapement.engines._march import OK, PAINLEVE, TIME, march
+from escapement.engines._march import OK, PAINLEVE, TIME
 from escapement.engines._panels import (
-    ENDS,
-    HEAD,
     MAX_PANELS,
-    lay_out,
+    NO_PANELS,
     new_store,
-    place_of,
-    tidy,
     tolerances,
 )
 from escapement.mechanisms._slotted import transmission_at
 
 
 @jit(allocates=True)
-def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds):
+def handoffs(
+    calls, cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds
+):
     """March engagements until `times` is full, `limit` is passed or a stall.
 
     Parameters
@@ -41,17 +40,16 @@ def handoffs(cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, t
     loose, strict = tolerances(rtol)
     store = new_store(MAX_PANELS)
     events = np.empty((most_events(breaks), EVENTS))
-    count = lay_out(store, path, breaks, cells, rho, loose)
+    count = NO_PANELS
     time, carry, carry_w = 0.0, 0.0, 0.0
-    inertia = store[place_of(HEAD) + ENDS] ** 2 + rho
+    inertia = transmission_at(path, breaks[0])[0] ** 2 + rho
     start = w
     record = TIME
     same = inertia == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
-        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, exponent, source, _side, _r, count, _u = march(
-            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict, record, events,
-            NONE,
+            calls, store, count, path, breaks, cells, rho, mu, load, w, 0.0, 0.0, loose, strict,
+            record, events, NONE,
         )  # fmt: skip
         if status != OK:
             times[k] = (time + length) * clock

@@ -33,8 +33,10 @@ from escapement.engines._panels import (
     HEAD,
     KINK,
     LEFT,
+    MANY,
     MAX_PANELS,
     NEXT,
+    NO_PANELS,
     NOISE,
     RIGHT,
     SMALLEST,
@@ -44,6 +46,7 @@ from escapement.engines._panels import (
     A,
     C,
     halve,
+    lay_out,
     place_of,
     solution_of,
 )
@@ -60,13 +63,16 @@ MAP, TIME, EXTREMA, EVERYTHING = (np.int64(i) for i in range(4))  # what a march
 
 @jit
 def march(
-    s, count, path, cells, rho, mu, load, w, side, rising, loose, strict, record, events, used
+    s, count, path, breaks, cells, rho, mu, load, w, side, rising, loose, strict, record, events,
+    used,
 ):  # fmt: skip
     """Advance from entry to exit of one engagement.
 
     Parameters
     ----------
-    s, count : store, and panels in use; the chain starts with panel 0.
+    s, count : store, and panels in use; the chain starts with panel 0. It is laid out where
+        there is none, and anew where the events of many engagements, each elsewhere, left
+        too many.
     w : squared driver speed at entry.
     side, rising : side of the slot (0: find out), and sign of the acceleration
         before the entry (0: none).
@@ -83,6 +89,8 @@ def march(
         w_out (rho + g_out^2) = exp(-exponent) w_in (rho + g_in^2) + source for the
         side switched at the same angles. On a stall w is the angle.
     """
+    if count == NO_PANELS or count > MANY + 2 * breaks.size:
+        count = lay_out(s, path, breaks, cells, rho, loose)
     time, exponent, source = 0.0, 0.0, 0.0
     panel = HEAD
     noted = False

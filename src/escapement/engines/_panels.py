@@ -41,6 +41,7 @@ ALPHA, BETA, B, RIGHT, TAIL, NOISE = 0, N, 2 * N, 3 * N, 3 * N + 3, 3 * N + 4
 SIZE = BACKWARD + 56
 UNBUILT = -1.0
 HEAD, MAX_PANELS = np.int64(0), np.int64(2048)
+NO_PANELS = np.int64(0)  # have been laid out yet
 MANY = 128  # more than one engagement needs
 COARSE = 0.1  # of the tail allowed: what is solved for is rougher than its coefficients
 SMALLEST = 1e-13  # of a radian: no panel is halved below this
@@ -168,15 +169,6 @@ def lay_out(s, path, breaks, cells, rho, loose):
             count = halve(s, panel, path, cells, rho, count)
         following = s[at + NEXT]
     return count
-
-
-@jit
-def tidy(s, count, path, breaks, cells, rho, loose):
-    """Panels for another engagement; returns their number.
-
-    Laid out anew where the events of many earlier ones, each elsewhere, left too many.
-    """
-    return lay_out(s, path, breaks, cells, rho, loose) if count > MANY + 2 * breaks.size else count
 
 
 @jit

@@ -8,16 +8,18 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import bend
-from escapement.engines._events import ANGLE, EVENTS, KIND, NONE, REVERSAL, SQUARE, TIME, place
+from escapement.engines._calls import march, place
+from escapement.engines._events import ANGLE, EVENTS, KIND, NONE, REVERSAL, SQUARE, TIME
 from escapement.engines._gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines._inside import duration, run_over
 from escapement.engines._locate import weights_to
-from escapement.engines._march import EVERYTHING, march
+from escapement.engines._march import EVERYTHING
 from escapement.engines._panels import (
     DG,
     ENDS,
     HEAD,
     MAX_PANELS,
+    NO_PANELS,
     NOISE,
     RIGHT,
     TAIL,
@@ -30,12 +32,10 @@ from escapement.engines._panels import (
     V,
     W,
     at_gauss_points,
-    lay_out,
     new_store,
     place_of,
     solution_of,
     survey,
-    tidy,
     tolerances,
 )
 from escapement.engines._solve import solve_side
@@ -66,7 +66,7 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
+def events_of(calls, cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     """All events of the engagements that start at `starts` with `squares`.
 
     Returns
@@ -78,15 +78,14 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
     loose, strict = tolerances(rtol)
     store = new_store(MAX_PANELS)
     events = np.empty((_MOST + 4 * breaks.size, EVENTS))
-    count = lay_out(store, path, breaks, cells, rho, loose)
+    count = NO_PANELS
     table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
     filled = NONE
     rising = 0.0
     record = EVERYTHING
     for k in range(starts.size):
-        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, out, length, _x, _s, side, rising, count, used = march(
-            store, count, path, cells, rho, mu, load, squares[k], 0.0, rising,
+            calls, store, count, path, breaks, cells, rho, mu, load, squares[k], 0.0, rising,
             loose, strict, record, events, NONE,
         )  # fmt: skip
         if filled + used + 2 > table.shape[0]:
@@ -99,7 +98,7 @@ def events_of(cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
         first = side if flips % 2 == 0 else -side
         filled = _put(table, filled, k, -1.0, first, starts[k], squares[k])
         for i in range(used):
-            place(events, i, store, path, rho, mu, load)
+            place(calls, events, i, store, path, rho, mu, load)
             angle, time, w = events[i, ANGLE], events[i, TIME], events[i, SQUARE]
             filled = _put(table, filled, k, events[i, KIND], angle, starts[k] + time, w)
         if status != 0:
@@ -201,7 +200,7 @@ def follow(scene, start, end, times, rtol):
     Parameters
     ----------
     scene : tuple
-        As `with_cells` returns it.
+        As `numbers_of` returns it.
     start : (float, float, float)
         Driver angle [rad], squared speed and side of the slot, 0 in a dwell.
     end : float
@@ -215,7 +214,7 @@ def follow(scene, start, end, times, rtol):
     -------
     theta, squares : ndarray, shape (n,)
     """
-    _cells, path, edges, _dwell, rho, mu, load = scene
+    _calls, _cells, path, edges, _dwell, rho, mu, load = scene
     angle, w, sign = start
     if sign == 0.0:
         speed = np.sqrt(w)

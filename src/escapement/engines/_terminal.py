@@ -10,7 +10,8 @@ import numpy as np
 
 from escapement._jit import jit
 from escapement.dynamics import free_turn
-from escapement.engines._events import KIND, MAXIMUM, MINIMUM, ROUGH, SQUARE, place, turned
+from escapement.engines._calls import march, place
+from escapement.engines._events import KIND, MAXIMUM, MINIMUM, ROUGH, SQUARE, turned
 from escapement.engines._march import (
     EXTREMA,
     MAP,
@@ -19,9 +20,8 @@ from escapement.engines._march import (
     OK,
     STALL,
     TIME,
-    march,
 )
-from escapement.engines._panels import lay_out, tidy, tolerances
+from escapement.engines._panels import NO_PANELS, tolerances
 from escapement.mechanisms._table import is_table
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
@@ -65,7 +65,7 @@ def beyond(w, better, before, better_before):
 
 @jit
 def terminal_cycle(
-    store, count, cells, path, breaks, dwell, rho, mu, load, ends, w, last_good, before,
+    calls, store, count, cells, path, breaks, dwell, rho, mu, load, ends, w, last_good, before,
     better_before, rtol, events, first, out,
 ):  # fmt: skip
     """Terminal cycle by Newton's method from w; fills out.
@@ -83,15 +83,14 @@ def terminal_cycle(
     # a load often turns the pin twice inside a panel, which the map alone is blind for
     near, glance = False, MAP if load == 0.0 else TIME
     for _ in range(MAX_ENGAGEMENTS):
-        count = tidy(store, count, path, breaks, cells, rho, loose)
         status, exit_w, length, exponent, source, _side, _r, count, used = march(
-            store, count, path, cells, rho, mu, load, w, 0.0, 0.0, loose, strict,
+            calls, store, count, path, breaks, cells, rho, mu, load, w, 0.0, 0.0, loose, strict,
             EXTREMA if near else glance, events, first,
         )  # fmt: skip
         if status == STALL and plain == 0:
             # Newton overshot into a stop: follow the motion itself for a while, without the
             # panels of that stop
-            count = lay_out(store, path, breaks, cells, rho, loose)
+            count = NO_PANELS
             w, plain, near, glance = last_good, patience, False, TIME
             patience *= 2
             continue
@@ -128,7 +127,7 @@ def terminal_cycle(
             continue
         # only what may be the greatest or the least has to be exact
         if not slow * (1.0 + ROUGH) < events[i, SQUARE] < fast * (1.0 - ROUGH):
-            place(events, i, store, path, rho, mu, load)
+            place(calls, events, i, store, path, rho, mu, load)
         fast, slow = max(fast, events[i, SQUARE]), min(slow, events[i, SQUARE])
     out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
     out[PERIOD] = length + free_turn(exit_w, dwell, rho)[1]

@@ -9,8 +9,8 @@ import numpy as np
 
 from escapement._input_file import check_input
 from escapement.configuration import parse_plan
-from escapement.engines._cells import with_cells
 from escapement.engines._pieces import follow
+from escapement.engines._scene import numbers_of
 from escapement.errors import EscapementError, InputFileError
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
@@ -110,7 +110,7 @@ class SampledTrajectory:
         if not self._begins(piece + 1):
             end = self._start(piece + 1)[0]
         start = (angle, w, self.sign[piece])
-        theta, squares = follow(with_cells(self.escapement.scene), start, end, since, _RTOL)
+        theta, squares = follow(numbers_of(self.escapement.scene), start, end, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
     def _begins(self, piece: int) -> bool:
