@@ -221,6 +221,16 @@ def test_torque_figure_marks_maximum_and_reversals():
         plot_drive_torque(result, units="in-lbf")
 
 
+def test_torque_figure_writes_within_its_axes():
+    ax = plot_drive_torque(esc.drive_torque(esc.Geneva(4, internal=True), 100.0, 1.1, 0.002, 0.8))
+    ax.figure.draw_without_rendering()
+    frame = ax.get_window_extent()
+    for note in ax.texts:
+        place = note.get_window_extent()
+        assert frame.x0 <= place.x0, note.get_text()
+        assert place.x1 <= frame.x1, note.get_text()
+
+
 def test_torque_figure_is_in_the_units_asked_for(command, monkeypatch, tmp_path):
     drawn = []
     monkeypatch.setattr("escapement.cli._files.save_axes", lambda ax, path: drawn.append(ax))
