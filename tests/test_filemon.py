@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -219,6 +220,28 @@ def test_torque_figure_marks_maximum_and_reversals():
         plot_drive_torque(3.0)
     with pytest.raises(InvalidValue, match="units must be one of SI, in-lbf-s"):
         plot_drive_torque(result, units="in-lbf")
+
+
+def test_torque_figure_writes_within_its_axes():
+    ax = plot_drive_torque(esc.drive_torque(esc.Geneva(4, internal=True), 100.0, 1.1, 0.002, 0.8))
+    ax.figure.draw_without_rendering()
+    frame = ax.get_window_extent()
+    for note in ax.texts:
+        place = note.get_window_extent()
+        assert frame.x0 <= place.x0, note.get_text()
+        assert place.x1 <= frame.x1, note.get_text()
+
+
+def test_torque_figure_keeps_numbers_of_close_reversals_apart():
+    def restless(phi):
+        return 1.0 + 3.0 * np.cos(40.0 * phi)
+
+    for load, numbers in ((1.0, 2), (restless, 3)):
+        ax = plot_drive_torque(esc.drive_torque(esc.Geneva(8), 10.0, load, 0.01432))
+        ax.figure.draw_without_rendering()
+        places = [note.get_window_extent() for note in ax.texts[1:]]
+        assert len(places) >= numbers
+        assert not any(one.overlaps(two) for one, two in combinations(places, 2))
 
 
 def test_torque_figure_is_in_the_units_asked_for(command, monkeypatch, tmp_path):

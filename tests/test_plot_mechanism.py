@@ -57,6 +57,14 @@ def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
     )
 
 
+@pytest.mark.parametrize("slots", [3, 4, 8])
+def test_crescent_of_an_internal_wheel_has_a_smooth_edge(slots):
+    disc = locking_disc(Wheels(esc.Geneva(slots=slots, internal=True)))
+    hollow = np.abs(disc[disc.size // 2 :])  # from the driver's axis, edge after edge
+    waves = np.abs(np.diff(hollow, 2))[1:-1]
+    assert np.quantile(waves, 0.95) < 3e-3  # crank radii
+
+
 def test_pins_never_touch_the_follower(drive):
     wheels = Wheels(drive)
     for theta in np.linspace(drive.breaks[0], drive.breaks[0] + drive.cell_angle, 4):

@@ -29,6 +29,16 @@ def dwelling():
     return esc.simulate(timer(pins=1, friction=0.2, driver=3e-6), engagements=3, rtol=1e-8)
 
 
+def test_many_handoffs_are_marked_where_no_curve_hides_them(dwelling):
+    many = esc.simulate(dwelling.escapement, engagements=40, rtol=1e-8)
+    ax = plots.plot_velocities(many)
+    (marks,) = (lines for lines in ax.collections if lines.get_label() == "handoff")
+    top = ax.lines[0].get_ydata().max() / ax.get_ylim()[1]
+    assert len(marks.get_segments()) == 40
+    assert all(top < mark[:, 1].min() for mark in marks.get_segments())
+    assert all(mark[:, 1].max() == 1.0 for mark in marks.get_segments())
+
+
 def test_velocities_reach_every_extremum(motion):
     ax = plots.plot_velocities(motion)
     driver, follower = ax.lines[:2]

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from matplotlib.legend import Legend
 
 from escapement import plots
 from escapement.errors import InvalidValue
@@ -51,6 +52,19 @@ class Synthetic:
 
 TORQUE = np.array([0.08, 0.10, 0.12, 0.14])
 FRICTION = np.array([0.20, 0.25, 0.30])
+
+
+@pytest.mark.parametrize("count", [3, 6])
+def test_legend_of_long_numbers_stays_within_the_figure(count):
+    friction = np.geomspace(1.001e-6, 1.2345e-5, count)
+    study = Synthetic({"torque": np.linspace(0.1, 0.3, 5), "friction": friction})
+    figure = plots.plot_study(study)
+    figure.draw_without_rendering()
+    (legend,) = figure.findobj(Legend)
+    place = legend.get_window_extent()
+    assert len(legend.get_texts()) == count
+    assert figure.bbox.x0 <= place.x0
+    assert place.x1 <= figure.bbox.x1
 
 
 def test_lines_carry_units_and_marked_points():

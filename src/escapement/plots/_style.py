@@ -7,10 +7,11 @@ printed column and stay readable at half size. Only figure objects are used:
 nothing here touches pyplot's global state or opens a window.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from escapement import _validate
 
@@ -81,17 +82,21 @@ def dress(ax: Axes) -> Axes:
 
 def legend_above(ax: Axes, columns: int, title: str | None = None, **options: Any) -> None:
     """A legend over the axes, where it can cover no data."""
-    options = {"handlelength": 2.6, **options}
-    legend = ax.legend(
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
-        ncols=columns,
-        title=title,
-        fontsize=SMALL_SIZE,
-        title_fontsize=SMALL_SIZE,
-        frameon=False,
-        columnspacing=1.2,
-        borderaxespad=0.3,
-        **options,
-    )
-    legend.get_title().set_multialignment("center")
+    room = {"bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.2, "borderaxespad": 0.3}
+    add_legend(ax, columns, title, loc="lower center", **room, **{"handlelength": 2.6, **options})
+
+
+def add_legend(
+    where: Axes | Figure | SubFigure, columns: int, title: str | None = None, **options: Any
+) -> None:
+    """A legend in house style, of fewer columns where so many are wider than the figure."""
+    whole = where.figure if isinstance(where, Axes) else where
+    while True:
+        legend = where.legend(ncols=columns, fontsize=SMALL_SIZE, frameon=False, **options)
+        if columns == 1 or legend.get_window_extent().width <= whole.bbox.width:
+            break
+        legend.remove()
+        entries = len(legend.get_texts())
+        columns = math.ceil(entries / (math.ceil(entries / columns) + 1))
+    legend.set_title(title or "")
+    legend.get_title().set(fontsize=SMALL_SIZE, multialignment="center")

@@ -16,7 +16,7 @@ from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
 
 _RAYS = 720  # of the locking disc; twice a multiple of every possible number of pins
-_POSITIONS = 361
+_POSITIONS = {False: 361, True: 721}  # more for an internal wheel, whose corners sweep further
 _MARCHES = 40
 _SETTLED = 1e-5
 
@@ -154,7 +154,8 @@ def locking_disc(wheels: Wheels) -> np.ndarray:
     until the turning wheel, in any of its positions, comes within the gap.
     """
     mechanism, side = wheels.mechanism, wheels.side
-    theta = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], _POSITIONS)
+    positions = _POSITIONS[mechanism.internal]
+    theta = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], positions)
     to_follower = np.exp(-1j * mechanism.follower_angle(theta))
     turned = np.exp(1j * side * theta) * to_follower
     axis = mechanism.centre_distance * to_follower

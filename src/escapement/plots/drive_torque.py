@@ -58,9 +58,9 @@ def plot_drive_torque(
         ls=_style.LOOKS[1].linestyle, label="moment on the follower",
     )  # fmt: skip
     _mark_mean(ax, result, scale)
+    ax.set_xlim(angle[0], angle[-1])
     _mark_maximum(ax, result, scale, unit)
     _mark_reversals(ax, result)
-    ax.set_xlim(angle[0], angle[-1])
     ax.set(xlabel=label("driver angle from dead centre", "°"), ylabel=label("torque", unit))
     ax.margins(y=0.14)
     _style.legend_above(ax, 3)
@@ -88,7 +88,7 @@ def _mark_mean(ax: Axes, result: DriveTorque, scale: float) -> None:
 
 def _mark_maximum(ax: Axes, result: DriveTorque, scale: float, unit: str) -> None:
     x, y = math.degrees(result.torque_max_angle), result.torque_max * scale
-    ax.plot(x, y, "v", color=_style.BLACK, ms=5, label="greatest torque", zorder=4)
+    ax.plot(x, y, "v", color=_style.BLACK, ms=5, label="greatest torque", zorder=4, clip_on=False)
     _write(ax, f"{number(y)} {unit} at {x:.2f}°", (x, y), (0.0, 10.0))
 
 
@@ -97,14 +97,30 @@ def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
     found = np.degrees(result.reversals)
     if found.size:
         ax.plot(found, np.zeros_like(found), "o", ms=5, label="pin reversal", **marks)
-    for place in found:
-        _write(ax, f"{place:.2f}°", (place, 0.0), (0.0, 11.0))
+    ends = {11.0: -math.inf, -11.0: -math.inf}
+    for place in found.tolist():
+        text = f"{place:.2f}°"
+        half = _half_width(ax, text)
+        free = [side for side, end in ends.items() if place - half > end]
+        if free:  # above, else below, else there is no room
+            _write(ax, text, (place, 0.0), (0.0, free[0]))
+            ends[free[0]] = place + half
 
 
 def _write(ax: Axes, text: str, place: tuple[float, float], offset: tuple[float, float]) -> None:
-    """A number beside its mark, in a halo."""
+    """A number beside its mark, in a halo; not over the ends of the abscissa."""
+    start, end = ax.get_xlim()
+    half = _half_width(ax, text)
+    side = "left" if place[0] - start < half else "right" if end - place[0] < half else "center"
     note = ax.annotate(
-        text.replace("-", "−"), place, offset, textcoords="offset points", ha="center",
+        text.replace("-", "−"), place, offset, textcoords="offset points", ha=side,
         va="center", fontsize=_style.SMALL_SIZE, zorder=6,
     )  # fmt: skip
     note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+
+
+def _half_width(ax: Axes, text: str) -> float:
+    """About half the width of a number, along the abscissa."""
+    start, end = ax.get_xlim()
+    points = 72.0 * ax.bbox.width / ax.figure.dpi
+    return 0.3 * _style.SMALL_SIZE * len(text) * (end - start) / points

@@ -173,10 +173,11 @@ def _repeats(motion: Motion) -> bool:
 def _mark_handoffs(ax: Axes, motion: Motion, factor: float) -> None:
     times = motion.handoff_times * factor
     if times.size:
-        top = 1.0 if times.size <= _CROWDED else 0.03
+        # short ones at the top, where no curve of a motion hides them
+        bottom, style = (0.0, ":") if times.size <= _CROWDED else (0.97, "-")
         ax.vlines(
-            times, 0.0, top, transform=ax.get_xaxis_transform(), color=_style.LIGHT_GREY, lw=0.7,
-            ls=":", zorder=0, label="handoff",
+            times, bottom, 1.0, transform=ax.get_xaxis_transform(), color=_style.LIGHT_GREY,
+            lw=0.7, ls=style, zorder=0, label="handoff",
         )  # fmt: skip
 
 

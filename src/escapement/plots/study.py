@@ -1,7 +1,6 @@
 """Figures of a study: figures of merit over one or two swept parameters."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
@@ -164,14 +163,9 @@ def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
     rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
     upper, lower = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
     lines, _ = _fill(_panels(upper, 1, len(names)), study, names)
-    key: dict[str, Any] = {
-        "fontsize": _style.SMALL_SIZE,
-        "frameon": False,
-        "handlelength": _style.HANDLE,
-    }
-    upper.legend(
-        handles=lines, loc="outside upper center", ncols=len(lines),
-        title=legend_title(study, table), title_fontsize=_style.SMALL_SIZE, **key,
+    _style.add_legend(
+        upper, len(lines), legend_title(study, table), handles=lines,
+        loc="outside upper center", handlelength=_style.HANDLE,
     )  # fmt: skip
     maps = available(study, _MAPS)
     holes = []
@@ -179,7 +173,9 @@ def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
         holes += draw_map(ax, study, name, tabulate(study, name), bar="top")
         ax.label_outer()
     if holes:
-        lower.legend(handles=holes[:1], loc="outside lower center", **key)
+        _style.add_legend(
+            lower, 1, handles=holes[:1], loc="outside lower center", handlelength=_style.HANDLE
+        )
     _title(figure, table)
     return figure
 
