@@ -167,7 +167,7 @@ def together():
     yield Bad(partial(built, efficiency=0.9), "efficiency", "1 for a slotted mechanism", "0.9")
     tiny = partial(built, torque=1e-300)
     yield Bad(tiny, "follower_inertia / torque", "between 1e-100 and 1e100", "e+294")
-    light = partial(built, inertia=inertia(driver=1e-300))
+    light = partial(inertia, driver=1e-300)
     yield Bad(light, "driver_inertia / follower_inertia", "between 1e-100 and 1e100", "1e-300")
     yield Bad(partial(built, load_torque=1e300), "load_torque / torque", "below 1e100", "e+301")
     yield Bad(partial(first_steps, initial_speed=1e300), "initial_speed", "at most", "1e+300")

@@ -224,6 +224,10 @@ def test_what_a_mechanism_lacks_is_null_with_a_reason(command):
         assert reason.startswith(f"{key} is not given: ")
     assert err == f"escapement: {record['message']}\n"
     assert "message" not in json.loads(command("mechanism", "--json")[1])
+    light = ("--driver-inertia", "1e-99", "--follower-inertia", "1e9")
+    code, out, err = command("mechanism", *light)
+    assert (code, out) == (2, "")
+    assert "--driver-inertia / --follower-inertia must be between 1e-100 and 1e100" in err
 
 
 def test_existing_motion_is_kept_unless_forced(command, tmp_path):

@@ -171,7 +171,7 @@ REFUSED = [
     ({"sweep": {"friction": True}}, "friction must be a list of numbers, one number, or start"),
     ({"sweep": {"slots": [4, 2]}}, "slots[1] must be a whole number of at least 3, got 2"),
     ({"sweep": {"slots": [4, 4.5]}}, "slots[1] must be a whole number of at least 3, got 4.5"),
-    ({"sweep": {"pins": [1e300]}}, "pins[0] must be below 2^53"),
+    ({"sweep": {"pins": [1e300]}}, "pins[0] must be below 2^53, got 1e+300;"),
     ({"sweep": {"torque": [1.0, 0.0]}}, "torque[1] must be greater than 0, got 0.0"),
     ({"sweep": {"torque": {"start": 1}}}, "axis torque lacks stop and num; write { start"),
     ({"sweep": {"torque": EVEN | {"num": 0}}}, "torque.num must be a whole number of at least 1"),

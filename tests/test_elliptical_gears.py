@@ -125,6 +125,7 @@ def test_stations(sun, planet, stations):
         (lambda: esc.EllipticalPlanetary(1.0, 0.0), ["planet_radius", "greater than 0", "0.0"]),
         (lambda: esc.EllipticalPlanetary("a", 1.0), ["sun_radius", "finite number", "'a'"]),
         (lambda: esc.EllipticalPlanetary(1e6, 1.0), ["sun_radius / planet_radius", "10000"]),
+        (lambda: esc.EllipticalPlanetary(1.7e308, 1e308), ["sun_radius + planet_radius", "inf"]),
         (lambda: esc.EllipticalPlanetary.from_ellipse(1.0, 1.0), ["eccentricity", "below 1"]),
         (lambda: esc.EllipticalPlanetary.from_ellipse(1.0, 0.0), ["eccentricity", "circle"]),
         (lambda: esc.EllipticalPlanetary.from_ellipse(-1.0, 0.5), ["semi_major_axis", "-1.0"]),
@@ -148,6 +149,8 @@ def test_fewest_teeth_of_a_circle_are_those_of_every_textbook():
     assert fewest_teeth(round_one, math.radians(14.5)) == 32
     assert fewest_teeth(round_one, addendum=0.8) == 14
     assert fewest_teeth(PAPER) == 19
+    for unit in (1e-200, 1e150, 1e300):  # of length: the eccentricity alone matters
+        assert fewest_teeth(esc.EllipticalPlanetary(16.0 * unit, 9.0 * unit)) == 19
 
 
 @settings(deadline=None, max_examples=20)

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from escapement.dynamics import critical_friction
 from escapement.mechanisms import Geneva
-from escapement.model import Inertia, Mechanism
+from escapement.model import Escapement, Inertia, Mechanism
+from escapement.simulation import simulate
 
 wheels = st.builds(Geneva, slots=st.integers(3, 1000), pins=st.just(1), internal=st.booleans())
 places = st.floats(-1.0, 1.0)
@@ -126,6 +127,17 @@ def test_painleve_limit_is_the_least_ratio_and_is_reached(wheel, exponent):
         ratio = (rho + found.g**2) / (np.abs(found.g) * np.abs(found.u))
     assert limit <= ratio.min() * (1.0 + 1e-12)
     assert limit == pytest.approx(ratio.min(), rel=1e-3)
+
+
+@pytest.mark.parametrize("internal", [False, True])
+@pytest.mark.parametrize("rho", [1e-24, 1e-34, 1e-99])
+def test_painleve_limit_of_a_very_light_driver(rho, internal):
+    """It is met nearer to the exit than two angles lie apart, at g = sqrt(rho)."""
+    for n in (3, 4, 7, 100):
+        limit = critical_friction(Geneva(n, internal=internal), Inertia(rho, 1.0))
+        assert limit == pytest.approx(2.0 * math.sqrt(rho) / math.tan(math.pi / n), rel=1e-9)
+    model = Escapement(Geneva(4, internal=internal), Inertia(rho, 1.0), 1.0, friction=0.3)
+    assert f"Painleve limit {2.0 * math.sqrt(rho):.6g}, first met" in simulate(model).message
 
 
 @pytest.mark.parametrize(

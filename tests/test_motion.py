@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.errors import InvalidValue
 from escapement.status import Status
 from escapement.units import INCH_POUND
 
@@ -99,6 +100,15 @@ def test_a_dwell_is_a_free_turn(engine):
     assert np.all(state.phi_dot == 0.0)
     assert np.ptp(state.phi) == 0.0
     assert state.contact_force is None
+
+
+@pytest.mark.parametrize("piece", [-1, 9, [0, 9], 0.5, True, "first"])
+def test_a_piece_that_is_not_there_is_refused(piece):
+    motion = esc.simulate(timer(4, 0.35), engagements=3)
+    assert motion.trajectory.start.size == 9
+    with pytest.raises(InvalidValue, match="piece must be whole and from 0 to 8, got"):
+        motion.within(piece, np.zeros(2))
+    assert motion.within(8, motion.end_time).theta_dot == motion.at(motion.end_time).theta_dot
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -82,7 +82,7 @@ def dwell_angle(mechanism: Mechanism) -> float:
 
 @dataclass(frozen=True)
 class Inertia:
-    """Moments of inertia about the two axes.
+    """Moments of inertia about the two axes, their ratio between 1e-100 and 1e100.
 
     Parameters
     ----------
@@ -100,6 +100,14 @@ class Inertia:
         for name in ("driver", "follower"):
             value = _validate.positive(f"{name}_inertia", getattr(self, name), remedy)
             object.__setattr__(self, name, value)
+        _check_ratio("driver_inertia / follower_inertia", self.driver / self.follower)
+
+
+def _check_ratio(name: str, value: float) -> None:
+    """Refuse a ratio that a double cannot hold with room to spare."""
+    if not ratio_in_range(value):
+        rule = "between 1e-100 and 1e100"
+        raise _validate.fail(name, rule, value, "choose numbers of similar size")
 
 
 @dataclass(frozen=True)
@@ -181,14 +189,7 @@ class Escapement:
 
     def _check_ratios(self) -> None:
         """Refuse numbers whose ratios a double cannot hold with room to spare."""
-        ratios = {
-            "driver_inertia / follower_inertia": self.inertia_ratio,
-            "follower_inertia / torque": self.inertia.follower / self.torque,
-        }
-        for name, value in ratios.items():
-            if not ratio_in_range(value):
-                rule = "between 1e-100 and 1e100"
-                raise _validate.fail(name, rule, value, "choose numbers of similar size")
+        _check_ratio("follower_inertia / torque", self.inertia.follower / self.torque)
         if not self.load_ratio < MOST_UNEQUAL:
             raise _validate.fail(
                 "load_torque / torque", "below 1e100", self.load_ratio, "give a smaller load"

@@ -155,9 +155,17 @@ class Motion:
             Index of the piece of each time, of a shape that broadcasts to that of `t`.
         t : array_like
             Times within those pieces [s].
+
+        Raises
+        ------
+        InvalidValue
+            For a piece that the motion does not have.
         """
-        times = np.asarray(t, dtype=float)
-        return self._state(np.broadcast_to(np.asarray(piece), times.shape), times)
+        times, pieces = np.asarray(t, dtype=float), np.asarray(piece)
+        count = self.trajectory.start.size
+        if pieces.dtype.kind not in "iu" or ((pieces < 0) | (pieces >= count)).any():
+            raise fail("piece", f"whole and from 0 to {count - 1}", piece, "they count from 0")
+        return self._state(np.broadcast_to(pieces, times.shape), times)
 
     def _state(self, pieces: np.ndarray, times: FloatArray) -> State:
         """State at `times`, each within the piece of that index."""

@@ -78,7 +78,9 @@ class Parameter:
         if not good.all():
             first = int(np.argmin(good))
             self.check(f"{label}[{first}]", float(values[first]))
-            raise _validate.fail(f"{label}[{first}]", "below 2^53", values[first], self.remedy)
+            raise _validate.fail(
+                f"{label}[{first}]", "below 2^53", float(values[first]), self.remedy
+            )
         return values.astype(np.int64) if self.whole else values
 
 

@@ -32,6 +32,11 @@ class EllipticalGears:
                 "sun_radius / planet_radius", f"at most {_GREATEST_RATIO:g}", sun / planet,
                 "give a greater planet",
             )  # fmt: skip
+        if not math.isfinite(sun + planet):
+            raise _validate.fail(
+                "sun_radius + planet_radius", "within the range of a double", sun + planet,
+                "give smaller radii",
+            )  # fmt: skip
         object.__setattr__(self, "sun_radius", sun)
         object.__setattr__(self, "planet_radius", planet)
 

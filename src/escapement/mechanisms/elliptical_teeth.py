@@ -63,6 +63,10 @@ def fewest_teeth(
     if not angle < 0.25 * math.pi:
         raise _validate.fail("pressure_angle", "below pi/4", angle, "0.349 rad are 20 degrees")
     reach = _validate.positive("addendum", addendum, "1 is usual")
-    sharpest = 1.0 / float(mechanism.pitch_ellipses[0].curvature(0.0))
-    limit = perimeter(mechanism) * reach / (math.pi * sharpest * math.sin(angle) ** 2)
+    from scipy.special import ellipe
+
+    # both in semi-major axes, whatever the unit of the radii: 4 E(e), and 1 - e^2
+    around = 4.0 * float(ellipe(mechanism.eccentricity**2))
+    sharpest = 4.0 * mechanism.ratio / (mechanism.ratio + 1.0) ** 2
+    limit = around * reach / (math.pi * sharpest * math.sin(angle) ** 2)
     return math.ceil(limit * (1.0 - 1e-12))

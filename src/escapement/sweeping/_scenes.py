@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from escapement.configuration import StudyPlan
 from escapement.errors import InvalidValue
 from escapement.model import MOST_UNEQUAL, FloatArray, ratio_in_range
+from escapement.simulation import FASTEST
 from escapement.status import Status
 
 MOST_SHARED = 1 << 20
@@ -48,6 +49,7 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
             driver / follower, loss, load / torque, speed**2 * (follower / torque)
         ])  # fmt: skip
         sound = ratio_in_range(scene[0]) & (scene[2] < MOST_UNEQUAL)
+        sound &= scene[3] <= FASTEST**2
     figures = np.full((6, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
     for rows in _by_mechanism(plan, columns, cases.size):
