@@ -65,7 +65,8 @@ def _judge(calls, events, i, calm, s, path, rho, mu, load, out):
     """
     final = out[V_MAX] if events[i, KIND] == MAXIMUM else out[V_MIN]
     error = abs(np.sqrt(events[i, SQUARE]) / final - 1.0)
-    if not (abs(error - RISE_BAND) > ROUGH and abs(error - SETTLING_BAND) > ROUGH):
+    unsure = 0.5 * ROUGH  # of a speed: that of its square is twice as much
+    if not (abs(error - RISE_BAND) > unsure and abs(error - SETTLING_BAND) > unsure):
         place(calls, events, i, s, path, rho, mu, load)
         error = abs(np.sqrt(events[i, SQUARE]) / final - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
