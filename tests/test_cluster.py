@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 
 from escapement.cli import main
 from escapement.configuration import plan_from
-from escapement.errors import StorageError
+from escapement.errors import InvalidValue, StorageError
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.store import partial_path, read_study
@@ -118,3 +120,48 @@ def test_no_scheduler_there(tmp_path, monkeypatch):
     with pytest.raises(StorageError, match="must answer, and did not"):
         sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5", scheduler="tcp://127.0.0.1:9")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("scheduler", [5, b"tcp://127.0.0.1:9"])
+def test_what_is_no_scheduler(tmp_path, scheduler):
+    with pytest.raises(InvalidValue, match="scheduler must be an address or a client"):
+        sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5", scheduler=scheduler)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_client_that_is_closed(tmp_path, client):
+    closed = distributed.Client(client.cluster)
+    closed.close()
+    with pytest.raises(InvalidValue, match="scheduler must be a client that is connected"):
+        sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5", scheduler=closed)
+
+
+def test_a_scheduler_that_is_lost(tmp_path, client, serial):
+    path = tmp_path / "a.h5"
+
+    def lose(done, total, failed):
+        if done:
+            other.close()
+
+    quiet = {"processes": False, "dashboard_address": None, "silence_logs": 50}
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, **quiet) as other,
+        distributed.Client(other) as lost,
+        pytest.raises(StorageError, match="was lost"),
+    ):
+        write_plan(plan(), path, scheduler=lost, progress=lose)
+    tally = write_plan(plan(), path, scheduler=client, resume=True)
+    assert 0 < tally.resumed < tally.cases
+    assert without_date(path) == serial
+
+
+def test_a_script_without_a_guard(tmp_path):
+    script = tmp_path / "study.py"
+    script.write_text(
+        "import escapement as esc\n"
+        "timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)\n"
+        "esc.sweep(timer, friction=[0.1], path='a.h5', scheduler='local', workers=1)\n"
+    )
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
+    assert done.stderr.splitlines()[-1].endswith("under: if __name__ == '__main__'")
+    assert list(tmp_path.iterdir()) == [script]

@@ -120,6 +120,18 @@ def test_mechanisms_of_the_users_own_are_told_apart_by_their_numbers():
     assert plans[0].configuration != plans[2].configuration
 
 
+def test_a_mechanism_of_the_users_own_is_the_same_wherever_it_is_in_memory():
+    class Mine(Geneva):
+        __repr__ = object.__repr__
+
+    plans = [
+        plan_from(Escapement(mine, Inertia(1.0, 1.0), torque=1.0), {"friction": [0.1]})
+        for mine in (Mine(slots=5), Mine(slots=5))
+    ]
+    assert plans[0].configuration == plans[1].configuration
+    assert "Mine object>, checksum" in plans[0].configuration["mechanism"]["description"]
+
+
 @pytest.mark.parametrize("path", sorted(RUNS.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_studies_of_the_repository_are_valid(path):
     plan = load_plan(path)

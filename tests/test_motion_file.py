@@ -46,6 +46,16 @@ def test_a_motion_that_stops_is_read_back(load, engine, tmp_path):
     np.testing.assert_allclose(again.at(times).theta, motion.at(times).theta, atol=1e-9)
 
 
+def test_a_mechanism_of_the_users_own_is_no_damage(tmp_path):
+    class Mine(esc.Geneva):
+        pass
+
+    motion = esc.simulate(esc.Escapement(Mine(4), MEYER, 0.0113, friction=0.2), 2)
+    write_motion(motion, tmp_path / "motion.h5")
+    with pytest.raises(InputFileError, match=r"can describe, got one of class .*Mine;"):
+        read_motion(tmp_path / "motion.h5")
+
+
 DAMAGE = {
     "empty": lambda values: values[:0],
     "short": lambda values: values[:-1],

@@ -1,12 +1,14 @@
 """Figures of a study, from synthetic results: axes, units, holes, legends."""
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from matplotlib.legend import Legend
 
 from escapement import plots
+from escapement.configuration._parameters import MODEL
 from escapement.errors import InvalidValue
 from escapement.plots import _style
 from escapement.status import Status
@@ -251,6 +253,27 @@ def test_study_without_anything_to_show_is_refused():
         plots.plot_lines(study, "period", x="friction")
     with pytest.raises(InvalidValue, match="use plot_lines"):
         plots.plot_map(study, "period")
+
+
+@pytest.mark.parametrize("name", ["driver_inertia", "load_torque"])
+@pytest.mark.parametrize("last", [4.5e-7, 0.0073, 0.01, 0.1])
+def test_labels_and_powers_of_ten_stay_apart(name, last):
+    axes = {name: np.linspace(0.0, last, 12), "friction": np.linspace(0.1, 0.4, 12)}
+    study = Synthetic(axes)
+    study.long_names[name] = MODEL[name].long_name
+    study.units[name] = "kg m2" if name == "driver_inertia" else "N m"
+    figure = plots.plot_study(study)
+    figure.draw_without_rendering()
+    for ax in figure.axes:
+        below = [text for text in ax.get_xticklabels() if text.get_text()]
+        below = sorted((text.get_window_extent() for text in below), key=lambda box: box.x0)
+        assert all(a.x1 < b.x0 for a, b in pairwise(below))
+        label, power = ax.xaxis.label.get_window_extent(), ax.xaxis.get_offset_text()
+        assert not (power.get_text() and label.x1 > power.get_window_extent().x0)
+    labels = [ax.xaxis.label.get_window_extent() for ax in figure.axes if ax.get_xlabel()]
+    for i, a in enumerate(labels):
+        for b in labels[:i]:
+            assert not (a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1)
 
 
 def test_panels_and_texts_stay_apart():

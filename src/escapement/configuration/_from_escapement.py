@@ -1,5 +1,6 @@
 """A plan from an escapement and the axes to vary it over: all in SI."""
 
+import re
 import zlib
 from collections.abc import Mapping
 from typing import Any
@@ -86,7 +87,9 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
     # two that look alike may differ in what their repr leaves out
     cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
     checksum = zlib.crc32(np.concatenate([mechanism.path, cell]).tobytes())
-    description = f"{mechanism!r}, checksum {checksum:08x}"
+    # where it is in memory is another place in each process
+    text = re.sub(r" at 0x[0-9a-fA-F]+", "", repr(mechanism))
+    description = f"{text}, checksum {checksum:08x}"
     return {"kind": type(mechanism).__qualname__, "description": description}, mechanism
 
 

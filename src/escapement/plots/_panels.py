@@ -31,6 +31,8 @@ _APART = 0.1  # least distance of two numbers on a map, of its size
 _PLAIN = (1e-3, 1e4)  # numbers printed without a power of ten
 _DECADE = 8.0  # an axis spanning this factor in even ratios is logarithmic
 _MOST_TICKS = 10  # whole numbers along an axis that each get a tick with its number
+_WIDE, _NARROW = 34, 24  # characters of a label below half of a page, below a third
+_POWER = 8  # of them that a power of ten beside the label takes
 _STEPPED = ("rise_time", "settling_time")  # jump by an engagement: no contour joins them
 
 
@@ -87,7 +89,7 @@ def draw_map(
 
     Between points there are labelled contours; but a result that jumps, and one over
     whole numbers, has a cell of one colour for each point.
-    bar : where the colour bar goes.
+    bar : where the colour bar goes; on top of maps that stand side by side.
     Returns the legend's key of the hatching, or nothing where there is none.
     """
     x, y = table.x_values, table.line_values
@@ -99,7 +101,7 @@ def draw_map(
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": _style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
-    dress_axis(ax, "x", study, table.x)
+    dress_axis(ax, "x", study, table.x, narrow=bar == "top")
     dress_axis(ax, "y", study, str(table.lines))
     filled: ScalarMappable
     if cells:
@@ -162,12 +164,21 @@ def whole(study: Study, name: str) -> bool:
     return bool(np.issubdtype(np.asarray(study.axes[name]).dtype, np.integer))
 
 
-def dress_axis(ax: Axes, which: Literal["x", "y"], study: Study, name: str) -> None:
-    """Label, scale and ticks of an axis that a parameter runs along."""
+def dress_axis(
+    ax: Axes, which: Literal["x", "y"], study: Study, name: str, *, narrow: bool = False
+) -> None:
+    """Label, scale and ticks of an axis that a parameter runs along.
+
+    narrow : whether there is room for little below it.
+    """
     values = np.asarray(study.axes[name])
     first, last = float(values.min()), float(values.max())
     axis = ax.xaxis if which == "x" else ax.yaxis
-    axis.set_label_text(label(printed_name(study, name), print_unit(study.units.get(name, ""))))
+    line, ticks = (_NARROW, 3) if narrow else (_WIDE, 5)
+    if not 10.0 * _PLAIN[0] < last < _PLAIN[1]:
+        line -= _POWER
+    unit = print_unit(study.units.get(name, ""))
+    axis.set_label_text(label(printed_name(study, name), unit, line))
     if whole(study, name):
         few = np.unique(values).size <= _MOST_TICKS
         many = MaxNLocator(_MOST_TICKS, steps=[1, 2, 5, 10], integer=True)
@@ -180,7 +191,7 @@ def dress_axis(ax: Axes, which: Literal["x", "y"], study: Study, name: str) -> N
         if first >= _PLAIN[0] and last <= _PLAIN[1]:
             axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         return
-    axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+    axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
     ax.ticklabel_format(axis=which, useMathText=True, scilimits=(-3, 4))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from escapement._input_file import check_input
 from escapement.configuration import parse_plan
+from escapement.configuration._kinds import KINDS
 from escapement.engines._pieces import follow
 from escapement.engines._scene import numbers_of
 from escapement.errors import EscapementError, InputFileError
@@ -46,8 +47,8 @@ def read_motion(path: str | PathLike[str]) -> Motion:
     MissingInput
         When there is no such file.
     InputFileError
-        When it holds no motion, is damaged, or was written in a layout newer
-        than this version knows.
+        When it holds no motion, is damaged, was written in a layout newer than this
+        version knows, or has a mechanism that is of no kind it knows.
     """
     import h5py
 
@@ -60,6 +61,7 @@ def read_motion(path: str | PathLike[str]) -> Motion:
     try:
         with h5py.File(path, "r") as hdf5:
             _check_schema(path, hdf5)
+            _check_kind(path, hdf5)
             return _read(hdf5)
     except InputFileError:
         raise
@@ -76,6 +78,16 @@ def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:
         raise InputFileError(
             f"motion {path} must have schema_version {SCHEMA_VERSION} or less, got {version}; "
             "install a newer geneva-escapement to read it"
+        )
+
+
+def _check_kind(path: str | PathLike[str], hdf5: Any) -> None:
+    """Refuse a mechanism of somebody's own: a file cannot build it."""
+    machine = configuration_of(hdf5)["mechanism"]
+    if machine["kind"] not in KINDS and "description" in machine:
+        raise InputFileError(
+            f"motion {path} must have a mechanism that a file can describe, got one of class "
+            f"{machine['kind']}; take its numbers with h5py or xarray"
         )
 
 

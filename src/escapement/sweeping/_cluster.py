@@ -8,6 +8,7 @@ from contextlib import ExitStack, contextmanager
 from itertools import islice
 from typing import Any
 
+from escapement import _validate
 from escapement.configuration import StudyPlan
 from escapement.errors import InvalidValue, StorageError
 from escapement.store import Block, Tiling, encode_block
@@ -19,6 +20,8 @@ _TASK_TIME = 0.5  # s: far above the cost of a task, and little to lose with a w
 _LARGEST_TASK = 64  # blocks
 _AHEAD = 2  # tasks on their way for each thread of the cluster
 _PATIENCE = 15.0  # s to find a scheduler
+_TICK = 0.01  # s between two looks at what is done
+_CONNECTED = "running"  # status of a client
 _PLANS: dict[str, tuple[Evaluator, Tiling]] = {}
 
 
@@ -66,7 +69,7 @@ def connect(scheduler: Any, workers: int | None) -> Iterator[Any]:
     Raises
     ------
     InvalidValue
-        When distributed is not installed.
+        When distributed is not installed, or `scheduler` is none.
     StorageError
         When no scheduler answers.
     """
@@ -78,9 +81,15 @@ def connect(scheduler: Any, workers: int | None) -> Iterator[Any]:
             "install it with: pip install 'geneva-escapement[dask]'"
         ) from None
     if isinstance(scheduler, distributed.Client):
+        if scheduler.status != _CONNECTED or scheduler.asynchronous:
+            remedy = "open it, with asynchronous left out"
+            raise _validate.fail("scheduler", "a client that is connected", scheduler, remedy)
         yield scheduler
         return
+    log = logging.getLogger("distributed.client")  # it prints tracebacks of a lost scheduler
     with ExitStack() as stack:
+        stack.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL)
         try:
             if scheduler == LOCAL:
                 scheduler = stack.enter_context(
@@ -93,6 +102,14 @@ def connect(scheduler: Any, workers: int | None) -> Iterator[Any]:
                     )
                 )
             client = stack.enter_context(distributed.Client(scheduler, timeout=_PATIENCE))
+        except TypeError:
+            remedy = "give for example 'tcp://10.0.0.1:8786'"
+            raise _validate.fail("scheduler", "an address or a client", scheduler, remedy) from None
+        except RuntimeError as error:  # each process begins as the script does
+            raise StorageError(
+                f"a local cluster must start, and did not: {error}; of a script, put what it does "
+                "under: if __name__ == '__main__'"
+            ) from None
         except (OSError, ValueError, TimeoutError) as error:
             raise StorageError(
                 f"scheduler {scheduler} must answer, and did not: {error}; "
@@ -111,7 +128,7 @@ def in_cluster(
     Raises
     ------
     StorageError
-        When the same blocks cost several workers.
+        When the same blocks cost several workers, or the scheduler is lost.
     """
     import distributed
 
@@ -132,8 +149,14 @@ def in_cluster(
                 done.add(future)
             if not running:
                 return
+            while not done.has_ready():  # `next` would wait for a lost scheduler for ever
+                if client.status != _CONNECTED:
+                    raise _lost()
+                time.sleep(_TICK)
             future = next(done)
             running.discard(future)
+            if future.cancelled():  # the scheduler is back, and knows nothing of them
+                raise _lost()
             blocks, seconds = future.result()
             yield from blocks
             pace = len(blocks) * _TASK_TIME / max(seconds, 1e-6)
@@ -143,6 +166,17 @@ def in_cluster(
             f"a block ended {error.allowed_failures + 1} workers, perhaps for lack of memory; "
             "give workers more memory, then continue with resume=True"
         ) from None
+    except Exception:  # each version of Dask tells a lost scheduler in other ways
+        if client.status == _CONNECTED:
+            raise
+        raise _lost() from None
     finally:
-        client.cancel(list(running))
-        client.unregister_worker_plugin(key)
+        if client.status == _CONNECTED:
+            client.cancel(list(running))
+            client.unregister_worker_plugin(key)
+
+
+def _lost() -> StorageError:
+    return StorageError(
+        "the scheduler must stay, and was lost; start it again, then continue with resume=True"
+    )
