@@ -95,6 +95,10 @@ def _even_values(
     num = _validate.integer(f"{name}.num", form["num"], 1, "give the number of values")
     if num > MOST_VALUES:
         raise _too_long(name, num)
+    if num == 1 and stop != start:
+        raise _validate.fail(
+            f"{name}.num", "at least 2 where start and stop differ", num, "give [start] alone"
+        )
     log = _validate.truth(f"{name}.log", form.get("log", False), "leave it out for even steps")
     plain = {"start": start, "stop": stop, "num": num}
     if not log:

@@ -48,7 +48,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         kind = Kind(factory="", parameters={}, meshed=bool(is_table(mechanism.path)))
     system = _validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     parameters = kind.all_parameters
-    axes, forms = _axes(table(configuration, "sweep"), parameters)
+    axes, forms = _axes(table(configuration, "sweep"), parameters, _homes(kind))
     drawn = table(configuration, "sample")
     if not axes and "sample" not in configuration:
         raise InvalidValue(
@@ -82,15 +82,20 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     return plan
 
 
-def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
-    """Refuse keys that no part of a study has, naming where each would belong."""
-    parameters = kind.all_parameters
+def _homes(kind: Kind) -> dict[str, str]:
+    """Where keys belong that are no parameters of the model."""
     homes = other_keys(kind)
     slot = "without" if kind.other_loss == "efficiency" else "with"
     homes[kind.other_loss] = f"a study of a mechanism {slot} a slot"
     homes |= {setting.name: "[solver]" for setting in fields(Solver)}
     homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
-    homes |= dict.fromkeys(["size", "seed"], "[sample]")
+    return homes | dict.fromkeys(["size", "seed"], "[sample]")
+
+
+def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
+    """Refuse keys that no part of a study has, naming where each would belong."""
+    parameters = kind.all_parameters
+    homes = _homes(kind)
     keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
     keys["mechanism"] = ["kind", *kind.options]
     for name, parameter in parameters.items():
@@ -116,10 +121,10 @@ def _options(machine: Mapping[str, Any], kind: Kind) -> dict[str, Any]:
 
 
 def _axes(
-    forms: Mapping[str, Any], parameters: Mapping[str, Parameter]
+    forms: Mapping[str, Any], parameters: Mapping[str, Parameter], homes: Mapping[str, str]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Values and JSON form of every axis, in order."""
-    check_keys(forms, parameters, "in [sweep]")
+    check_keys(forms, parameters, "in [sweep]", homes)
     parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
     axes = {name: values for name, (values, _) in parsed.items()}
     return axes, {name: form for name, (_, form) in parsed.items()}

@@ -20,6 +20,7 @@ from escapement.plots._table import NoResult, Study, printed_name, single_case
 
 _RESULTS = ("period", "velocity_max", "rise_time")
 _MOST_PANELS = 3  # parameters beside one another
+_FEW, _MANY = 30, 300  # points that are large, and beyond which they are small
 _MOST_POINTS = 1500
 _BINS = (8, 40)
 _LINE = 20  # characters of a label beside a panel
@@ -153,9 +154,9 @@ def _chosen(size: int) -> np.ndarray:
 
 def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray, rows: np.ndarray) -> None:
     """Points of the chosen rows; crosses below for no answer, triangles above for infinity."""
-    small = rows.size > 300
-    ax.plot(x[rows], y[rows], ".", color=_style.BLUE, ms=2.5 if small else 4.0, mew=0.0,
-            alpha=0.5 if small else 0.8)  # fmt: skip
+    few, many = rows.size <= _FEW, rows.size > _MANY
+    ax.plot(x[rows], y[rows], ".", color=_style.BLUE, ms=2.5 if many else 8.0 if few else 4.0,
+            mew=0.0, alpha=0.5 if many else 0.8, zorder=3.0 if few else 2.0)  # fmt: skip
     lost = rows[failed[rows]]
     above = rows[np.isinf(y[rows])]
     for place, height, look in ((lost, 0.03, _LOST), (above, 0.97, _LONGER)):

@@ -145,10 +145,10 @@ class StudyWriter:
             if journal.head is not None or journal.missing.size < len(self.cut):
                 journal.carry_on()
                 return
-        if not self._force and not journal.ours:
+        if not journal.ours:
             raise CannotCreate(
                 f"output {self._path} must have {journal.path.name} to itself, got a file that "
-                "is no partial result; move it away, or give force=True to replace it"
+                "is no partial result; move it away"
             )
         if not self._force and not self._resume and journal.holds_blocks:
             raise CannotCreate(
