@@ -12,7 +12,7 @@ from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.status import Status
 from escapement.store import RESULTS
-from escapement.sweeping import _scenes, run_plan
+from escapement.sweeping import _shared_scenes, run_plan
 from escapement.sweeping._evaluate import Evaluator
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
@@ -52,8 +52,8 @@ def test_a_scene_is_solved_once_in_all_blocks(order, workers, solves):
 def test_the_bits_do_not_depend_on_what_is_shared(order, monkeypatch):
     plan = plan_from(TIMER, GRIDS[order])
     shared, threads = run_plan(plan), run_plan(plan, workers=4)
-    monkeypatch.setattr(_scenes, "MOST_SHARED", 50)  # too few: every block for itself
-    assert _scenes.shared_scenes(plan) is None
+    monkeypatch.setattr(_shared_scenes, "MOST_SHARED", 50)  # too few: every block for itself
+    assert _shared_scenes.shared_scenes(plan) is None
     alone = run_plan(plan)
     for name in RESULTS:
         np.testing.assert_array_equal(shared.results[name], threads.results[name])
@@ -68,6 +68,9 @@ def test_both_orders_are_one_map():
         np.testing.assert_array_equal(one.results[name], other.results[name].T)
 
 
+INERTIAS = {"driver_inertia": [1e-6, 2e-6, 4e-6], "follower_inertia": [1e-6, 2e-6, 4e-6]}
+
+
 @pytest.mark.parametrize(
     ("axes", "scenes"),
     [
@@ -77,11 +80,28 @@ def test_both_orders_are_one_map():
         ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.0]}, 1),
         ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.1]}, None),
         ({"torque": [1.0, 2.0], "initial_speed": [3.0]}, None),
+        (INERTIAS, 5),
+        (INERTIAS | {"torque": [1.0, 2.0], "friction": [0.1, 0.2]}, 10),
+        (INERTIAS | {"load_torque": [0.0, 0.001]}, 10),
+        (INERTIAS | {"initial_speed": [3.0]}, None),
+        ({"driver_inertia": [1e-6, 2e-6], "follower_inertia": [1e-6, 3e-6]}, None),
     ],
 )
 def test_what_decides_a_scene(axes, scenes):
-    found = _scenes.shared_scenes(plan_from(TIMER, axes))
+    found = _shared_scenes.shared_scenes(plan_from(TIMER, axes))
     assert scenes == (None if found is None else found._status.size)
+
+
+def test_inertias_of_one_ratio_share_a_scene(solves, monkeypatch):
+    powers = 2.0 ** np.arange(-20, 20)
+    inertias = {"driver_inertia": 3e-7 * powers, "follower_inertia": 6e-6 * powers}
+    plan = plan_from(TIMER, {"torque": [0.01, 0.02], **inertias})
+    shared = run_plan(plan, workers=4)
+    assert sum(solves) == 79
+    monkeypatch.setattr(_shared_scenes, "MOST_SHARED", 50)
+    alone = run_plan(plan)
+    for name in RESULTS:
+        np.testing.assert_array_equal(shared.results[name], alone.results[name])
 
 
 def test_an_error_while_solving_reaches_everybody(monkeypatch):

@@ -13,7 +13,8 @@ from escapement.errors import InvalidValue
 from escapement.model import ratio_in_range
 from escapement.status import Status
 from escapement.store import RESULTS
-from escapement.sweeping._scenes import shared_scenes, solve_scenes
+from escapement.sweeping._scenes import solve_scenes
+from escapement.sweeping._shared_scenes import shared_scenes
 
 Columns = dict[str, NDArray[Any]]
 """One array per result, over consecutive cases."""

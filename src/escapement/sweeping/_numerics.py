@@ -8,7 +8,7 @@ _SOURCES = (
     *("units.py", "model.py", "dynamics.py", "metrics.py", "motion.py", "trajectory.py"),
     *("simulation.py", "solver.py", "status.py", "_headings.py"),
     *("mechanisms/*.py", "engines/*.py", "configuration/*.py"),
-    *("sweeping/_evaluate.py", "sweeping/_scenes.py"),
+    *("sweeping/_evaluate.py", "sweeping/_scenes.py", "sweeping/_shared_scenes.py"),
 )
 
 
