@@ -136,6 +136,14 @@ def test_map_hatches_holes():
     assert sum(path.contains_point((0.12, 0.2)) for path in filled.get_paths()) == 1
 
 
+@pytest.mark.parametrize("result", ["period", "rise_time"])
+def test_numbers_of_a_colour_bar_stand_where_colours_change(result):
+    study = Synthetic({"torque": np.geomspace(0.01, 0.2, 9), "friction": FRICTION})
+    bar = plots.plot_map(study, result).collections[0].colorbar
+    assert bar.get_ticks().size >= 3
+    assert np.isin(bar.get_ticks(), bar._boundaries).all()
+
+
 def test_times_that_jump_are_drawn_point_by_point():
     study = Synthetic({"torque": np.geomspace(0.1, 1.0, 5), "friction": FRICTION})
     study.results["rise_time"][4, 2] = np.nan

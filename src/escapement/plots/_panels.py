@@ -117,7 +117,8 @@ def draw_map(
         if inside.size:
             lines = ax.contour(x, y, z, inside, colors=_style.BLACK, linewidths=0.6)
             _label_contours(ax, lines)
-    key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=MaxNLocator(_LEVELS - 2))
+    every = 1 + levels.size // _LEVELS  # numbers where colours change, as many as have room
+    key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(label(printed_name(study, result), unit), size=_style.TICK_SIZE)
     key.ax.tick_params(labelsize=_style.SMALL_SIZE, width=0.7)
     return [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
