@@ -18,8 +18,7 @@ from typing import NamedTuple
 
 import escapement as esc
 from escapement.benchmark import tables
-from escapement.measurement import read_readings
-from escapement.measurement.comparison import measure
+from escapement.measurement import measure, read_readings
 
 ROOT = Path(__file__).resolve().parents[1]
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)

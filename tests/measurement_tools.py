@@ -31,6 +31,6 @@ def read(mechanism=PRIKHODKO, **planted):
     return esc.synthetic_readings(mechanism, **({"seed": 1, "samples": 600, "turns": 5} | planted))
 
 
-def shown(result, shaft, order=1):
-    (found,) = [e for e in result.shaft_errors if (e.shaft, e.order) == (shaft, order)]
+def shown(result, shaft):
+    (found,) = [e for e in result.shaft_errors if (e.shaft, e.order) == (shaft, 1)]
     return found

@@ -13,10 +13,10 @@ from escapement.units import INCH_POUND
 ENGINES = {"energy": 1e-12, "ivp": 1e-9}
 
 
-def timer(slots=4, friction=0.35, torque=0.1, load=0.0, driver=3e-6, follower=50e-6, **wheel):
+def timer(slots=4, friction=0.35, torque=0.1, load=0.0, driver=3e-6, **wheel):
     return esc.Escapement(
         mechanism=esc.Geneva(slots, **wheel),
-        inertia=esc.Inertia(driver * INCH_POUND, follower * INCH_POUND),
+        inertia=esc.Inertia(driver * INCH_POUND, 50e-6 * INCH_POUND),
         torque=torque * INCH_POUND,
         friction=friction,
         load_torque=load * INCH_POUND,

@@ -30,12 +30,12 @@ class Standing(NamedTuple):
     first: float
 
 
-def standings(points: Sequence[Point], error: float = ERROR) -> list[Standing]:
+def standings(points: Sequence[Point]) -> list[Standing]:
     """All contestants on all problems, fastest first.
 
     The time of `energy` is that of the call as users make it, at its default
-    tolerance, whatever error below `error` that gives; the others are
-    interpolated to exactly `error`, in their favour.
+    tolerance, whatever error below `ERROR` that gives; the others are
+    interpolated to exactly `ERROR`, in their favour.
     """
     rows = []
     for problem in dict.fromkeys(point.problem for point in points):
@@ -47,9 +47,9 @@ def standings(points: Sequence[Point], error: float = ERROR) -> list[Standing]:
         table = [Standing(problem, ENERGY, default.error, default.time, 1.0, _first(here, ENERGY))]
         for name in dict.fromkeys(point.contestant for point in here):
             if name != ENERGY:
-                time = time_at([point for point in here if point.contestant == name], error)
+                time = time_at([point for point in here if point.contestant == name], ERROR)
                 ratio = time / default.time
-                table.append(Standing(problem, name, error, time, ratio, _first(here, name)))
+                table.append(Standing(problem, name, ERROR, time, ratio, _first(here, name)))
         rows += sorted(table, key=lambda row: math.inf if math.isnan(row.time) else row.time)
     return rows
 

@@ -7,39 +7,20 @@ from typing import TYPE_CHECKING, Any
 from escapement import _validate
 from escapement.cli import SOME_FAILED, _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, UsageError, number, option, whole
+from escapement.cli._run_report import print_table, summarise
 from escapement.errors import InvalidValue
 from escapement.status import MESSAGES, Status
-from escapement.units import unit_name
 
 if TYPE_CHECKING:
-    from escapement.metrics import Figures
     from escapement.model import Escapement
     from escapement.motion import Motion
 
 SUMMARY = "One motion from pin entry, and its figures of merit."
 
-FIGURES = {
-    "velocity_max": "speed",
-    "velocity_min": "speed",
-    "velocity_mean": "speed",
-    "velocity_average_published": "speed",
-    "period": "time",
-    "rise_time": "time",
-    "settling_time": "time",
-    "critical_friction": "ratio",
-    "acceleration_max": "acceleration",
-    "follower_acceleration_max": "acceleration",
-    "contact_moment_max": "torque",
-    "contact_force_max": "force",
-}
-"""Figures of merit as printed, with the kind of unit of each; the force with a crank radius."""
-
-
-REQUIRED = ("torque", "driver_inertia", "follower_inertia")
+_REQUIRED = ("torque", "driver_inertia", "follower_inertia")
 """What an escapement needs, unless it comes from a study."""
 _DEFAULTS = {"friction": 0.0, "load_torque": 0.0, "initial_speed": 0.0, "efficiency": 1.0}
 """What it has where nothing was typed; not argparse's, so that a typed default is seen."""
-_DONE = MESSAGES[Status.OK]
 _LONG = 10_000  # engagements from which writing them takes seconds, and shows its progress
 _LONGEST_PLOT = 10_000  # engagements: a gigabyte of points
 _SOLVER = ("engine", "rtol", "atol", "method", "max_step")
@@ -58,7 +39,7 @@ def configure(parser: Parser) -> None:
     )
     _kinds.add_mechanism(parser)
     model = parser.add_argument_group("model")
-    for name in REQUIRED:
+    for name in _REQUIRED:
         _arguments.add_quantity(model, name)
     for name, default in _DEFAULTS.items():
         _arguments.add_quantity(model, name, note=f" (default: {default:g})")
@@ -114,9 +95,9 @@ def execute(args: argparse.Namespace) -> int:
     if args.json:
         _output.print_json(record)
     else:
-        _print_table(record, args.units)
+        print_table(record, args.units)
     outcome = motion if motion.status.failed else figures
-    if record["message"] != _DONE:
+    if record["message"] != MESSAGES[Status.OK]:
         _output.note(record["message"])
     return SOME_FAILED if outcome.status.failed else 0
 
@@ -127,7 +108,7 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
     if args.study is None:
         if args.select is not None:
             raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
-        missing = [option(name) for name in REQUIRED if getattr(args, name) is None]
+        missing = [option(name) for name in _REQUIRED if getattr(args, name) is None]
         if missing:
             raise UsageError(
                 f"the following arguments are required: {', '.join(missing)}; "
@@ -155,37 +136,10 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
 def _refuse_beside_study(args: argparse.Namespace) -> None:
     """Whatever the study says must not be said twice."""
     said = ["KIND"] if args.kind is not None else []
-    said += [option(name) for name in (*REQUIRED, *_DEFAULTS) if getattr(args, name) is not None]
+    said += [option(name) for name in (*_REQUIRED, *_DEFAULTS) if getattr(args, name) is not None]
     said += [option(name) for name in _kinds.given_options(args)]
     if said:
         raise UsageError(f"{said[0]} must not come with --from, which has its own; leave it out")
-
-
-def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:
-    """What `run` reports, by JSON key, in the user's units."""
-    outcome = motion if motion.status.failed else figures
-    values = figures.as_dict()
-    if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
-        del values["contact_force_max"]
-    return {
-        **{
-            key: _output.in_units(values[key], kind, units)
-            for key, kind in FIGURES.items()
-            if key in values
-        },
-        "handoff_times": motion.handoff_times,
-        "handoff_velocities": motion.handoff_velocities,
-        "energy_residual": motion.ledger.residual,
-        "status": outcome.status.label,
-        "message": _message(outcome.message, values),
-        "engine": motion.engine,
-    }
-
-
-def _message(message: str, values: dict[str, Any]) -> str:
-    """What became of the run, and why it names no critical friction where there is none."""
-    reasons = _output.not_given(values)
-    return "; ".join(reasons if reasons and message == _DONE else [message, *reasons])
 
 
 def _check_plot(motion: "Motion", args: argparse.Namespace) -> None:
@@ -216,19 +170,3 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
         from escapement.plots import plot_velocities
 
         _files.save_axes(plot_velocities(motion), args.plot)
-
-
-def _print_table(record: dict[str, Any], units: str) -> None:
-    rows = [
-        (_output.words(key), record[key], unit_name(kind, units))
-        for key, kind in FIGURES.items()
-        if key in record
-    ]
-    times, speeds = record["handoff_times"], record["handoff_velocities"]
-    rows.append(("handoffs", len(times), ""))
-    if len(times):
-        rows += [("last handoff", times[-1], "s"), ("velocity there", speeds[-1], "rad s-1")]
-    rows += [
-        (_output.words(key), record[key], "") for key in ("energy_residual", "status", "engine")
-    ]
-    _output.print_values(rows)

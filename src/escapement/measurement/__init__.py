@@ -3,9 +3,10 @@
 from escapement.measurement._csv import read_readings
 from escapement.measurement._fit import Fit
 from escapement.measurement._position import position, slope
+from escapement.measurement._result import Measurement
 from escapement.measurement._write import write_errors, write_readings
 from escapement.measurement.classes import Histogram, class_count, histogram, sturges
-from escapement.measurement.comparison import Measurement, measure
+from escapement.measurement.comparison import measure
 from escapement.measurement.encoder import (
     Encoder,
     SensorShare,

@@ -9,7 +9,7 @@ import numpy as np
 from escapement.measurement.readings import wraps
 
 if TYPE_CHECKING:
-    from escapement.measurement.comparison import Measurement
+    from escapement.measurement._result import Measurement
     from escapement.measurement.shafts import ShaftError
 
 _SURE = 1e-3

@@ -14,7 +14,7 @@ from escapement.measurement.readings import Readings
 from escapement.model import FloatArray
 
 if TYPE_CHECKING:
-    from escapement.measurement.comparison import Measurement
+    from escapement.measurement._result import Measurement
 
 _LABEL = f"{SYNTHETIC} data: computed by escapement, not measured\n"
 _DECIMALS = 6

@@ -1,7 +1,6 @@
 """A mechanism known by its position function alone: designed elsewhere, or measured."""
 
 import math
-import warnings
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,38 +9,20 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from escapement import _validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.mechanisms._angle_table import read_angles
-from escapement.mechanisms._periodic_spline import (
-    DEGREE,
-    PeriodicSpline,
-    interpolating,
-    rise_over,
-    smoothing,
-)
-from escapement.mechanisms._rows import (
-    check_rows,
-    check_spacing,
-    column,
-    last_digit,
-    leaps,
-    one_cell,
-    scatter,
-)
+from escapement.mechanisms._folded_rows import FoldedRows
+from escapement.mechanisms._periodic_spline import DEGREE, PeriodicSpline, rise_over
+from escapement.mechanisms._rows import check_rows, column, one_cell
 from escapement.mechanisms._slotted import Transmission
 from escapement.mechanisms._table import chebyshev_table
 from escapement.model import FloatArray
 
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
-_ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
-_CLOSE = 1e-9  # of a cell: angles this near each other are the same
-_GAP = 0.1  # of a cell without rows: the curve across is a guess
-_MANY = {False: 5.0, True: 15.0}  # usual distances of exact, measured rows: no gap by chance
-_OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
 
 
 @dataclass(frozen=True)
@@ -117,37 +98,9 @@ class Tabulated:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        if self._is_one_cell:
-            self._check_step(theta, phi)
-        self._warn_of_gap(theta)
-
-    def _warn_of_gap(self, theta: FloatArray) -> None:
-        places = self._folded(theta)[0]
-        distances = np.diff(np.append(places, places[0] + self.cell_angle))
-        widest = int(np.argmax(distances))
-        usual = float(np.median(distances[distances > self._near]))
-        if distances[widest] > max(_GAP * self.cell_angle, _MANY[self.measured] * usual):
-            gap, cell, after = map(
-                math.degrees, (distances[widest], self.cell_angle, places[widest])
-            )
-            warnings.warn(
-                f"theta must have rows all over the cell, and has none for {gap:.3g} of {cell:.4g} "
-                f"degrees after {after:.4g}: the curve across is a guess; give rows there",
-                stacklevel=4,
-            )
-
-    def _check_step(self, theta: FloatArray, phi: FloatArray) -> None:
-        """Whether the rows of a whole cell turn by what they are said to."""
-        step, turned = self.follower_step, abs(float(phi[np.argmax(theta)] - phi[np.argmin(theta)]))
-        doubt = 5.0 * scatter(theta, phi) if self.measured else 2.0 * last_digit(phi)
-        allowed = max(_OPEN[self.measured] * step, doubt)
-        # a last row beside the end of the cell is short of it
-        allowed += 3.0 * self._mean * abs(float(np.ptp(theta)) - self.cell_angle)
-        if abs(turned - step) > allowed:
-            degrees = math.degrees(turned)
-            rule = f"what phi turns over the cell, {turned:.9g} rad or {degrees:.7g} degrees"
-            remedy = "correct phi, or leave cell_angle and follower_step out"
-            raise _validate.fail("follower_step", rule, step, remedy)
+        if self._rows.is_one_cell:
+            self._rows.check_step()
+        self._rows.warn_of_gap()
 
     def __repr__(self) -> str:
         # a study file knows a mechanism of one's own by its repr, so tables that differ
@@ -190,61 +143,19 @@ class Tabulated:
         return table
 
     @cached_property
-    def sense(self) -> float:
-        """+1 or -1: how the table's follower turns; here it counts so that it grows."""
+    def _rows(self) -> FoldedRows:
         theta, phi = np.array(self.theta), np.array(self.phi)
-        if self._is_one_cell:
-            return math.copysign(1.0, phi[np.argmax(theta)] - phi[np.argmin(theta)])
-        # a follower that turns back may fall along most of the rows: what tells is
-        # whether the rest closes from cell to cell
-        folded, order = self._folded(theta)
-        senses = (1.0, -1.0)
-        return min(senses, key=lambda s: leaps(folded, self._rest(s)[order], self.cell_angle))
-
-    @cached_property
-    def spline(self) -> PeriodicSpline:
-        """The position function less its mean rise, over the cell."""
-        theta, rest = np.array(self.theta), self._rest(self.sense)
-        if not self.measured and self._is_one_cell:
-            last = int(np.argmax(theta))  # the first again
-            theta, rest = np.delete(theta, last), np.delete(rest, last)
-        folded, order = self._folded(theta)
-        if self.measured:
-            return smoothing(folded, rest[order], self.cell_angle)
-        x = np.append(folded, folded[0] + self.cell_angle)
-        gap, digit = float(np.diff(x).min()), last_digit(np.array(self.phi))
-        if gap <= self._near:
-            raise InvalidValue(
-                "theta must differ from row to row in an exact table, cells taken together; "
-                "leave out what repeats itself, or say that the rows are measured"
-            )
-        spline = interpolating(x, np.append(rest[order], rest[order[0]]))
-        if np.ptp(rest) > 0.0 and digit > 0.0:
-            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max()
-            check_spacing(gap, digit, float(steepest), self._mean, self.cell_angle)
-        return spline
-
-    def _rest(self, sense: float) -> FloatArray:
-        """Follower angles of the rows less the mean rise, were this their sense."""
-        theta, phi = np.array(self.theta), sense * np.array(self.phi)
-        rest = phi - self._mean * (theta - theta[0])
-        if np.ptp(rest) <= _ROUNDING * (np.abs(phi).max() + self._mean * np.abs(theta).max()):
-            rest[:] = rest[0]  # an even ratio: a spline through rounding would accelerate
-        return rest
-
-    def _folded(self, theta: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
-        """Driver angles in the cell that begins with the least, ascending; their order."""
-        start = float(theta.min())
-        end = start + self.cell_angle - self._near
-        folded = np.where(theta < end, theta, start + np.mod(theta - start, self.cell_angle))
-        # rounding must not part the two ends of the cell
-        folded[folded >= end] = start
-        order = np.argsort(folded, kind="stable")
-        return folded[order], order
+        return FoldedRows(theta, phi, self.measured, self.cell_angle, self.follower_step)
 
     @property
-    def _mean(self) -> float:
-        return self.follower_step / self.cell_angle
+    def sense(self) -> float:
+        """+1 or -1: how the table's follower turns; here it counts so that it grows."""
+        return self._rows.sense
+
+    @property
+    def spline(self) -> PeriodicSpline:
+        """The position function less its mean rise, over the cell."""
+        return self._rows.spline
 
     @cached_property
     def breaks(self) -> tuple[float, float]:
@@ -255,24 +166,12 @@ class Tabulated:
         has a step at each knot; both engines go from knot to knot.
         """
         first = float(self.spline.knots[0])
-        if self._is_one_cell:
+        if self._rows.is_one_cell:
             return first, float(self.spline.knots[-1])
         theta = np.linspace(first, first + self.cell_angle, _SAMPLES)
         slowest = float(theta[np.argmin(self.transmission(theta).g)])
         start = slowest - self.cell_angle * math.ceil(slowest / self.cell_angle)
         return start, start + self.cell_angle
-
-    @property
-    def _is_one_cell(self) -> bool:
-        length = max(self.theta) - min(self.theta)
-        return abs(length - self.cell_angle) <= self._near
-
-    @cached_property
-    def _near(self) -> float:
-        """Driver angles nearer each other than this are the same but for their rounding [rad]."""
-        spacing = self.cell_angle / len(self.theta)
-        rounding = min(2.0 * last_digit(np.array(self.theta)), 0.01 * spacing)
-        return max(_CLOSE * self.cell_angle, rounding)
 
     @property
     def motion_ratio(self) -> float:
@@ -295,13 +194,13 @@ class Tabulated:
 
     def transmission(self, theta: ArrayLike) -> Transmission:
         """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
-        g = self._mean + self.spline(theta, 1)
+        g = self._rows.mean_ratio + self.spline(theta, 1)
         return Transmission(g, np.zeros_like(g), self.spline(theta, 2))
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle at driver angles of any size [rad], in the sense that grows."""
         angles = np.asarray(theta, dtype=float)
-        return self.spline(angles) + self._mean * (angles - self.theta[0])
+        return self.spline(angles) + self._rows.mean_ratio * (angles - self.theta[0])
 
     @cached_property
     def path(self) -> FloatArray:
@@ -326,5 +225,5 @@ class Tabulated:
         start, end = self.breaks
         # the last knot is the first again
         knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
-        inside = knots[(knots > start + self._near) & (knots < end - self._near)].tolist()
+        inside = knots[(knots > start + self._rows.near) & (knots < end - self._rows.near)].tolist()
         return chebyshev_table(lambda x: self.transmission(x).g, [start, *inside, end], DEGREE)

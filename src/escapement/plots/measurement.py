@@ -215,8 +215,7 @@ def plot_measurement(result: Measurement) -> Figure:
     draw = (plot_errors, plot_error_histogram, plot_periodogram, plot_frequencies)
     for ax, plot in zip(figure.subplots(2, 2).flat, draw, strict=True):
         plot(result, _style.dress(ax))
-        legend = ax.get_legend()
-        legend.set_title(None)
+        ax.get_legend().set_title(None)
     if result.readings.synthetic:
         figure.suptitle("Synthetic data", fontsize=_style.LABEL_SIZE)
     return figure

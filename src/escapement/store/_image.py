@@ -83,7 +83,7 @@ def write_blocks(
     blocks: Iterator[Block],
     force: bool,
     stop: threading.Event,
-    temporary: Path | None = None,
+    temporary: Path | None,
 ) -> None:
     """Write all blocks of a study, in order, and put the file in place.
 

@@ -1,6 +1,6 @@
-"""Running a study: every case of a grid or a sample, into memory or into a file."""
+"""Running a planned study: every case solved, into memory or into a file."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -8,13 +8,10 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from escapement import __version__, _validate
-from escapement.configuration import StudyPlan, plan_from
-from escapement.model import Escapement
+from escapement.configuration import StudyPlan
 from escapement.progress import Progress
-from escapement.solver import DEFAULT_ENGINE
 from escapement.store import (
     RESULTS,
     SCHEMA_VERSION,
@@ -43,94 +40,6 @@ class Tally:
     resumed: int = 0
 
 
-def sweep(
-    escapement: Escapement,
-    *,
-    sample: Mapping[str, Any] | None = None,
-    engine: str = DEFAULT_ENGINE,
-    rtol: float | None = None,
-    initial_speed: ArrayLike = 0.0,
-    path: str | PathLike[str] | None = None,
-    force: bool = False,
-    resume: bool = False,
-    progress: Report | bool | None = None,
-    workers: int = 1,
-    scheduler: Any = None,
-    **axes: ArrayLike,
-) -> Study:
-    """Figures of merit over a grid of parameters, or a sample of them.
-
-    Parameters
-    ----------
-    escapement : Escapement
-        The nominal design.
-    sample : Mapping, optional
-        Parameters that vary together, at every point of the grid: `method`
-        ("latin-hypercube", "sobol" or "list"), `size`, `seed` (default 0), and a
-        distribution [SI] of each parameter, such as {"relative_tolerance": 0.05} or
-        {"low": 0.2, "high": 0.3}; with "list" its values, case by case.
-    engine, rtol : optional
-        As for `terminal`.
-    initial_speed : float or array
-        Driver speed at the first pin entry [rad/s]; an array is the last axis.
-    path : path, optional
-        HDF5 file to write as well.
-    force : bool
-        Replace an existing file; without `resume`, drop what was kept of an
-        unfinished run.
-    resume : bool
-        Compute only what an unfinished run of the same study did not finish.
-    progress : bool or callable, optional
-        True shows it on standard error; a callable gets (done, total, failed).
-    workers : int
-        Threads that compute; with a local cluster, processes.
-    scheduler : str or distributed.Client, optional
-        A Dask cluster to compute on, needs `path`: "local", an address, or a client.
-    **axes : array
-        Values [SI] of any of friction or efficiency, torque, load_torque, driver_inertia,
-        follower_inertia and the numbers of the mechanism (slots, pins); the
-        order is that of the results' dimensions. A sample adds the last one, `case`.
-
-    Returns
-    -------
-    Study
-        A case that has no answer holds NaN, and a status that says why.
-
-    Raises
-    ------
-    InvalidValue
-        When an argument breaks its rule.
-    CannotCreate, StorageError
-        As `StudyWriter`.
-    """
-    if not (path is None or isinstance(path, str | PathLike)):
-        raise _validate.fail("path", "the name of a file", path, "leave it out to write none")
-    if not (progress is None or isinstance(progress, bool) or callable(progress)):
-        raise _validate.fail("progress", "true, false or a function", progress, "leave it out")
-    if np.ndim(initial_speed) > 0:
-        axes["initial_speed"], initial_speed = initial_speed, 0.0
-    else:
-        remedy = "give the driver speed in rad/s"
-        initial_speed = _validate.non_negative("initial_speed", initial_speed, remedy)
-    plan = plan_from(
-        escapement,
-        axes,
-        sample=sample,
-        initial_speed=initial_speed,
-        engine=engine,
-        rtol=rtol,
-    )
-    return run_plan(
-        plan,
-        path,
-        force=force,
-        resume=resume,
-        progress=progress,
-        workers=workers,
-        scheduler=scheduler,
-    )
-
-
 def run_plan(
     plan: StudyPlan,
     path: str | PathLike[str] | None = None,
@@ -141,7 +50,7 @@ def run_plan(
     workers: int = 1,
     scheduler: Any = None,
 ) -> Study:
-    """Run a planned study and return its results; arguments and errors as `sweep`."""
+    """Run a planned study and return its results; arguments and errors as `escapement.sweep`."""
     if path is not None:
         write_plan(
             plan,
@@ -190,7 +99,7 @@ def write_plan(
 ) -> Tally:
     """Run a planned study into a file, in memory that does not grow with its cases.
 
-    Arguments and errors as `sweep`.
+    Arguments and errors as `escapement.sweep`.
     """
     count = _count(workers)
     plan.check_mechanism()
