@@ -3,17 +3,21 @@
 Nothing here looks at a time.
 """
 
+import errno
 import json
 import math
+import os
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from escapement.benchmark import contestants, headline, tables
+from escapement.benchmark import contestants, headline, suite, tables
 from escapement.benchmark.problems import PROBLEMS, REFERENCE
 from escapement.benchmark.work_precision import Point, time_at
+from escapement.cli import main
+from escapement.errors import StorageError
 
 MEYER = PROBLEMS[0]
 HERE = list(contestants.contestants())
@@ -125,3 +129,36 @@ def test_energy_stands_at_its_default_tolerance_and_the_others_at_the_error():
 def test_tables_leave_out_what_does_not_exist():
     assert tables.as_csv([point(math.nan, 0.5)]).splitlines()[1] == "meyer,x,x,,,1e-09,,0.5,1"
     assert tables.aligned(("a", "b"), [("x", math.nan)]) == "a  b\nx  -\n"
+
+
+def test_full_disk_keeps_the_old_table(tmp_path, monkeypatch):
+    def full(_descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    path = tables.write_csv(tmp_path / "a.csv", [point(1e-9, 1.0)])
+    before = path.read_bytes()
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(StorageError, match="No space left"):
+        tables.write_csv(path, [point(1e-9, 2.0)])
+    assert (path.read_bytes(), os.listdir(tmp_path)) == (before, ["a.csv"])
+
+
+def test_what_was_measured_is_kept_where_it_can_be(tmp_path, monkeypatch, capsys):
+    """On a full disk it is shown; where nobody reads it, it is written."""
+    folder, written = tmp_path / "new", []
+
+    def full(results, folder):
+        raise StorageError("the disk is full")
+
+    def left(record):
+        raise BrokenPipeError
+
+    results = suite.Results({}, True, [], [], [], [], [])
+    monkeypatch.setattr(suite, "run", lambda **_: results)
+    monkeypatch.setattr(suite, "write", full)
+    assert main(["bench", "--quick", "-o", str(folder), "--json"]) == 74
+    assert json.loads(capsys.readouterr().out)["quick"] is True
+    monkeypatch.setattr(suite, "write", lambda results, folder: written.append(folder) or [])
+    monkeypatch.setattr("escapement.cli._output.print_json", left)
+    assert main(["bench", "--quick", "-o", str(folder), "--json"]) == 0
+    assert written == [folder]

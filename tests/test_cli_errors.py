@@ -237,6 +237,24 @@ def test_wrong_file(refusal, argv, code, said):
     assert [words for words in said if words not in line] == []
 
 
+PROTECTED = {
+    "velocities": (run("-o", "new.h5", "--plot", "there.png"), "there.png"),
+    "drawing": (["mechanism", "--plot", "there.png"], "there.png"),
+    "figure of a study": (["plot", "text.h5", "-o", "there.png"], "there.png"),
+    "table": (["reproduce", "filemon", "-o", "."], "filemon_table_1.json"),
+}
+
+
+@pytest.mark.parametrize(("argv", "name"), PROTECTED.values(), ids=PROTECTED)
+def test_read_only_file_is_not_replaced(refusal, folder, monkeypatch, argv, name):
+    """And nothing else is made where its place was known before."""
+    (folder / name).write_text("old")
+    # root may write every file
+    monkeypatch.setattr(os, "access", lambda path, _: os.path.basename(path) != name)
+    assert f"{name} must be a file that may be replaced, got a read-only" in refusal(73, *argv)
+    assert (folder / name).read_text() == "old"
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with names")
 @pytest.mark.parametrize("argv", [["plot", "pipe"], ["run", "--from", "pipe"]])
 def test_a_pipe_is_not_waited_for(refusal, folder, argv):

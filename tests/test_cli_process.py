@@ -100,3 +100,58 @@ def test_interrupted_sweep_leaves_nothing(tmp_path):
     assert process.returncode == 130
     assert err == "escapement: error: interrupted\n"
     assert [path.name for path in tmp_path.iterdir()] == ["long.toml"]
+
+
+DROPPED = """
+import signal, sys, time, weakref
+from escapement.cli import mechanism, program
+class Thing: pass
+def execute(args):
+    thing = Thing()
+    weakref.finalize(thing, signal.raise_signal, signal.SIGINT).atexit = False
+    {drop}
+    time.sleep(3.0)
+    return 0
+mechanism.execute = execute
+sys.argv = ["escapement", "mechanism"]
+program()
+"""
+DROPS = {
+    "by a callback": "del thing",
+    "by a failed import": "try: signal.raise_signal(signal.SIGINT)\n"
+    "    except BaseException: raise ImportError('failed to import') from None",
+}
+
+
+@pytest.mark.parametrize("drop", DROPS.values(), ids=DROPS)
+def test_interrupt_that_foreign_code_drops(drop):
+    code = DROPPED.format(drop=drop)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=ENVIRONMENT
+    )
+    assert (done.returncode, done.stderr) == (130, "escapement: error: interrupted\n")
+
+
+def test_letters_that_the_terminal_lacks():
+    """They are shown by their numbers."""
+    arguments = [*PROGRAM, "reproduce", "filemon"]
+    done = subprocess.run(
+        arguments, capture_output=True, text=True, env=ENVIRONMENT | {"PYTHONIOENCODING": "ascii"}
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "\\u" in done.stdout or "\\x" in done.stdout
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a folder in use cannot be removed there")
+@pytest.mark.parametrize("arguments", [["mechanism", "--plot", "a.png"], ["sweep", "{}/s.toml"]])
+def test_working_directory_that_was_removed(tmp_path, arguments):
+    (tmp_path / "s.toml").write_text(IVP_STUDY)
+    (tmp_path / "gone").mkdir()
+    words = [shlex.quote(word.format(tmp_path)) for word in [*PROGRAM, *arguments]]
+    line = f"cd gone && rmdir ../gone && {' '.join(words)}"
+    done = subprocess.run(
+        ["sh", "-c", line], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT
+    )
+    assert done.returncode == 73
+    assert "cannot be created: No such file or directory" in done.stderr
+    assert done.stderr.count("\n") == 1

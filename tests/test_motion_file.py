@@ -122,3 +122,15 @@ def test_a_group_for_a_dataset_is_refused(written, tmp_path):
         file.create_group("configuration")
 
     damaged(written, tmp_path, change)
+
+
+def test_memory_that_ends_ends_before_hdf5_has_a_file(tmp_path, monkeypatch):
+    """It may crash in closing one then."""
+    opened = []
+    monkeypatch.setattr(h5py, "File", lambda *args: opened.append(args))
+    motion = esc.simulate(SCENES["meyer"], 2)
+    monkeypatch.setattr(np, "unique", lambda _: np.empty(1 << 58))
+    with pytest.raises(MemoryError):
+        write_motion(motion, tmp_path / "motion.h5")
+    assert opened == []
+    assert list(tmp_path.iterdir()) == []

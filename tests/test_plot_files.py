@@ -112,6 +112,15 @@ def test_unwritable_place_is_refused(figure, tmp_path, monkeypatch):
         plots.save(figure, tmp_path / "x.png")
 
 
+def test_read_only_file_is_not_replaced(figure, tmp_path, monkeypatch):
+    target = tmp_path / "x.png"
+    target.write_bytes(b"old")
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)  # root may write it
+    with pytest.raises(CannotCreate, match="got a read-only one; name another"):
+        plots.save(figure, target)
+    assert target.read_bytes() == b"old"
+
+
 def test_full_disk_keeps_the_old_file(figure, tmp_path, monkeypatch):
     def full(_descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")

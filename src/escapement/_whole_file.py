@@ -31,7 +31,10 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
         exists and `force` is not given.
     """
     try:
-        target = Path(os.path.realpath(path))
+        target = Path(os.path.realpath(path))  # fails where the working directory was removed
+    except (OSError, ValueError) as error:
+        raise cannot_create(path, error) from None
+    try:
         kind = target.lstat().st_mode
     except FileNotFoundError:
         if not target.parent.is_dir():
@@ -39,7 +42,7 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
                 f"output {path} must be in an existing folder, got {target.parent}; create it first"
             ) from None
         return target
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise cannot_create(path, error) from None
     if stat.S_ISDIR(kind):
         raise CannotCreate(f"output {path} must be a file, got a directory; name a file in it")
@@ -49,6 +52,16 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
         raise CannotCreate(
             f"output {path} must not exist yet, got an existing file; "
             "choose another name or give force=True to replace it"
+        )
+    return target
+
+
+def check_replaceable(path: str | PathLike[str]) -> Path:
+    """As `check_target` for a file that is replaced unasked, unless it is read-only."""
+    target = check_target(path, force=True)
+    if target.exists() and not os.access(target, os.W_OK):
+        raise CannotCreate(
+            f"output {path} must be a file that may be replaced, got a read-only one; name another"
         )
     return target
 
@@ -144,6 +157,12 @@ def write_whole(path: str | PathLike[str], parts: Iterable[bytes], force: bool =
         raise storage_error(path, error) from None
     finally:
         pending.discard()
+
+
+def replace_whole(path: str | PathLike[str], parts: Iterable[bytes]) -> None:
+    """`write_whole` of what is made anew at each call; an older file goes if it may."""
+    check_replaceable(path)
+    write_whole(path, parts, force=True)
 
 
 def storage_error(path: str | PathLike[str], error: BaseException) -> StorageError:

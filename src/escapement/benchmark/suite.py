@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from escapement._whole_file import replace_whole
 from escapement.benchmark import contestants as _contestants
 from escapement.benchmark import figures, headline, machine, scaling, scenes, tables
 from escapement.benchmark.problems import PROBLEMS, Problem
@@ -127,7 +128,7 @@ def write(results: Results, folder: Path) -> list[Path]:
     """Tables as CSV, figures and the machine's description into an existing folder."""
     text = json.dumps(results.machine | {"quick": results.quick}, indent=2) + "\n"
     description = folder / "machine.json"
-    description.write_text(text, encoding="utf-8")
+    replace_whole(description, [text.encode()])
     paths = [
         description,
         tables.write_csv(folder / "standings.csv", results.standings),

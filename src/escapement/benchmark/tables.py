@@ -7,6 +7,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from escapement._whole_file import replace_whole
+
 Rows = Sequence[Any]
 """Named tuples of one kind."""
 
@@ -22,7 +24,7 @@ def as_csv(rows: Rows) -> str:
 
 def write_csv(path: Path, rows: Rows) -> Path:
     """Replace `path` by the rows as CSV."""
-    path.write_text(as_csv(rows), encoding="utf-8")
+    replace_whole(path, [as_csv(rows).encode()])
     return path
 
 

@@ -6,6 +6,7 @@ nothing heavy before its arguments are understood, so that help answers at once.
 """
 
 import contextlib
+import io
 import os
 import sys
 import warnings
@@ -13,6 +14,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
+from escapement.cli import _interrupt
 from escapement.errors import EscapementError, InvalidValue, StorageError
 
 COMMANDS = {
@@ -73,10 +75,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ArithmeticError as error:
         message = f"a number leaves the range of a double ({error}); choose less extreme values"
         return _complain(message, InvalidValue.exit_code)
+    except Exception:
+        if not _interrupt.has_struck():
+            raise
+        return _complain("interrupted", INTERRUPTED)
 
 
 def program() -> NoReturn:
     """The command line as a process of its own."""
+    _interrupt.watch()
     code = main()
     if code == INTERRUPTED:
         # an orderly exit would wait for threads that nobody wants any more; all files are closed
@@ -105,11 +112,16 @@ def _dispatch(argv: list[str]) -> int:
 
 
 def _open_streams() -> None:
-    """Stand-ins for standard streams that are closed: results fail, messages go nowhere."""
+    """Stand-ins for standard streams that are closed: results fail, messages go nowhere.
+
+    A letter that the terminal's encoding lacks is shown by its number.
+    """
     if getattr(sys.stdout, "closed", sys.stdout is None):
         sys.stdout = open(os.open(os.devnull, os.O_RDONLY), "w")  # noqa: SIM115
     if getattr(sys.stderr, "closed", sys.stderr is None):
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:

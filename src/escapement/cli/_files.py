@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from escapement._pictures import picture_format
-from escapement._whole_file import cannot_create, check_target
+from escapement._whole_file import cannot_create, check_replaceable, check_target
 from escapement.cli._parser import UsageError
 from escapement.errors import CannotCreate
 
@@ -72,12 +72,13 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
 
 
 def check_picture(path: Path, *others: Path) -> None:
-    """As `check_output`. Pictures are made from data: an existing one is replaced.
+    """As `check_output`. Pictures are made from data: one that is not read-only is replaced.
 
     Raises InvalidValue for a suffix that no picture has.
     """
     picture_format(path)
     check_output(path, *others, force=True)
+    check_replaceable(path)
 
 
 def make_folder(path: Path) -> None:

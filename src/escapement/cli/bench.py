@@ -1,6 +1,7 @@
 """`escapement bench`: run time against error, all engines and their peers."""
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,13 +45,15 @@ def execute(args: argparse.Namespace) -> int:
     results = suite.run(quick=args.quick, note=_output.note)
     for peer in results.missing:
         _output.note(f"{peer} is not installed and takes no part; it is in the extra 'bench'")
-    written = suite.write(results, folder) if folder is not None else []
-    if args.json:
-        _output.print_json(results.as_dict())
-    else:
-        _print_tables(results)
-    for path in written:
-        _output.note(f"wrote {path}")
+    try:
+        if args.json:
+            _output.print_json(results.as_dict())
+        else:
+            _print_tables(results)
+        sys.stdout.flush()
+    finally:  # neither a full disk nor a reader that left may cost many minutes of work
+        for path in suite.write(results, folder) if folder is not None else []:
+            _output.note(f"wrote {path}")
     return 0
 
 

@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement._whole_file import write_whole
+from escapement._whole_file import replace_whole
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, one_of
 
@@ -65,7 +65,7 @@ def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> di
     if folder is not None:
         contents = {".json": _output.as_json(made.record), ".csv": _output.as_csv(made.table)}
         for suffix, text in contents.items():
-            write_whole(folder / (made.name + suffix), [text.encode()], force=True)
+            replace_whole(folder / (made.name + suffix), [text.encode()])
         made.draw(folder)
         _output.note(f"tables and figures in {folder}")
     if not args.json:

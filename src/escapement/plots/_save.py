@@ -10,8 +10,8 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from escapement._pictures import picture_format
-from escapement._whole_file import check_target, storage_error, write_whole
-from escapement.errors import CannotCreate, InvalidValue
+from escapement._whole_file import check_replaceable, replace_whole, storage_error
+from escapement.errors import InvalidValue
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
@@ -45,22 +45,18 @@ def save(figure: "Figure | FuncAnimation", path: str | os.PathLike[str]) -> None
         When writing fails half-way, for example on a full disk.
     """
     suffix = picture_format(path) if isinstance(figure, Figure) else _film_format(path)
-    target = check_target(path, force=True)
-    if target.exists() and not os.access(target, os.W_OK):
-        raise CannotCreate(
-            f"output {path} must be a file that may be replaced, got a read-only one; name another"
-        )
+    check_replaceable(path)
     if not isinstance(figure, Figure):
         try:
             film = _film(figure)
         except OSError as error:
             raise storage_error(path, error) from None
-        write_whole(path, [film], force=True)
+        replace_whole(path, [film])
         return
     image = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "escapement", "pdf.fonttype": 42}):
         figure.savefig(image, format=suffix[1:], dpi=300, metadata=_METADATA[suffix])
-    write_whole(path, [image.getvalue()], force=True)
+    replace_whole(path, [image.getvalue()])
 
 
 def _film_format(path: str | os.PathLike[str]) -> str:

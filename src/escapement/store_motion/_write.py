@@ -59,10 +59,11 @@ def write_motion(
 
     pending = PendingFile(path, force)
     try:
+        times = _sample_times(motion)  # HDF5 may crash where memory ends while it has a file
         steady = SteadyFile(pending.handle)
         with h5py.File(steady, "w") as hdf5:
             _write_root(hdf5, motion)
-            _write_samples(hdf5, motion, units, progress or _silent)
+            _write_samples(hdf5, motion, times, units, progress or _silent)
             for columns in event_groups(motion).values():
                 _write_group(hdf5, columns)
         if steady.error is not None:
@@ -109,10 +110,13 @@ def _silent(done: int, total: int, failed: int) -> None:
 
 
 def _write_samples(
-    hdf5: Any, motion: Motion, units: str, progress: Callable[[int, int, int], None]
+    hdf5: Any,
+    motion: Motion,
+    times: FloatArray,
+    units: str,
+    progress: Callable[[int, int, int], None],
 ) -> None:
     """Columns over `t` in blocks, so that memory does not grow with the motion."""
-    times = _sample_times(motion)
     forced = getattr(motion.escapement.mechanism, "crank_radius", None) is not None
     names = [name for name in SAMPLES if forced or name != "contact_force"]
     for name in names:
