@@ -39,8 +39,8 @@ def write_once(plan: StudyPlan, path: Path, workers: int) -> None:
     def work(number: int):
         return encode_block(cut, number, evaluate(*cut.span(number)))
 
-    with closing(in_threads(work, range(len(cut)), workers)) as blocks:
-        write_blocks(frame, path, blocks, True, threading.Event())
+    with closing(in_threads(work, range(len(cut)), workers, evaluate.stop)) as blocks:
+        write_blocks(frame, path, blocks, True, threading.Event(), None)
 
 
 def keep(plan: StudyPlan, path: Path, workers: int) -> None:
