@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from any_path import Plain
 from escapement.dynamics import critical_friction
+from escapement.errors import InvalidValue
 from escapement.motion import Motion
 from escapement.solver import METHODS
 from escapement.status import Status
@@ -304,3 +306,29 @@ def test_the_limit_itself_is_beyond_the_limit(n):
         assert study.results["status"].tolist() == [Status.PAINLEVE]
     below = replace(scene, friction=float(mu * (1.0 - 1e-6)))
     assert esc.simulate(below, 1).status is Status.OK
+
+
+OWN = esc.Geneva(4, pins=1)
+INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@pytest.mark.parametrize("kind", ["read-only", "with gaps"])
+def test_a_mechanism_of_ones_own_may_keep_its_path_in_any_array(kind, engine):
+    path = np.repeat(OWN.path, 2)[::2]
+    if kind == "read-only":
+        path = OWN.path.copy()
+        path.setflags(write=False)
+    one, other = (
+        esc.simulate(
+            esc.Escapement(Plain(row, OWN.breaks[-1]), INERTIA, 0.01, 0.3), 2, engine=engine
+        )
+        for row in (OWN.path, path)
+    )
+    assert np.array_equal(one.handoff_times, other.handoff_times)
+
+
+@pytest.mark.parametrize("path", [[1.0, 2.0], np.ones((2, 3)), np.ones(4, dtype=np.float32)])
+def test_a_path_that_is_no_row_of_doubles_is_refused(path):
+    with pytest.raises(InvalidValue, match=r"mechanism\.path must be a one-dimensional array"):
+        esc.Escapement(Plain(path, 0.5), INERTIA, 0.01)

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from inspect import getattr_static
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -169,7 +169,12 @@ class Escapement:
         self._check_ratios()
 
     def _check_losses(self) -> None:
-        """A slot loses by friction, a mesh by its efficiency."""
+        """A slot loses by friction, a mesh by its efficiency; its path tells which it is."""
+        path: Any = self.mechanism.path
+        if not (isinstance(path, np.ndarray) and path.dtype == np.float64 and path.ndim == 1):
+            raise _validate.fail(
+                "mechanism.path", "a one-dimensional array of doubles", path, "see np.asarray"
+            )
         if not 1e-3 <= self.efficiency <= 1.0:
             raise _validate.fail(
                 "efficiency", "in [0.001, 1]", self.efficiency, "give a share of 1, 1 for no loss"

@@ -2,12 +2,14 @@
 
 from typing import Any
 
+import numpy as np
+
 from escapement.engines._calls import addresses
 from escapement.engines._cells import tabulate_cells
 from escapement.mechanisms._table import smooth_intervals
 from escapement.model import FloatArray
 
-_known: dict[tuple[int, bytes], tuple[FloatArray, FloatArray, FloatArray]] = {}
+_known: dict[tuple[int, bytes], tuple[FloatArray, tuple[FloatArray, ...]]] = {}
 _MOST_KNOWN = 64
 _last: tuple[Any, tuple[Any, ...]] = None, ()  # scene and numbers of the last call
 
@@ -27,11 +29,13 @@ def numbers_of(scene: tuple[Any, ...]) -> tuple[Any, ...]:
     key = id(path), breaks.tobytes()
     known = _known.get(key)
     if known is None or known[0] is not path:
-        edges = smooth_intervals(path, breaks)
+        plain = np.array(path)  # calls by address take no read-only array, and none with gaps
+        edges = smooth_intervals(plain, breaks)
         if len(_known) >= _MOST_KNOWN:
             _known.clear()
-        known = _known[key] = path, edges, tabulate_cells(path, edges, _levels(edges))
-    numbers = addresses(), known[2], path, known[1], *rest
+        cells = tabulate_cells(plain, edges, _levels(edges))
+        known = _known[key] = path, (cells, plain, edges)
+    numbers = addresses(), *known[1], *rest
     _last = scene, numbers
     return numbers
 
