@@ -165,6 +165,7 @@ def painleve_limit(path, rho, entry, exit_):
         turn = np.arcsin(np.sqrt(x)) / abs(path[0])
         for theta in (-turn, turn):
             place = min(max(theta, entry), exit_)
+            # outside, by more than the rounding of an angle
             if abs(place - theta) > 1e-15 * abs(theta):
                 continue
             # from the circle: with a light driver no angle is near enough to the exit

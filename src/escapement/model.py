@@ -54,7 +54,10 @@ class Mechanism(Protocol):
 
     @property
     def path(self) -> FloatArray:
-        """Flat numbers that kernels evaluate the transmission from: a pin path or a table."""
+        """Flat numbers that kernels evaluate the transmission from: a pin path or a table.
+
+        Shape (n,), doubles; the array stays the same, and so does what is in it.
+        """
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""
@@ -165,16 +168,19 @@ class Escapement:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        self._check_path()
         self._check_losses()
         self._check_ratios()
 
-    def _check_losses(self) -> None:
-        """A slot loses by friction, a mesh by its efficiency; its path tells which it is."""
+    def _check_path(self) -> None:
+        """Refuse what kernels could not read."""
         path: Any = self.mechanism.path
         if not (isinstance(path, np.ndarray) and path.dtype == np.float64 and path.ndim == 1):
-            raise _validate.fail(
-                "mechanism.path", "a one-dimensional array of doubles", path, "see np.asarray"
-            )
+            rule, remedy = "a one-dimensional array of doubles", "make it with dtype=float"
+            raise _validate.fail("mechanism.path", rule, path, remedy)
+
+    def _check_losses(self) -> None:
+        """A slot loses by friction, a mesh by its efficiency."""
         if not 1e-3 <= self.efficiency <= 1.0:
             raise _validate.fail(
                 "efficiency", "in [0.001, 1]", self.efficiency, "give a share of 1, 1 for no loss"

@@ -9,6 +9,7 @@ from escapement.engines._cells import tabulate_cells
 from escapement.mechanisms._table import smooth_intervals
 from escapement.model import FloatArray
 
+# by path and breaks: the path as given, and what kernels take: cells, path, edges
 _known: dict[tuple[int, bytes], tuple[FloatArray, tuple[FloatArray, ...]]] = {}
 _MOST_KNOWN = 64
 _last: tuple[Any, tuple[Any, ...]] = None, ()  # scene and numbers of the last call
