@@ -19,7 +19,7 @@ import numpy as np
 import escapement as esc
 from escapement.benchmark import machine, tables
 from escapement.dynamics import painleve_limit
-from escapement.engines import _energy_batch
+from escapement.engines.energy import batch
 
 ROOT = Path(__file__).resolve().parents[1]
 SLOTS = (3, 4, 6)
@@ -67,7 +67,7 @@ def draw(cases: int, seed: int) -> list[Block]:
 def solve(block: Block, rtol: float) -> tuple[np.ndarray, np.ndarray]:
     """Figures of merit and status of a block."""
     nothing = np.zeros(block.ratio.size)
-    return _energy_batch.solve(block.mechanism, block.ratio, block.friction, nothing, nothing, rtol)
+    return batch.solve(block.mechanism, block.ratio, block.friction, nothing, nothing, rtol)
 
 
 def run(

@@ -18,12 +18,13 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
-from escapement.configuration import StudyPlan, plan_from
-from escapement.store import blocks_of, encode_block
-from escapement.store._image import write_blocks
-from escapement.sweeping import frame_of, write_plan
-from escapement.sweeping._blocks import in_threads
-from escapement.sweeping._evaluate import Evaluator
+from escapement.study.block import blocks_of, encode_block
+from escapement.study.evaluate import Evaluator
+from escapement.study.from_escapement import plan_from
+from escapement.study.image import write_blocks
+from escapement.study.plan import StudyPlan
+from escapement.study.run import frame_of, write_plan
+from escapement.study.threads import in_threads
 
 
 def study(cases: int) -> StudyPlan:

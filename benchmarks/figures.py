@@ -13,7 +13,7 @@ import numpy as np
 from escapement.benchmark.figures import work_precision_figure
 from escapement.benchmark.problems import PROBLEMS
 from escapement.benchmark.work_precision import Point
-from escapement.plots._style import (
+from escapement.plots.style import (
     BLACK,
     BLUE,
     GREY,

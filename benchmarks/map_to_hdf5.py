@@ -50,14 +50,14 @@ def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
     """One sweep in this process, watched."""
     begin = time.perf_counter()
     import escapement as esc
-    from escapement.configuration import plan_from
-    from escapement.engines import _energy_batch
-    from escapement.sweeping import write_plan
+    from escapement.engines.energy import batch
+    from escapement.study.from_escapement import plan_from
+    from escapement.study.run import write_plan
 
     timer = PROBLEMS[0].escapement
     esc.simulate(timer)
     importing = time.perf_counter() - begin
-    solve, spent = _energy_batch.solve, []
+    solve, spent = batch.solve, []
 
     def watched(*arguments: Any) -> Any:
         start = time.thread_time()
@@ -65,7 +65,7 @@ def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
         spent.append(time.thread_time() - start)
         return solved
 
-    _energy_batch.solve = watched
+    batch.solve = watched
     axes = {
         "torque": timer.torque * np.linspace(0.5, 2.0, side),
         "friction": np.linspace(0.05, 0.40, side),

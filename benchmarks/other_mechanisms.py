@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement._curves import CURVES
 from escapement.benchmark import tables
+from escapement.curves import CURVES
 from escapement.errors import InvalidValue
 
 ROOT = Path(__file__).resolve().parents[1]

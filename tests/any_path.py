@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 import escapement as esc
-from escapement.mechanisms._slotted import transmission
+from escapement.mechanisms.slotted import transmission
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement.configuration import parse_plan
+from escapement.study.parse import parse_plan
 
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 WHEEL = esc.Geneva(slots=4)

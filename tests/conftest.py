@@ -7,7 +7,7 @@ import pytest
 
 import escapement as esc
 from escapement.cli import main
-from escapement.engines import _energy_batch
+from escapement.engines.energy import batch
 
 # a shell's background jobs ignore Ctrl-C, and so would the processes that tests interrupt
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -78,13 +78,13 @@ def refusal(command, tmp_path):
 def solves(monkeypatch):
     """How many scenes each call of the batch solver was given."""
     counted = []
-    solve = _energy_batch.solve
+    solve = batch.solve
 
     def count(mechanism, rho, *rest):
         counted.append(rho.size)
         return solve(mechanism, rho, *rest)
 
-    monkeypatch.setattr(_energy_batch, "solve", count)
+    monkeypatch.setattr(batch, "solve", count)
     return counted
 
 

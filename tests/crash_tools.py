@@ -12,18 +12,12 @@ from unittest import mock
 
 import numpy as np
 
-from escapement import _whole_file
 from escapement.errors import CannotCreate, EscapementError
-from escapement.store import (
-    RESULTS,
-    Study,
-    StudyWriter,
-    _lock,
-    _owned_file,
-    blocks_of,
-    encode_block,
-    partial_path,
-)
+from escapement.files import whole
+from escapement.study import lock, owned_file
+from escapement.study.block import blocks_of, encode_block
+from escapement.study.result import RESULTS, Study
+from escapement.study.writer import StudyWriter, partial_path
 
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EACCES, errno.EROFS, errno.ENOENT)
 CASES = 40
@@ -190,9 +184,9 @@ def faults(failing=None, code=None):
             open=plan.wrap(os.open),
             fstat=plan.wrap(os.fstat),
         ),
-        mock.patch.object(_owned_file, "open", faulty_open, create=True),
-        mock.patch.object(_whole_file, "open", faulty_open, create=True),
-        mock.patch.object(_lock.fcntl, "flock", plan.wrap(_lock.fcntl.flock)),
+        mock.patch.object(owned_file, "open", faulty_open, create=True),
+        mock.patch.object(whole, "open", faulty_open, create=True),
+        mock.patch.object(lock.fcntl, "flock", plan.wrap(lock.fcntl.flock)),
     ):
         yield plan
 

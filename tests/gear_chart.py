@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from escapement import GearDriven
-from escapement._curves import CURVES
+from escapement.curves import CURVES
 from escapement.mechanisms.gear_equation import lobe_ratios
 
 SOURCES = CURVES[:2]

@@ -4,15 +4,10 @@ import threading
 
 import numpy as np
 
-from escapement.store import (
-    RESULTS,
-    SCHEMA_VERSION,
-    Study,
-    StudyWriter,
-    blocks_of,
-    encode_block,
-    read_study,
-)
+from escapement.study.block import blocks_of, encode_block
+from escapement.study.reader import read_study
+from escapement.study.result import RESULTS, SCHEMA_VERSION, Study
+from escapement.study.writer import StudyWriter
 
 IVP_STUDY = """
 torque = 0.01

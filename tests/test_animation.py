@@ -10,7 +10,7 @@ from PIL import Image
 import escapement as esc
 from escapement import plots
 from escapement.errors import InvalidValue, StorageError
-from escapement.plots import _save
+from escapement.plots import saving
 from figure_tools import by_id
 from tabulated_drive import exact
 
@@ -70,7 +70,7 @@ def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patch:
-        patch.setattr(_save, "_film", full)
+        patch.setattr(saving, "_film", full)
         with pytest.raises(StorageError, match="No space left"):
             plots.save(film, tmp_path / "film.gif")
     with pytest.raises(InvalidValue, match=r"must end in \.gif, got '\.png'"):

@@ -15,15 +15,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from escapement.benchmark import contestants, headline, suite, tables
+from escapement.benchmark import candidates, headline, suite, tables
 from escapement.benchmark.problems import PROBLEMS, REFERENCE
 from escapement.benchmark.work_precision import Point, time_at
 from escapement.cli import main
 from escapement.errors import StorageError
 
 MEYER = PROBLEMS[0]
-HERE = list(contestants.contestants())
-PEERS = contestants.PEERS
+HERE = list(candidates.contestants())
+PEERS = candidates.PEERS
 RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8, "CyRK": 1e-8}
 
 PAIRS = [
@@ -90,9 +90,9 @@ def test_contestants_solve_the_problem(contestant, problem):
 
 
 def test_peers_take_part_where_they_are_installed():
-    assert contestants.installed_peers() == [name for name in PEERS if find_spec(name) is not None]
+    assert candidates.installed_peers() == [name for name in PEERS if find_spec(name) is not None]
     families = {contestant.family for contestant in HERE}
-    assert families == {"energy", "ivp", "solve_ivp", *contestants.installed_peers()}
+    assert families == {"energy", "ivp", "solve_ivp", *candidates.installed_peers()}
     assert len({contestant.name for contestant in HERE}) == len(HERE)
 
 

@@ -11,8 +11,8 @@ import xarray
 
 import escapement as esc
 from escapement.cli._output import plain
+from escapement.motion_file import read_motion
 from escapement.solver import DEFAULT_RTOL, ENGINES, METHODS
-from escapement.store_motion import read_motion
 from escapement.units import INCH, INCH_POUND, POUND_FORCE
 
 MEYER = [
@@ -298,7 +298,7 @@ def test_what_strikes_from_outside_is_one_line(command, monkeypatch, error, code
     def strike(_path):
         raise error
 
-    monkeypatch.setattr("escapement.configuration.load_plan", strike)
+    monkeypatch.setattr("escapement.study.plan_file.load_plan", strike)
     found, out, err = command("sweep", "x.toml")
     assert (found, out) == (code, "")
     assert err.startswith("escapement: error: ")

@@ -13,7 +13,7 @@ import pytest
 
 import escapement as esc
 from escapement import cli
-from escapement.store import read_study
+from escapement.study.reader import read_study
 from study_tools import IVP_STUDY
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(esc.__file__).parents[1])}

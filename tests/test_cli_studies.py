@@ -5,7 +5,7 @@ import json
 import pytest
 
 from escapement.cli._tables import spread
-from escapement.store import read_study
+from escapement.study.reader import read_study
 from escapement.units import INCH_POUND
 
 STUDY = """

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 import escapement
-from escapement import _jit
-from escapement.engines import _gauss, _panels
+from escapement import jit
+from escapement.engines.energy import gauss, panels
 
 PACKAGE = Path(escapement.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
@@ -39,7 +39,7 @@ def write_toy(folder, decorator, factor):
     """Package `toy`: kernel f in one file calls g in another, which uses a number of a third."""
     toy = folder / "toy"
     toy.mkdir(exist_ok=True)
-    shutil.copy(PACKAGE / "_jit.py", toy)
+    shutil.copy(PACKAGE / "jit.py", toy)
     (toy / "__init__.py").touch()
     (toy / "f.py").write_text(
         f"{decorator}\nfrom toy.g import g\n\n@jit\ndef f(x):\n    return g(x)\n"
@@ -51,7 +51,7 @@ def test_a_stale_copy_is_what_the_bare_cache_would_serve(tmp_path):
     """The reason for the decorator: if this ever fails, Numba has mended it itself."""
     here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     bare = "import numba\n\njit = numba.njit(cache=True)"
-    ours = "from toy._jit import jit"
+    ours = "from toy.jit import jit"
     call = "from toy.f import f; print(f(1.0))"
     for decorator, after in ((bare, "2.0"), (ours, "3.0")):
         write_toy(tmp_path, decorator, 2.0)
@@ -67,8 +67,8 @@ def test_a_stale_copy_is_what_the_bare_cache_would_serve(tmp_path):
 def test_every_kernel_counts_for_the_digest(tmp_path):
     copy = tmp_path / "escapement"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", "data"))
-    whole = _jit.kernel_digest(copy)
-    assert whole == _jit.kernel_digest(PACKAGE)
+    whole = jit.kernel_digest(copy)
+    assert whole == jit.kernel_digest(PACKAGE)
     compiled = re.compile(r"^@jit\b|\bby_address\(", re.MULTILINE)
     kernels = [path for path in SOURCES if compiled.search(path.read_text())]
     assert len(kernels) >= 8
@@ -76,24 +76,24 @@ def test_every_kernel_counts_for_the_digest(tmp_path):
         target = copy / path.relative_to(PACKAGE)
         source = target.read_text()
         target.write_text(source + "\n")
-        assert _jit.kernel_digest(copy) != whole
+        assert jit.kernel_digest(copy) != whole
         target.write_text(source)
     (copy / "units.py").write_text("")
-    assert _jit.kernel_digest(copy) == whole
+    assert jit.kernel_digest(copy) == whole
 
 
 def test_a_renamed_kernel_file_counts_too(tmp_path):
     for name in ("a.py", "b.py"):
         (tmp_path / name).write_text("from x import jit\n")
-    one = _jit.kernel_digest(tmp_path)
+    one = jit.kernel_digest(tmp_path)
     (tmp_path / "b.py").rename(tmp_path / "c.py")
-    assert _jit.kernel_digest(tmp_path) != one
+    assert jit.kernel_digest(tmp_path) != one
 
 
 def test_nobody_compiles_but_the_decorator():
     """A benchmark's peers apart, which want functions compiled their own way."""
     for path in SOURCES:
-        if path.name != "_jit.py" and path.parent.name != "benchmark":
+        if path.name != "jit.py" and path.parent.name != "benchmark":
             source = path.read_text(encoding="utf-8")
             assert not re.search(r"\b(njit|vectorize|guvectorize|jitclass|cfunc)\b", source), path
             assert "fastmath" not in source, path
@@ -108,7 +108,7 @@ def test_a_folder_that_cannot_be_written_is_done_without(tmp_path, place):
     locked = tmp_path / "locked"
     locked.mkdir(mode=0o500)
     folder = {"a file": file, "under a file": file / "below", "read only": locked}[place]
-    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    write_toy(tmp_path, "from toy.jit import jit", 2.0)
     call = "from toy.f import f; print(f(1.0), f.py_func(2.0))"
     found = run(call, PYTHONPATH=str(tmp_path), NUMBA_CACHE_DIR=str(folder))
     assert found == "2.0 4.0"
@@ -119,7 +119,7 @@ def test_a_folder_that_cannot_be_written_is_done_without(tmp_path, place):
     ("call", "reason"), [("load", "EACCES"), ("_load_data", "EIO"), ("_save_data", "ENOSPC")]
 )
 def test_a_cache_that_fails_costs_a_compilation_only(tmp_path, call, reason):
-    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    write_toy(tmp_path, "from toy.jit import jit", 2.0)
     failing = f"""
 import errno
 from numba.core import caching
@@ -136,9 +136,9 @@ caching.IndexDataCacheFile.{call} = fail
 
 def test_kernels_of_the_cache_do_without_what_compiling_takes(tmp_path):
     """Arrays come and go, and whoever has to compile after that still can."""
-    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    write_toy(tmp_path, "from toy.jit import jit", 2.0)
     (tmp_path / "toy" / "h.py").write_text(
-        "import numpy as np\nfrom toy._jit import jit\nfrom toy.g import g\n\n"
+        "import numpy as np\nfrom toy.jit import jit\nfrom toy.g import g\n\n"
         "@jit(allocates=True)\ndef h(x):\n"
         "    y = np.empty(x.size)\n"
         "    for i in range(x.size):\n        y[i] = g(np.exp(x[i]))\n"
@@ -162,12 +162,12 @@ def test_a_kernel_called_by_its_address(tmp_path):
     """As if it were called by name, from the cache too, and never with other types."""
     toy = tmp_path / "toy"
     toy.mkdir()
-    for name in ("_jit.py", "_by_address.py"):
-        source = (PACKAGE / name).read_text().replace("escapement._jit", "toy._jit")
+    for name in ("jit.py", "by_address.py"):
+        source = (PACKAGE / name).read_text().replace("escapement.jit", "toy.jit")
         (toy / name).write_text(source)
     (toy / "f.py").write_text("""
-from toy._by_address import by_address
-from toy._jit import jit
+from toy.by_address import by_address
+from toy.jit import jit
 
 @jit
 def weighed(x, factor, count):
@@ -208,7 +208,7 @@ except numba.core.errors.NumbaError as error:
 
 @pytest.mark.parametrize("terminal", [True, False])
 def test_compiling_is_announced_once_and_on_a_terminal_only(tmp_path, terminal):
-    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    write_toy(tmp_path, "from toy.jit import jit", 2.0)
     code = f"""
 import io, sys
 class Stream(io.StringIO):
@@ -225,7 +225,7 @@ print(sys.stderr.getvalue().count("compiling"), sys.stderr.getvalue().count(chr(
 
 
 def test_the_cache_is_kept_where_it_was_asked_for(tmp_path):
-    write_toy(tmp_path, "from toy._jit import jit", 2.0)
+    write_toy(tmp_path, "from toy.jit import jit", 2.0)
     call = "from toy.f import f; import numba; print(f(1.0), numba.config.CACHE_DIR)"
     here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "mine")}
     assert run(call, **here) == f"2.0 {tmp_path / 'mine'}"
@@ -274,7 +274,7 @@ print(len(motion.handoff_times), "scipy.integrate" in sys.modules)
 
 
 def test_a_store_has_room_for_its_panels_and_says_how_many_points_they_have():
-    for most in (1, 2, 3, 100, _panels.MAX_PANELS):
-        store = _panels.new_store(most)
-        assert store.size >= _panels.place_of(most)
-        assert _gauss.points_of(store) == _gauss.N
+    for most in (1, 2, 3, 100, panels.MAX_PANELS):
+        store = panels.new_store(most)
+        assert store.size >= panels.place_of(most)
+        assert gauss.points_of(store) == gauss.N

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from escapement.plots import gear_charts
-from escapement.published.dijksman import (
+from escapement.sources.dijksman import charts
+from escapement.sources.dijksman.captions import (
     COLUMNS,
     as_rows,
     printed_figures,
     proportions,
     right_values,
 )
-from escapement.published.dijksman_equations import chart_mechanisms, equations, start_ratios
+from escapement.sources.dijksman.slips import chart_mechanisms, equations, start_ratios
 
 # solved by hand with another program from the tangency at entry
 RIGHT = {
@@ -85,7 +85,7 @@ def test_wheels_of_the_charts_start_at_once():
 
 
 def test_charts(tmp_path):
-    figure = gear_charts.plot_design_charts()
+    figure = charts.plot_design_charts()
     inside, outside = figure.axes
     ids = {line.get_gid() for line in inside.lines} - {None}
     assert "n-24" in {line.get_gid() for line in outside.lines}
@@ -99,7 +99,7 @@ def test_charts(tmp_path):
 
 
 def test_motions_begin_and_end_where_they_should():
-    figure = gear_charts.plot_motions()
+    figure = charts.plot_motions()
     angle, velocity, acceleration, jerk = figure.axes
     for line in angle.lines:
         x, y = line.get_data()

@@ -25,7 +25,7 @@ import escapement as esc
 from escapement import errors
 from escapement.cli import COMMANDS, main
 from escapement.cli._parser import Parser
-from escapement.configuration import parse_plan
+from escapement.study.parse import parse_plan
 from escapement.units import INCH_POUND
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -12,7 +12,7 @@ import escapement as esc
 from any_path import Plain, each_wheel
 from escapement.constant_speed import contact_moment, design, geneva
 from escapement.errors import InvalidValue
-from escapement.mechanisms._slotted import radius
+from escapement.mechanisms.slotted import radius
 from tabulated_drive import DRIVE, measured
 
 

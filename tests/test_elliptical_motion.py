@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from elliptical_tools import PAPER, drives
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.mechanisms._slotted import transmission
+from escapement.mechanisms.slotted import transmission
 from escapement.model import Mechanism
 
 places = st.floats(-1.0, 1.0)

@@ -9,14 +9,14 @@ from scipy.integrate import quad
 
 import escapement as esc
 from bad_calls import MODEL, TIMER, WHEEL, built, first_steps, ivp, wheel
-from escapement.engines import _ivp_piece
+from escapement.engines.time import piece
 from escapement.status import Status
 
 
 @pytest.fixture
 def few_steps(monkeypatch):
     """A limit that is met soon; the real one takes seconds."""
-    monkeypatch.setattr(_ivp_piece, "MOST_STEPS", 1000)
+    monkeypatch.setattr(piece, "MOST_STEPS", 1000)
 
 
 @pytest.mark.usefixtures("few_steps")
@@ -31,7 +31,7 @@ def test_too_many_steps_end_in_a_status(options, monkeypatch):
     figures = esc.terminal(TIMER, engine="ivp", **options)
     assert (figures.status, figures.message) == (motion.status, motion.message)
     assert math.isnan(figures.velocity_max)
-    monkeypatch.setattr(_ivp_piece, "MOST_STEPS", 10_000)
+    monkeypatch.setattr(piece, "MOST_STEPS", 10_000)
     assert ivp(**options).status is Status.OK
 
 

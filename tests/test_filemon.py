@@ -12,12 +12,11 @@ import pytest
 import escapement as esc
 from escapement.constant_speed import geneva
 from escapement.errors import InvalidValue
-from escapement.plots import filemon as figures
-from escapement.plots import filemon_reversals as reversal_figures
 from escapement.plots import plot_drive_torque
-from escapement.plots.nomograms import SHEETS, plot_nomogram
-from escapement.published._digits import digits
-from escapement.published.filemon import (
+from escapement.sources.digits import digits
+from escapement.sources.filemon import figures as figures
+from escapement.sources.filemon import reversal_figures as reversal_figures
+from escapement.sources.filemon.cells import (
     COLUMNS,
     as_rows,
     mean_torque_error,
@@ -25,7 +24,8 @@ from escapement.published.filemon import (
     right_values,
     table_1,
 )
-from escapement.published.filemon_equations import equations
+from escapement.sources.filemon.nomograms import SHEETS, plot_nomogram
+from escapement.sources.filemon.slips import equations
 from escapement.units import INCH_POUND
 from figure_tools import by_id
 
@@ -246,7 +246,7 @@ def test_torque_figure_keeps_numbers_of_close_reversals_apart():
 
 def test_torque_figure_is_in_the_units_asked_for(command, monkeypatch, tmp_path):
     drawn = []
-    monkeypatch.setattr("escapement.cli._files.save_axes", lambda ax, path: drawn.append(ax))
+    monkeypatch.setattr("escapement.plots.saving.save_axes", lambda ax, path: drawn.append(ax))
     inches = ("--load-torque", "1", "--follower-inertia", ".019", "--units", "in-lbf-s")
     options = ("--slots", "8", "--speed", "10", *inches, "--plot", str(tmp_path / "t.png"))
     record = json.loads(command("drive-torque", *options, "--json")[1])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from escapement import Escapement, GearDriven, Inertia
-from escapement._curves import COGNATES, CURVES
 from escapement.constant_speed import jerk_function
+from escapement.curves import COGNATES, CURVES
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import Mechanism

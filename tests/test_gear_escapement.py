@@ -16,8 +16,8 @@ from escapement import (
     sweep,
     terminal,
 )
-from escapement._curves import CURVES
 from escapement.constant_speed import drive_torque
+from escapement.curves import CURVES
 from escapement.errors import InvalidValue
 from escapement.status import Status
 

@@ -8,10 +8,10 @@ import pytest
 from matplotlib.path import Path
 
 from escapement import GearDriven
-from escapement._curves import CURVES
+from escapement.curves import CURVES
 from escapement.errors import InvalidValue
+from escapement.outlines.gear_driven import GearWheels
 from escapement.plots import gear_driven
-from escapement.plots._gear_shapes import GearWheels
 
 WHEELS = [
     GearDriven(4, 1, "epicycloid"),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from escapement import GearDriven
-from escapement._curves import CURVES
+from escapement.curves import CURVES
 from escapement.errors import InvalidValue
 from escapement.synthesis import find_mechanisms
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from escapement import simulation
-from escapement.configuration import plan_from
 from escapement.metrics import Figures
-from escapement.sweeping._blocks import in_threads
-from escapement.sweeping._evaluate import Evaluator
+from escapement.study.evaluate import Evaluator
+from escapement.study.from_escapement import plan_from
+from escapement.study.threads import in_threads
 from natural_units import drive
 
 INTERRUPTED = """

@@ -10,11 +10,12 @@ import pytest
 from escapement import Escapement, GearDriven, Inertia, read_study
 from escapement.cli import _kinds
 from escapement.cli._parser import Parser, UsageError, number, whole
-from escapement.configuration import parse_plan, plan_from
-from escapement.configuration._kinds import KINDS, Kind
-from escapement.configuration._parameters import Parameter
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
+from escapement.study.from_escapement import plan_from
+from escapement.study.kinds import KINDS, Kind
+from escapement.study.parameters import Parameter
+from escapement.study.parse import parse_plan
 
 
 @pytest.fixture

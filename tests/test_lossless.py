@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.published import meyer
+from escapement.sources import meyer
 
 TORQUE, DRIVER, FOLLOWER = 0.01, 1e-6, 1e-6
 

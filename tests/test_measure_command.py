@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement._headings import NAMES
+from escapement.text import NAMES
 
 DEG = math.pi / 180.0
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)

@@ -10,7 +10,7 @@ import pytest
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia, Mechanism
-from escapement.published.meyer import (
+from escapement.sources.meyer.rows import (
     HEADINGS,
     INERTIAS,
     PublishedCell,

@@ -6,7 +6,7 @@ import pytest
 
 import escapement as esc
 from escapement.errors import InputFileError
-from escapement.store_motion import read_motion, write_motion
+from escapement.motion_file import read_motion, write_motion
 
 LIGHT, MEYER = esc.Inertia(3e-8, 1e-5), esc.Inertia(3.39e-7, 5.65e-6)
 # a light driver's speed peaks between two of a hundred samples an engagement

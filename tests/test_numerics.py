@@ -6,17 +6,18 @@ import sys
 from pathlib import Path
 
 import escapement
-from escapement.sweeping._numerics import numerics, sources
+from escapement.study.numerics import numerics, sources
 
 PACKAGE = Path(escapement.__file__).parent
 DECIDE_NOTHING = {
     *(
         "__init__.py",
-        "_by_address.py",
-        "_curves.py",
-        "_jit.py",
-        "_peaks.py",
-        "_validate.py",
+        "engines/__init__.py",
+        "by_address.py",
+        "curves.py",
+        "jit.py",
+        "peaks.py",
+        "validate.py",
         "errors.py",
     ),
 }
@@ -26,7 +27,7 @@ LOADED = """
 import sys
 from importlib import import_module
 import escapement.simulation
-for name in ("_energy", "_energy_batch", "_energy_terminal", "_ivp", "_ivp_terminal"):
+for name in ("energy.simulate", "energy.batch", "energy.terminal", "time.terminal"):
     import_module(f"escapement.engines.{name}")
 print(*(m.__file__ for n, m in sys.modules.items() if n.startswith("escapement")), sep="\\n")
 """

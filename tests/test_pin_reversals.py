@@ -12,7 +12,7 @@ import escapement as esc
 from any_path import Plain
 from escapement.constant_speed import contact_moment, geneva, inertia_ratio
 from escapement.errors import InvalidValue
-from escapement.mechanisms._slotted import transmission, two_vector_path
+from escapement.mechanisms.slotted import transmission, two_vector_path
 
 
 def test_internal_wheels_know_no_second_zone():

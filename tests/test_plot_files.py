@@ -10,8 +10,8 @@ import pytest
 
 from escapement import plots
 from escapement.errors import CannotCreate, InvalidValue, StorageError
-from escapement.plots import _style
-from escapement.plots._labels import label, number, print_unit, scaled
+from escapement.plots import style
+from escapement.plots.labels import label, number, print_unit, scaled
 
 
 @pytest.mark.parametrize(
@@ -44,8 +44,8 @@ def test_prefixes_keep_numbers_readable():
 
 
 def test_palette_is_distinct_in_grey_print():
-    assert len({look.marker for look in _style.LOOKS}) == len(_style.LOOKS)
-    assert len({str(look.linestyle) for look in _style.LOOKS}) == len(_style.LOOKS)
+    assert len({look.marker for look in style.LOOKS}) == len(style.LOOKS)
+    assert len({str(look.linestyle) for look in style.LOOKS}) == len(style.LOOKS)
 
 
 def test_nothing_imports_pyplot():

@@ -10,7 +10,7 @@ from matplotlib.path import Path as Outline
 import escapement as esc
 from escapement import plots
 from escapement.errors import InvalidValue
-from escapement.plots._wheels import Wheels, locking_disc, pose
+from escapement.outlines.geneva import Wheels, locking_disc, pose
 from figure_tools import by_id
 
 DRIVES = [

@@ -8,10 +8,10 @@ import pytest
 from matplotlib.legend import Legend
 
 from escapement import plots
-from escapement.configuration._parameters import MODEL
 from escapement.errors import InvalidValue
-from escapement.plots import _style
+from escapement.plots import style
 from escapement.status import Status
+from escapement.study.parameters import MODEL
 from figure_tools import legend_of
 
 UNITS = {
@@ -190,7 +190,7 @@ def test_legends_show_the_markers_and_dashes_of_the_lines():
     (legend,) = figure.subfigs[0].legends
     assert {line.get_marker() for line in legend.get_lines()} == {""}
     size = legend.handlelength * legend._fontsize
-    for look in _style.LOOKS[1:]:
+    for look in style.LOOKS[1:]:
         assert 1.2 * 2 * sum(look.linestyle[1]) <= size + 1.2 * look.linestyle[1][-1]
 
 

@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from scipy.special import gammaincc
 
 import escapement as esc
-from escapement.configuration import parse_plan
 from escapement.errors import InvalidValue
 from escapement.plots import planetary
-from escapement.plots import prikhodko as figures
-from escapement.published import prikhodko
+from escapement.sources import prikhodko
+from escapement.sources.prikhodko import figures as figures
+from escapement.study.parse import parse_plan
 from escapement.units import INCH
 from figure_tools import by_id
 

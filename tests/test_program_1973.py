@@ -5,9 +5,9 @@ import pytest
 
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
-from escapement.published import _listing
-from escapement.published.meyer import INERTIAS, PrintedRow, printed_rows
-from escapement.published.program_1973 import program_1973, read_printout
+from escapement.sources.meyer import listing
+from escapement.sources.meyer.program import program_1973, read_printout
+from escapement.sources.meyer.rows import INERTIAS, PrintedRow, printed_rows
 from escapement.units import INCH_POUND
 
 HIGH_RATE = (4, 0.35, 0.20, *INERTIAS[4])  # the run of recommendation 2
@@ -148,9 +148,9 @@ def test_friction_sign_sees_the_acceleration_of_50_microseconds_ago():
 
 
 def test_delayed_value_interpolates_and_starts_at_the_first_one():
-    times, values = np.zeros(_listing._LINE), np.zeros(_listing._LINE)
+    times, values = np.zeros(listing._LINE), np.zeros(listing._LINE)
     times[:3], values[:3] = [0.0, 1.0, 3.0], [5.0, 7.0, 1.0]
-    seen = [_listing._delayed(times, values, 2, t) for t in (-4.0, 0.0, 0.5, 1.0, 2.0, 3.0)]
+    seen = [listing._delayed(times, values, 2, t) for t in (-4.0, 0.0, 0.5, 1.0, 2.0, 3.0)]
     assert seen == [5.0, 5.0, 6.0, 7.0, 4.0, 1.0]
 
 

@@ -131,10 +131,10 @@ def test_extrema(case, engine):
 @with_cycle
 def test_terminal_cycle(case, engine, monkeypatch):
     import escapement as esc
-    from escapement.engines import _ivp_terminal
+    from escapement.engines.time import terminal
 
     # the way there, up to thousands of engagements, is asked for by nothing below
-    monkeypatch.setattr(_ivp_terminal, "LONGEST_TRANSIENT", 0)
+    monkeypatch.setattr(terminal, "LONGEST_TRANSIENT", 0)
     cycle, expected = (
         esc.terminal(model(case), engine=engine.name, rtol=engine.rtol),
         case["terminal"],

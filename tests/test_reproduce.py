@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from escapement.cli import main
 from escapement.errors import StorageError
-from escapement.plots.nomograms import SHEETS
+from escapement.sources.filemon.nomograms import SHEETS
 
 
 @pytest.fixture(scope="module")

@@ -15,13 +15,17 @@ import pytest
 import crash_tools as tools
 from escapement import simulation
 from escapement.cli import main
-from escapement.configuration import plan_from
 from escapement.errors import CannotCreate
 from escapement.mechanisms import Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
-from escapement.store import SCHEMA_VERSION, _lock, _owned_file, partial_path, read_study
-from escapement.sweeping import _run, sweep, write_plan
+from escapement.study import lock, owned_file, run
+from escapement.study.from_escapement import plan_from
+from escapement.study.reader import read_study
+from escapement.study.result import SCHEMA_VERSION
+from escapement.study.run import write_plan
+from escapement.study.sweep import sweep
+from escapement.study.writer import partial_path
 from study_tools import IVP_STUDY, let_go, without_date
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
@@ -71,14 +75,14 @@ def test_only_what_is_missing_is_computed(tmp_path, solved):
 def test_the_file_is_dated_when_it_was_begun(tmp_path, solved, monkeypatch):
     path = tmp_path / "a.h5"
     interrupted(path)
-    begun = _run.frame_of
+    begun = run.frame_of
 
     def later(study):
         frame = begun(study)
         frame.attributes["created"] = "2999-01-01T00:00:00+00:00"
         return frame
 
-    monkeypatch.setattr(_run, "frame_of", later)
+    monkeypatch.setattr(run, "frame_of", later)
     write_plan(plan(), path, resume=True)
     assert read_study(path).attributes["created"] < "2999"
 
@@ -128,14 +132,14 @@ def test_the_order_of_axes_is_part_of_a_study(tmp_path, solved):
 @pytest.mark.usefixtures("solved")
 def test_a_version_with_other_numbers_is_refused(tmp_path, monkeypatch):
     interrupted(tmp_path / "a.h5")
-    monkeypatch.setattr(_run, "numerics", lambda: "other")
+    monkeypatch.setattr(run, "numerics", lambda: "other")
     with pytest.raises(CannotCreate, match=r"the version that began it, 0\.1\.0 \(\w{12}\), got"):
         write_plan(plan(), tmp_path / "a.h5", resume=True)
 
 
 def test_a_newer_version_with_the_same_numbers_goes_on(tmp_path, solved, monkeypatch):
     interrupted(tmp_path / "a.h5")
-    monkeypatch.setattr(_run, "__version__", "9.9.9")
+    monkeypatch.setattr(run, "__version__", "9.9.9")
     write_plan(plan(), tmp_path / "a.h5", resume=True)
     assert read_study(tmp_path / "a.h5").attributes["package_version"] != "9.9.9"
 
@@ -275,7 +279,7 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
 SLOW_SWEEP = """
 import time
 from escapement.cli import main
-from escapement.store import StudyWriter
+from escapement.study.writer import StudyWriter
 add = StudyWriter.add
 def add_and_wait(writer, block):
     add(writer, block)
@@ -321,8 +325,8 @@ def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatc
     """As one does whose disk is busy: its lock goes later than its name."""
     path = tmp_path / "a.h5"
     code = HOLDER.format(folder=str(Path(__file__).parent), path=str(path))
-    monkeypatch.setattr(_owned_file, "_PATIENCE", 0.0)
-    monkeypatch.setattr(_owned_file, "_LONG_PATIENCE", 0.2)
+    monkeypatch.setattr(owned_file, "_PATIENCE", 0.0)
+    monkeypatch.setattr(owned_file, "_LONG_PATIENCE", 0.2)
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
         child = int(process.stdout.readline())
         try:
@@ -330,7 +334,7 @@ def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatc
             process.wait()
             with pytest.raises(CannotCreate, match=f"process {process.pid} on .* is writing it"):
                 tools.write(path, tools.small_study(), resume=True)
-            monkeypatch.setattr(_owned_file, "_LONG_PATIENCE", 60.0)
+            monkeypatch.setattr(owned_file, "_LONG_PATIENCE", 60.0)
             threading.Timer(0.3, os.kill, (child, signal.SIGKILL)).start()
             assert tools.missing(path) == list(range(1, 10))
         finally:
@@ -339,23 +343,23 @@ def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatc
 
 
 def test_who_is_ending():
-    assert not _lock.is_ending(os.getpid())
+    assert not lock.is_ending(os.getpid())
     waits = [sys.executable, "-c", "print(flush=True); input()"]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen(waits, **pipes) as process:
         process.stdout.readline()  # one that is being loaded waits for the disk, as one that ends
-        assert not _lock.is_ending(process.pid)
+        assert not lock.is_ending(process.pid)
         process.kill()
         process.wait()
-        assert _lock.is_ending(process.pid)
+        assert lock.is_ending(process.pid)
 
 
 def test_a_lock_without_a_name_is_waited_for(tmp_path, monkeypatch):
     """Its owner was killed before it could say who it is, or is about to."""
-    monkeypatch.setattr(_owned_file, "_PATIENCE", 0.0)
+    monkeypatch.setattr(owned_file, "_PATIENCE", 0.0)
     partial = partial_path(tmp_path / "a.h5")
     with open(partial, "wb") as nameless:
-        assert _lock.try_lock(nameless.fileno())
+        assert lock.try_lock(nameless.fileno())
         threading.Timer(0.3, nameless.close).start()
         tools.write(tmp_path / "a.h5", tools.small_study())
     assert (tmp_path / "a.h5").exists()

@@ -6,8 +6,8 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from escapement.configuration import parse_plan
 from escapement.errors import InvalidValue
+from escapement.study.parse import parse_plan
 
 GOOD = {
     "mechanism": {"slots": 4},

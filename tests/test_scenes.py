@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from escapement import simulation
-from escapement.configuration import plan_from
-from escapement.engines import _energy_batch
+from escapement.engines.energy import batch
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.status import Status
-from escapement.store import RESULTS
-from escapement.sweeping import _shared_scenes, run_plan
-from escapement.sweeping._evaluate import Evaluator
+from escapement.study import shared_scenes
+from escapement.study.evaluate import Evaluator
+from escapement.study.from_escapement import plan_from
+from escapement.study.result import RESULTS
+from escapement.study.run import run_plan
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
 TORQUE, FRICTION = np.linspace(0.005, 0.02, 500), np.linspace(0.05, 0.4, 90)
@@ -28,14 +29,14 @@ GRIDS = {
 def solves(monkeypatch):
     """Numbers of scenes of each batch that was solved."""
     counted = []
-    solve, access = _energy_batch.solve, threading.Lock()
+    solve, access = batch.solve, threading.Lock()
 
     def count(mechanism, rho, *rest):
         with access:
             counted.append(rho.size)
         return solve(mechanism, rho, *rest)
 
-    monkeypatch.setattr(_energy_batch, "solve", count)
+    monkeypatch.setattr(batch, "solve", count)
     return counted
 
 
@@ -52,8 +53,8 @@ def test_a_scene_is_solved_once_in_all_blocks(order, workers, solves):
 def test_the_bits_do_not_depend_on_what_is_shared(order, monkeypatch):
     plan = plan_from(TIMER, GRIDS[order])
     shared, threads = run_plan(plan), run_plan(plan, workers=4)
-    monkeypatch.setattr(_shared_scenes, "MOST_SHARED", 50)  # too few: every block for itself
-    assert _shared_scenes.shared_scenes(plan) is None
+    monkeypatch.setattr(shared_scenes, "MOST_SHARED", 50)  # too few: every block for itself
+    assert shared_scenes.shared_scenes(plan) is None
     alone = run_plan(plan)
     for name in RESULTS:
         np.testing.assert_array_equal(shared.results[name], threads.results[name])
@@ -88,7 +89,7 @@ INERTIAS = {"driver_inertia": [1e-6, 2e-6, 4e-6], "follower_inertia": [1e-6, 2e-
     ],
 )
 def test_what_decides_a_scene(axes, scenes):
-    found = _shared_scenes.shared_scenes(plan_from(TIMER, axes))
+    found = shared_scenes.shared_scenes(plan_from(TIMER, axes))
     assert scenes == (None if found is None else found._status.size)
 
 
@@ -98,7 +99,7 @@ def test_inertias_of_one_ratio_share_a_scene(solves, monkeypatch):
     plan = plan_from(TIMER, {"torque": [0.01, 0.02], **inertias})
     shared = run_plan(plan, workers=4)
     assert sum(solves) == 79
-    monkeypatch.setattr(_shared_scenes, "MOST_SHARED", 50)
+    monkeypatch.setattr(shared_scenes, "MOST_SHARED", 50)
     alone = run_plan(plan)
     for name in RESULTS:
         np.testing.assert_array_equal(shared.results[name], alone.results[name])
@@ -108,7 +109,7 @@ def test_an_error_while_solving_reaches_everybody(monkeypatch):
     def broken(*_):
         raise MemoryError
 
-    monkeypatch.setattr(_energy_batch, "solve", broken)
+    monkeypatch.setattr(batch, "solve", broken)
     evaluate = Evaluator(plan_from(TIMER, GRIDS["torque first"]))
     for _ in range(2):
         with pytest.raises(MemoryError):

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.store import SCHEMA_VERSION, read_study
+from escapement.study.reader import read_study
+from escapement.study.result import SCHEMA_VERSION
 
 STUDY = """
 units = "in-lbf-s"

@@ -8,14 +8,12 @@ import sys
 import h5py
 import pytest
 
-from escapement import _whole_file
 from escapement.errors import InputFileError, MissingInput, StorageError
-from escapement.store import (
-    SCHEMA_VERSION,
-    _image,
-    read_study,
-    write_study,
-)
+from escapement.files import whole
+from escapement.study import image
+from escapement.study.reader import read_study
+from escapement.study.result import SCHEMA_VERSION
+from escapement.study.writer import write_study
 from study_tools import a_file, assert_same, study, write_in_blocks
 
 
@@ -49,13 +47,13 @@ class FailingFile:
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
     """Message of the storage error, None where nothing failed."""
 
-    class Failing(_whole_file.PendingFile):
+    class Failing(whole.PendingFile):
         def __init__(self, *arguments):
             super().__init__(*arguments)
             self.handle = FailingFile(self.handle, failing_call, code)
 
     with monkeypatch.context() as patch:
-        patch.setattr(_image, "PendingFile", Failing)
+        patch.setattr(image, "PendingFile", Failing)
         try:
             write_study(study((2, 9_000)), path, force=True)
         except StorageError as error:
@@ -84,7 +82,7 @@ import resource, sys
 sys.path.insert(0, {folder!r})
 from study_tools import study
 from escapement.errors import EscapementError
-from escapement.store import write_study
+from escapement.study.writer import write_study
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
 try:
     write_study(study((3, 70_000)), {path!r})

@@ -13,14 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from escapement.status import Status
-from escapement.store import (
-    RESULTS,
-    _journal,
-    blocks_of,
-    read_study,
-    write_study,
-)
-from escapement.store._chunks import encode, fletcher32, tiling
+from escapement.study import journal
+from escapement.study.block import blocks_of
+from escapement.study.chunks import encode, fletcher32, tiling
+from escapement.study.reader import read_study
+from escapement.study.result import RESULTS
+from escapement.study.writer import write_study
 from study_tools import ATTRIBUTES, assert_same, study, write_in_blocks
 
 
@@ -93,7 +91,7 @@ def test_bytes_do_not_depend_on_the_order_of_the_blocks(tmp_path):
 
 @pytest.mark.parametrize("kept", [0, 2])
 def test_blocks_that_memory_no_longer_holds_are_read_back(tmp_path, monkeypatch, kept):
-    monkeypatch.setattr(_journal, "_RECENT", kept)
+    monkeypatch.setattr(journal, "_RECENT", kept)
     whole = study((3, 30_000))
     write_study(whole, tmp_path / "a.h5")
     write_in_blocks(tmp_path / "b.h5", whole, reversed)
@@ -105,7 +103,7 @@ def test_the_systems_memory_is_left_where_it_can_be(tmp_path, monkeypatch, advic
     def refuse(*_):
         raise advice(errno.EINVAL, "no")
 
-    monkeypatch.setattr(_journal, "SYNC_EVERY", 0.0)
+    monkeypatch.setattr(journal, "SYNC_EVERY", 0.0)
     if advice is None:
         monkeypatch.delattr(os, "posix_fadvise", raising=False)
     else:

@@ -9,16 +9,19 @@ import numpy as np
 import pytest
 
 from escapement import simulation, solver
-from escapement.configuration import parse_plan, plan_from
 from escapement.errors import CannotCreate, InvalidValue, StorageError
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.progress import Progress, describe, duration
 from escapement.status import Status
-from escapement.store import RESULTS, read_study
-from escapement.sweeping import Tally, run_plan, sweep, write_plan
-from escapement.sweeping._evaluate import Evaluator
+from escapement.study.evaluate import Evaluator
+from escapement.study.from_escapement import plan_from
+from escapement.study.parse import parse_plan
+from escapement.study.reader import read_study
+from escapement.study.result import RESULTS
+from escapement.study.run import Tally, run_plan, write_plan
+from escapement.study.sweep import sweep
 from escapement.units import INCH_POUND
 
 TIMER = Escapement(
@@ -253,7 +256,7 @@ def test_an_output_in_the_way_stops_before_the_first_case(tmp_path, monkeypatch)
 
 def test_a_full_disk_ends_the_sweep_and_its_threads(tmp_path, monkeypatch):
     monkeypatch.setattr(simulation, "terminal", fake)
-    monkeypatch.setattr("escapement.store._journal.Journal.append", _no_space)
+    monkeypatch.setattr("escapement.study.journal.Journal.append", _no_space)
     before = set(threading.enumerate())
     with pytest.raises(StorageError, match="No space left"):
         sweep(TIMER, friction=[0.1, 0.2], engine="ivp", path=tmp_path / "a.h5")

@@ -5,8 +5,8 @@ import pytest
 
 import escapement as esc
 from escapement.errors import InvalidValue
-from escapement.mechanisms._slotted import radius, transmission
-from escapement.mechanisms._table import chebyshev_table
+from escapement.mechanisms.slotted import radius, transmission
+from escapement.mechanisms.table import chebyshev_table
 from escapement.status import Status
 
 

@@ -188,7 +188,7 @@ def test_a_measured_table_is_swept():
 
 @pytest.mark.parametrize("table", [exact(24), measured(40, 0.005)], ids=["exact", "measured"])
 def test_a_motion_of_a_table_is_written_and_read(table, tmp_path):
-    from escapement.store_motion import read_motion, write_motion
+    from escapement.motion_file import read_motion, write_motion
 
     motion = esc.simulate(esc.Escapement(table, INERTIA, 0.01, efficiency=0.9), 3)
     write_motion(motion, tmp_path / "motion.h5")

@@ -268,7 +268,7 @@ def test_a_study_holds_the_table():
             "sweep": {"efficiency": [0.5, 0.9]},
         }
     )
-    from escapement.configuration import parse_plan
+    from escapement.study.parse import parse_plan
 
     plan = parse_plan(json.loads(plan_text))
     assert plan.escapement(1).mechanism == esc.Tabulated(LINE, LINE)

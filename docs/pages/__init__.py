@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import escapement as esc
-from escapement.published import meyer
+from escapement.sources import meyer
 from escapement.units import INCH_POUND
 
 RUNS = Path(__file__).resolve().parents[2] / "runs"

@@ -5,13 +5,13 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
-from escapement.plots._style import legend_above
-from escapement.plots.filemon_reversals import plot_reversal_curves
-from escapement.plots.nomograms import SHEETS, plot_nomogram
 from escapement.plots.planetary import plot_planetary
-from escapement.plots.prikhodko import plot_position_function, plot_velocity_plans
+from escapement.plots.style import legend_above
 from escapement.plots.tabulated import plot_table
-from escapement.published import meyer
+from escapement.sources import meyer
+from escapement.sources.filemon.nomograms import SHEETS, plot_nomogram
+from escapement.sources.filemon.reversal_figures import plot_reversal_curves
+from escapement.sources.prikhodko.figures import plot_position_function, plot_velocity_plans
 from escapement.units import INCH_POUND
 from pages import LINES, RUNS, drawn
 

@@ -3,12 +3,12 @@
 from matplotlib.figure import Figure
 
 import escapement as esc
-from escapement.plots.gear_charts import plot_design_charts, plot_motions
 from escapement.plots.gear_driven import (
     plot_curves,
     plot_gear_driven,
     plot_gear_driven_examples,
 )
+from escapement.sources.dijksman.charts import plot_design_charts, plot_motions
 from pages import drawn, panels
 
 

@@ -5,11 +5,11 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
-from escapement.configuration import load_plan
-from escapement.plots.appendix_e import plot_appendix_e
-from escapement.published import meyer
-from escapement.published.program_1973 import program_1973
-from escapement.sweeping import run_plan
+from escapement.sources import meyer
+from escapement.sources.meyer.figures import plot_appendix_e
+from escapement.sources.meyer.program import program_1973
+from escapement.study.plan_file import load_plan
+from escapement.study.run import run_plan
 from pages import LINES, RUNS, drawn, panels, timer
 
 

@@ -42,11 +42,11 @@ _HOMES = {
     "write_readings": "measurement",
     "synthetic_readings": "measurement",
     "terminal": "simulation",
-    "sweep": "sweeping",
-    "read_study": "store",
+    "sweep": "study.sweep",
+    "read_study": "study.reader",
     "units": "",
     "plots": "",
-    "published": "",
+    "sources": "",
     "synthesis": "",
 }
 

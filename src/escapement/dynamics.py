@@ -21,9 +21,9 @@ With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta).
 
 import numpy as np
 
-from escapement._jit import jit
-from escapement.mechanisms._slotted import circle, transmission_at
-from escapement.mechanisms._table import is_table
+from escapement.jit import jit
+from escapement.mechanisms.slotted import circle, transmission_at
+from escapement.mechanisms.table import is_table
 from escapement.model import Inertia, Mechanism
 
 

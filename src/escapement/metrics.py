@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from escapement._peaks import peaks
 from escapement.motion import Extrema, Motion
+from escapement.peaks import peaks
 from escapement.status import MESSAGES, Status
 
 RISE_BAND = 0.02

@@ -9,7 +9,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from escapement import _validate
+from escapement import validate
 
 FloatArray = NDArray[np.float64]
 
@@ -101,7 +101,7 @@ class Inertia:
     def __post_init__(self) -> None:
         remedy = "give the moment of inertia in kg m^2 (or in-lbf-s^2 with those units)"
         for name in ("driver", "follower"):
-            value = _validate.positive(f"{name}_inertia", getattr(self, name), remedy)
+            value = validate.positive(f"{name}_inertia", getattr(self, name), remedy)
             object.__setattr__(self, name, value)
         _check_ratio("driver_inertia / follower_inertia", self.driver / self.follower)
 
@@ -110,7 +110,7 @@ def _check_ratio(name: str, value: float) -> None:
     """Refuse a ratio that a double cannot hold with room to spare."""
     if not ratio_in_range(value):
         rule = "between 1e-100 and 1e100"
-        raise _validate.fail(name, rule, value, "choose numbers of similar size")
+        raise validate.fail(name, rule, value, "choose numbers of similar size")
 
 
 @dataclass(frozen=True)
@@ -145,24 +145,24 @@ class Escapement:
 
     def __post_init__(self) -> None:
         if not is_mechanism(self.mechanism):
-            raise _validate.fail(
+            raise validate.fail(
                 "mechanism", "a mechanism", self.mechanism, "give for example Geneva(slots=4)"
             )
         if not isinstance(self.inertia, Inertia):
-            raise _validate.fail(
+            raise validate.fail(
                 "inertia", "an Inertia", self.inertia, "give Inertia(driver=..., follower=...)"
             )
         checked = {
-            "torque": _validate.positive(
+            "torque": validate.positive(
                 "torque", self.torque, "give the constant driving torque in N m"
             ),
-            "friction": _validate.non_negative(
+            "friction": validate.non_negative(
                 "friction", self.friction, "give a coefficient of friction, 0 for none"
             ),
-            "load_torque": _validate.non_negative(
+            "load_torque": validate.non_negative(
                 "load_torque", self.load_torque, "give the opposing torque in N m, 0 for none"
             ),
-            "efficiency": _validate.positive(
+            "efficiency": validate.positive(
                 "efficiency", self.efficiency, "give a share of 1, 1 for no loss"
             ),
         }
@@ -177,20 +177,20 @@ class Escapement:
         path: Any = self.mechanism.path
         if not (isinstance(path, np.ndarray) and path.dtype == np.float64 and path.ndim == 1):
             rule, remedy = "a one-dimensional array of doubles", "make it with dtype=float"
-            raise _validate.fail("mechanism.path", rule, path, remedy)
+            raise validate.fail("mechanism.path", rule, path, remedy)
 
     def _check_losses(self) -> None:
         """A slot loses by friction, a mesh by its efficiency."""
         if not 1e-3 <= self.efficiency <= 1.0:
-            raise _validate.fail(
+            raise validate.fail(
                 "efficiency", "in [0.001, 1]", self.efficiency, "give a share of 1, 1 for no loss"
             )
         if self._meshed and self.friction > 0.0:
-            raise _validate.fail(
+            raise validate.fail(
                 "friction", "0 for a mechanism without a slot", self.friction, "give its efficiency"
             )
         if not self._meshed and self.efficiency < 1.0:
-            raise _validate.fail(
+            raise validate.fail(
                 "efficiency", "1 for a slotted mechanism", self.efficiency, "give its friction"
             )
 
@@ -202,7 +202,7 @@ class Escapement:
         """Refuse numbers whose ratios a double cannot hold with room to spare."""
         _check_ratio("follower_inertia / torque", self.inertia.follower / self.torque)
         if not self.load_ratio < MOST_UNEQUAL:
-            raise _validate.fail(
+            raise validate.fail(
                 "load_torque / torque", "below 1e100", self.load_ratio, "give a smaller load"
             )
 

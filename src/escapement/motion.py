@@ -13,13 +13,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement._validate import fail
 from escapement.dynamics import painleve_message, tabulate
 from escapement.errors import InvalidValue
-from escapement.mechanisms._slotted import radius
+from escapement.mechanisms.slotted import radius
 from escapement.model import Escapement, FloatArray
 from escapement.status import Status
 from escapement.trajectory import Events, Extrema, Nothing, Trajectory
+from escapement.validate import fail
 
 __all__ = [
     "Events",

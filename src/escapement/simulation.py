@@ -5,10 +5,10 @@ from functools import cache, lru_cache
 from importlib import import_module
 from typing import Any
 
-from escapement import _validate
+from escapement import validate
 from escapement.dynamics import critical_friction, ends_alike, painleve_message
 from escapement.errors import InvalidValue
-from escapement.mechanisms._slotted import transmission_at
+from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.motion import Motion
@@ -76,12 +76,12 @@ def simulate(
     if duration is None:
         count = DEFAULT_ENGAGEMENTS if engagements is None else engagements
         remedy = "give how many to run; the figures of merit need no long motion"
-        engagements = _validate.integer("engagements", count, 1, remedy, maximum=LONGEST[engine])
+        engagements = validate.integer("engagements", count, 1, remedy, maximum=LONGEST[engine])
     else:
-        duration = _validate.positive("duration", duration, "give the time to run in s")
+        duration = validate.positive("duration", duration, "give the time to run in s")
         if engine != DEFAULT_ENGINE:
             # the fast engine goes ahead: it refuses in a moment what would take days
-            _engine(DEFAULT_ENGINE).simulate(
+            _engine(DEFAULT_ENGINE, "simulate")(
                 escapement,
                 engagements=None,
                 duration=duration,
@@ -89,14 +89,18 @@ def simulate(
                 rtol=1e-6,
                 longest=LONGEST[engine],
             )
-    run = _engine(engine).simulate
+    run = _engine(engine, "simulate")
     return run(escapement, engagements=engagements, duration=duration, **settings)
 
 
+_FOLDERS = {"energy": "energy", "ivp": "time"}
+
+
 @cache
-def _engine(name: str) -> Any:
-    """An engine's module, loaded when first asked for."""
-    return import_module(f"escapement.engines._{name}")
+def _engine(name: str, task: str) -> Any:
+    """An engine's function "simulate" or "terminal", loaded when first asked for."""
+    module = import_module(f"escapement.engines.{_FOLDERS[name]}.{task}")
+    return getattr(module, task)
 
 
 @lru_cache(typed=True)
@@ -117,12 +121,12 @@ def _settings(
 ) -> dict[str, Any]:
     """What both functions of an engine take beside the escapement."""
     if not isinstance(escapement, Escapement):
-        raise _validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     remedy = "give the driver speed at pin entry in rad/s"
-    speed = _validate.non_negative("initial_speed", initial_speed, remedy)
+    speed = validate.non_negative("initial_speed", initial_speed, remedy)
     if speed * escapement.time_unit > FASTEST:
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
-        raise _validate.fail("initial_speed", most, initial_speed, remedy)
+        raise validate.fail("initial_speed", most, initial_speed, remedy)
     return {**arguments, "initial_speed": speed}
 
 
@@ -162,7 +166,7 @@ def terminal(
     if escapement.loss[0] == 0.0 and _ends_alike(escapement):
         status, message = _without_friction(escapement, engine, settings)
         return replace(base, status=status, message=message)
-    return _engine(f"{engine}_terminal").terminal(escapement, base, **settings)
+    return _engine(engine, "terminal")(escapement, base, **settings)
 
 
 def _ends_alike(escapement: Escapement) -> bool:
@@ -175,7 +179,7 @@ def _without_friction(
     escapement: Escapement, engine: str, settings: dict[str, Any]
 ) -> tuple[Status, str]:
     """Outcome where every engagement gains the same: stopped by its load, or never steady."""
-    first = _engine(engine).simulate(escapement, engagements=1, duration=None, **settings)
+    first = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)
     if first.status is not Status.OK:
         return first.status, first.message
     mechanism = escapement.mechanism

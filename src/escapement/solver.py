@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from escapement import _validate
+from escapement import validate
 
 ENGINES = ("energy", "ivp")
 DEFAULT_ENGINE = "energy"
@@ -39,7 +39,7 @@ class Solver:
     max_step: float | None = None
 
     def __post_init__(self) -> None:
-        _validate.choice("engine", self.engine, ENGINES)
+        validate.choice("engine", self.engine, ENGINES)
         if self.rtol is not None:
             object.__setattr__(self, "rtol", _tolerance(self.rtol))
         if self.atol is None and self.method is None and self.max_step is None:
@@ -49,12 +49,12 @@ class Solver:
             if value is not None:
                 if self.engine != "ivp":
                     rule = f"left out with engine {self.engine!r}"
-                    raise _validate.fail(name, rule, value, "or choose engine 'ivp'")
+                    raise validate.fail(name, rule, value, "or choose engine 'ivp'")
                 object.__setattr__(self, name, check(value))
         if self.max_step is None and self.atol is not None and self.atol > 1.0:
             # a radian, most of an engagement: nothing would hold the steps
             rule = "at most 1 unless max_step is given"
-            raise _validate.fail("atol", rule, self.atol, "leave it out for a fitting one")
+            raise validate.fail("atol", rule, self.atol, "leave it out for a fitting one")
 
     @property
     def given(self) -> dict[str, Any]:
@@ -81,14 +81,14 @@ class Solver:
 
 def _tolerance(value: Any) -> float:
     remedy = "1e-10 is a good choice"
-    tolerance = _validate.number("rtol", value, remedy)
+    tolerance = validate.number("rtol", value, remedy)
     if not 1e-13 <= tolerance < 1.0:
-        raise _validate.fail("rtol", "at least 1e-13 and below 1", value, remedy)
+        raise validate.fail("rtol", "at least 1e-13 and below 1", value, remedy)
     return tolerance
 
 
 _OF_IVP = {
-    "atol": lambda value: _validate.non_negative("atol", value, "leave it out for a fitting one"),
-    "method": lambda value: _validate.choice("method", value, METHODS),
-    "max_step": lambda value: _validate.positive("max_step", value, "give the longest step in s"),
+    "atol": lambda value: validate.non_negative("atol", value, "leave it out for a fitting one"),
+    "method": lambda value: validate.choice("method", value, METHODS),
+    "max_step": lambda value: validate.positive("max_step", value, "give the longest step in s"),
 }

@@ -4,6 +4,8 @@ The inch (0.0254 m), the pound (0.45359237 kg) and standard gravity
 (9.80665 m/s^2) are exact by definition, so every factor below is exact too.
 """
 
+import math
+
 INCH = 0.0254
 """One inch [m]."""
 POUND_FORCE = 0.45359237 * 9.80665
@@ -39,3 +41,8 @@ def factor(quantity: str, system: str) -> float:
 def unit_name(quantity: str, system: str) -> str:
     """UDUNITS spelling of the unit of `quantity` in `system`."""
     return _COMMON.get(quantity) or _NAMES[system][quantity]
+
+
+def degrees(angle: float) -> float:
+    """An angle in degrees to twelve decimals: sixty should read as sixty."""
+    return round(math.degrees(angle), 12)

@@ -14,7 +14,7 @@ import numba
 import numpy as np
 from CyRK import cyjit, nbsolve2_ivp
 
-from escapement.benchmark._equations import acceleration, contact, pieces_of
+from escapement.benchmark.equations import acceleration, contact, pieces_of
 from escapement.benchmark.problems import Problem
 from escapement.model import FloatArray
 

@@ -16,7 +16,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from escapement.benchmark._equations import pieces_of
+from escapement.benchmark.equations import pieces_of
 from escapement.benchmark.problems import Problem
 from escapement.model import FloatArray
 

@@ -11,7 +11,7 @@ from escapement.benchmark.machine import in_a_line
 from escapement.benchmark.problems import Problem
 from escapement.benchmark.scaling import Cost
 from escapement.benchmark.work_precision import Point
-from escapement.plots._style import (
+from escapement.plots.style import (
     BLACK,
     BLUE,
     GREEN,

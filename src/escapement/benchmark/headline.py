@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from escapement.benchmark.contestants import ENERGY
+from escapement.benchmark.candidates import ENERGY
 from escapement.benchmark.work_precision import Point, time_at
 from escapement.solver import DEFAULT_RTOL
 

@@ -12,7 +12,7 @@ from escapement.benchmark.problems import Problem
 from escapement.benchmark.timing import shortest, timed, wall
 from escapement.simulation import simulate
 from escapement.solver import ENGINES
-from escapement.sweeping import sweep
+from escapement.study.sweep import sweep
 
 
 class Cost(NamedTuple):

@@ -9,7 +9,7 @@ from escapement.benchmark.problems import Problem
 from escapement.benchmark.timing import shortest
 from escapement.model import Escapement, Inertia
 from escapement.simulation import simulate, terminal
-from escapement.sweeping import sweep
+from escapement.study.sweep import sweep
 
 
 class Scene(NamedTuple):

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from escapement._whole_file import replace_whole
-from escapement.benchmark import contestants as _contestants
+from escapement.benchmark import candidates as _contestants
 from escapement.benchmark import figures, headline, machine, scaling, scenes, tables
 from escapement.benchmark.problems import PROBLEMS, Problem
 from escapement.benchmark.work_precision import Point, sweep_tolerances
+from escapement.files.whole import replace_whole
 from escapement.plots import save
 
 

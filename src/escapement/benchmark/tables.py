@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from escapement._whole_file import replace_whole
+from escapement.files.whole import replace_whole
 
 Rows = Sequence[Any]
 """Named tuples of one kind."""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from escapement.benchmark.contestants import Answer, Contestant
+from escapement.benchmark.candidates import Answer, Contestant
 from escapement.benchmark.problems import Problem
 from escapement.benchmark.timing import shortest, timed
 

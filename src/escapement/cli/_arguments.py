@@ -9,10 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from escapement import _validate
-from escapement._pictures import FORMATS
+from escapement import validate
 from escapement.cli._kinds import read_mechanism
 from escapement.cli._parser import Parser, UsageError, number, one_of, option
+from escapement.files.pictures import FORMATS
 from escapement.units import SYSTEMS, factor
 
 if TYPE_CHECKING:
@@ -28,35 +28,35 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
-    "torque": Quantity("torque", _validate.positive, "constant driving torque"),
+    "torque": Quantity("torque", validate.positive, "constant driving torque"),
     "driver_inertia": Quantity(
-        "inertia", _validate.positive, "moment of inertia of the driver and what turns with it"
+        "inertia", validate.positive, "moment of inertia of the driver and what turns with it"
     ),
     "follower_inertia": Quantity(
-        "inertia", _validate.positive, "moment of inertia of the follower and what turns with it"
+        "inertia", validate.positive, "moment of inertia of the follower and what turns with it"
     ),
     "friction": Quantity(
-        "ratio", _validate.non_negative, "coefficient of friction between pin and slot"
+        "ratio", validate.non_negative, "coefficient of friction between pin and slot"
     ),
     "efficiency": Quantity(
         "share",
-        _validate.positive,
+        validate.positive,
         "share of the power that a mesh passes on, in place of friction",
     ),
     "load_torque": Quantity(
-        "torque", _validate.non_negative, "constant torque opposing the follower"
+        "torque", validate.non_negative, "constant torque opposing the follower"
     ),
     "crank_radius": Quantity(
-        "length", _validate.positive, "distance of the pins from the driver's axis"
+        "length", validate.positive, "distance of the pins from the driver's axis"
     ),
-    "fixed_radius": Quantity("length", _validate.positive, "radius of the fixed gear"),
-    "sun_radius": Quantity("length", _validate.positive, "pitch radius of the fixed sun gear"),
-    "planet_radius": Quantity("length", _validate.positive, "pitch radius of the spur planet"),
+    "fixed_radius": Quantity("length", validate.positive, "radius of the fixed gear"),
+    "sun_radius": Quantity("length", validate.positive, "pitch radius of the fixed sun gear"),
+    "planet_radius": Quantity("length", validate.positive, "pitch radius of the spur planet"),
     "initial_speed": Quantity(
-        "speed", _validate.non_negative, "driver speed at the first pin entry"
+        "speed", validate.non_negative, "driver speed at the first pin entry"
     ),
-    "duration": Quantity("time", _validate.positive, "time to run"),
-    "max_step": Quantity("time", _validate.positive, "longest step"),
+    "duration": Quantity("time", validate.positive, "time to run"),
+    "max_step": Quantity("time", validate.positive, "longest step"),
 }
 _METAVARS = {
     "torque": "M",

@@ -1,15 +1,11 @@
 """Figures that the reports of several kinds of mechanism have in common."""
 
-import math
 from typing import TYPE_CHECKING, Any
+
+from escapement.units import degrees
 
 if TYPE_CHECKING:
     from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva, Tabulated
-
-
-def degrees(angle: float) -> float:
-    """An angle in degrees to twelve decimals: sixty should read as sixty."""
-    return round(math.degrees(angle), 12)
 
 
 def cell(mechanism: "Geneva | GearDriven | EllipticalPlanetary | Tabulated") -> dict[str, Any]:

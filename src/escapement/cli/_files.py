@@ -6,17 +6,11 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
 
-from escapement._pictures import picture_format
-from escapement._whole_file import cannot_create, check_replaceable, check_target
 from escapement.cli._parser import UsageError
 from escapement.errors import CannotCreate
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
+from escapement.files.pictures import picture_format
+from escapement.files.whole import cannot_create, check_replaceable, check_target
 
 _INPUTS = ("data", "study", "table")
 
@@ -104,13 +98,6 @@ def folder(path: Path | None) -> Iterator[None]:
         if path is not None and new:
             with suppress(OSError):  # it is not empty
                 path.rmdir()
-
-
-def save_axes(axes: "Axes", path: Path) -> None:
-    """Write the figure of axes that have one to themselves."""
-    from escapement.plots import save
-
-    save(cast("Figure", axes.figure), path)
 
 
 def _is_same(path: Path, other: Path) -> bool:

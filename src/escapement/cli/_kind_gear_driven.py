@@ -4,12 +4,13 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from escapement import _validate
-from escapement._curves import CURVES
+from escapement import validate
 from escapement.cli._arguments import optional_si, quantity_keywords
-from escapement.cli._cell import degrees, wheel
+from escapement.cli._cell import wheel
 from escapement.cli._kinds import require
 from escapement.cli._parser import checked, one_of, whole
+from escapement.curves import CURVES
+from escapement.units import degrees
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +25,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     },
     "lobes": {
         "type": checked(
-            lambda text: _validate.rational("--lobes", text, "give a number such as 2 or 1/2")
+            lambda text: validate.rational("--lobes", text, "give a number such as 2 or 1/2")
         ),
         "metavar": "M",
         "help": "unreal lobes between two of the pin's path, a whole number or a fraction",

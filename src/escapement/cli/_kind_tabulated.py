@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement import _validate
+from escapement import validate
 from escapement.cli._cell import cell
 from escapement.cli._kinds import require
 from escapement.cli._parser import number
@@ -27,12 +27,12 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "help": "the rows scatter: a smooth curve goes between them",
     },
     "cell_angle": {
-        "type": number("--cell-angle", _validate.positive, "give an angle in degrees"),
+        "type": number("--cell-angle", validate.positive, "give an angle in degrees"),
         "metavar": "DEG",
         "help": "driver angle after which the motion repeats itself, for any rows",
     },
     "follower_step": {
-        "type": number("--follower-step", _validate.positive, "give an angle in degrees"),
+        "type": number("--follower-step", validate.positive, "give an angle in degrees"),
         "metavar": "DEG",
         "help": "what the follower turns in it",
     },

@@ -3,7 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from escapement.cli import _output
+from escapement.text import print_columns, print_values, words
 
 if TYPE_CHECKING:
     from escapement.measurement import Measurement, NormalityTest, Periodogram, ShaftError
@@ -89,7 +89,7 @@ def print_table(record: dict[str, Any]) -> None:
     plain = ("samples", "missing", "input_travel_deg", "sense", "phase_deg", "offset_deg")
     errors = ("mean_deg", "standard_deviation_deg", "error_min_deg", "error_max_deg")
     rows = [
-        (_output.words(key), record[key], "deg" if key.endswith("_deg") else "")
+        (words(key), record[key], "deg" if key.endswith("_deg") else "")
         for key in (*plain, *errors)
     ]
     share = f"{100.0 * record['confidence']:g} %"
@@ -106,7 +106,7 @@ def print_table(record: dict[str, Any]) -> None:
     classes = record["chi_squared"]["degrees_of_freedom"] + 1
     if classes != record["bins"]:
         rows.append(("bins of chi-squared", classes, ""))
-    _output.print_values(rows)
+    print_values(rows)
     _print_tests(record)
     _print_shafts(record)
 
@@ -117,7 +117,7 @@ def _print_tests(record: dict[str, Any]) -> None:
         [name, test["statistic"], test["degrees_of_freedom"], test["p_value"]]
         for name, test in ((name, record[key]) for key, name in _TESTS.items())
     ]
-    _output.print_columns([["test", "statistic", "degrees of freedom", "p"]], rows)
+    print_columns([["test", "statistic", "degrees of freedom", "p"]], rows)
 
 
 def _print_shafts(record: dict[str, Any]) -> None:
@@ -129,7 +129,7 @@ def _print_shafts(record: dict[str, Any]) -> None:
     peak = record["periodogram_peak"]
     name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
     rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])
-    _output.print_columns([["", "amplitude/deg", "+-", "p"]], rows)
+    print_columns([["", "amplitude/deg", "+-", "p"]], rows)
 
 
 def _recurrence(error: dict[str, Any]) -> str:

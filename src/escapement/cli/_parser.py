@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
-from escapement import __version__, _validate
+from escapement import __version__, validate
 from escapement.errors import EscapementError, InvalidValue
 
 _NEGATIVE = re.compile(r"-(\.?\d|inf(inity)?$|nan$)", re.IGNORECASE)
@@ -104,7 +104,7 @@ def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str 
         parser.understand(argv[:1])
         return None
     try:
-        return _validate.choice("COMMAND", argv[0], tuple(commands))
+        return validate.choice("COMMAND", argv[0], tuple(commands))
     except InvalidValue as error:
         raise UsageError(str(error)) from None
 
@@ -147,7 +147,7 @@ def number(name: str, rule: Callable[..., float], remedy: str) -> Callable[[str]
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise _validate.fail(name, "a finite number", text, remedy)
+            raise validate.fail(name, "a finite number", text, remedy)
         return rule(name, value, remedy)
 
     return checked(check)
@@ -161,11 +161,11 @@ def whole(name: str, minimum: int, remedy: str) -> Callable[[str], int]:
             value: int | str = int(text)
         except ValueError:
             value = text
-        return _validate.integer(name, value, minimum, remedy)
+        return validate.integer(name, value, minimum, remedy)
 
     return checked(check)
 
 
 def one_of(name: str, allowed: tuple[str, ...]) -> Callable[[str], str]:
     """Type of an option with a few values."""
-    return checked(lambda text: _validate.choice(name, text, allowed))
+    return checked(lambda text: validate.choice(name, text, allowed))

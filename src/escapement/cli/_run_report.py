@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from escapement.cli import _output
 from escapement.status import MESSAGES, Status
+from escapement.text import print_values, words
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def _message(message: str, values: dict[str, Any]) -> str:
 def print_table(record: dict[str, Any], units: str) -> None:
     """The same as a table."""
     rows = [
-        (_output.words(key), record[key], unit_name(kind, units))
+        (words(key), record[key], unit_name(kind, units))
         for key, kind in FIGURES.items()
         if key in record
     ]
@@ -65,7 +66,5 @@ def print_table(record: dict[str, Any], units: str) -> None:
     rows.append(("handoffs", len(times), ""))
     if len(times):
         rows += [("last handoff", times[-1], "s"), ("velocity there", speeds[-1], "rad s-1")]
-    rows += [
-        (_output.words(key), record[key], "") for key in ("energy_residual", "status", "engine")
-    ]
-    _output.print_values(rows)
+    rows += [(words(key), record[key], "") for key in ("energy_residual", "status", "engine")]
+    print_values(rows)

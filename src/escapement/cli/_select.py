@@ -7,7 +7,7 @@ from escapement.cli._parser import UsageError
 from escapement.errors import InputFileError, InvalidValue
 
 if TYPE_CHECKING:
-    from escapement.configuration import StudyPlan
+    from escapement.study.plan import StudyPlan
 
 
 def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
@@ -30,8 +30,8 @@ def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
     """
     import numpy as np
 
-    from escapement.configuration import parse_plan
-    from escapement.store import read_configuration, read_sample_case
+    from escapement.study.parse import parse_plan
+    from escapement.study.reader import read_configuration, read_sample_case
 
     wanted = parse(selection or "")
     configuration = read_configuration(path)
@@ -88,7 +88,7 @@ def _place(path: Path, name: str, values: Any, wanted: dict[str, float]) -> int:
             f"--select must choose one of the {values.size} values of {name} in {path}, got none; "
             f"add {name}={values[0]:g}"
         )
-    from escapement.store import place_on
+    from escapement.study.result import place_on
 
     try:
         return place_on(values, name, wanted[name], path)

@@ -7,7 +7,7 @@ from escapement.status import Status
 from escapement.units import factor
 
 if TYPE_CHECKING:
-    from escapement.configuration import StudyPlan
+    from escapement.study.plan import StudyPlan
 
 ROWS = 12
 RESULTS = ("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser
+from escapement.text import print_columns
 
 if TYPE_CHECKING:
     from escapement.benchmark.suite import Results
@@ -59,7 +60,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _print_tables(results: "Results") -> None:
     print(", ".join(f"{name} {value}" for name, value in results.machine.items()), end="\n\n")
-    _output.print_columns(
+    print_columns(
         [("problem", "solver", "error", "time", "times energy", "first call"),
          ("", "", "", "us", "", "s")],
         [
@@ -68,12 +69,12 @@ def _print_tables(results: "Results") -> None:
         ],
     )  # fmt: skip
     print()
-    _output.print_columns(
+    print_columns(
         [("scene", "cases", "time by case", "left out"), ("", "", "us", "")],
         [(row.scene, row.cases, 1e6 * row.time_per_case, row.left_out) for row in results.scenes],
     )
     print()
-    _output.print_columns(
+    print_columns(
         [("against", "engine", "size", "time by item"), ("", "", "", "us")],
         [(row.against, row.engine, row.size, 1e6 * row.time / row.items) for row in results.costs],
     )

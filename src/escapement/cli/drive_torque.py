@@ -4,9 +4,10 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from escapement import _validate
+from escapement import validate
 from escapement.cli import _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, number
+from escapement.text import print_values
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ def configure(parser: Parser) -> None:
     model = parser.add_argument_group("model")
     model.add_argument(
         "--speed",
-        type=number("--speed", _validate.positive, "give the driver speed in rad/s"),
+        type=number("--speed", validate.positive, "give the driver speed in rad/s"),
         required=True,
         metavar="W",
         help="constant driver speed [rad/s]",
@@ -30,7 +31,7 @@ def configure(parser: Parser) -> None:
     _arguments.add_quantity(model, "follower_inertia", required=True)
     model.add_argument(
         "--efficiency",
-        type=number("--efficiency", _validate.number, "give a share in (0, 1]"),
+        type=number("--efficiency", validate.number, "give a share in (0, 1]"),
         default=1.0,
         metavar="E",
         help="efficiency of the drive, in (0, 1] (default: 1)",
@@ -56,8 +57,9 @@ def execute(args: argparse.Namespace) -> int:
     )
     if args.plot is not None:
         from escapement.plots import plot_drive_torque
+        from escapement.plots.saving import save_axes
 
-        _files.save_axes(plot_drive_torque(result, units=args.units), args.plot)
+        save_axes(plot_drive_torque(result, units=args.units), args.plot)
     record = summarise(result, args.units)
     if args.json:
         _output.print_json(record)
@@ -143,7 +145,7 @@ def _print_table(record: dict[str, Any], units: str) -> None:
     power = f"{torque} s-1" if units != "SI" else "W"
     reversals = ", ".join(f"{angle:.6g}" for angle in record["reversals_deg"])
     limit_12, limit_23 = record["reversal_limits"]
-    _output.print_values(
+    print_values(
         [
             ("inertia ratio F", record["inertia_ratio"], ""),
             ("reversal limit F12", limit_12, ""),

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from escapement import _validate
+from escapement import validate
 from escapement.cli import _arguments, _files, _kinds, _output
 from escapement.cli._measure_report import print_table, summarise
 from escapement.cli._parser import Parser, UsageError, checked, number, one_of, whole
@@ -43,7 +43,7 @@ def configure(parser: Parser) -> None:
         ("--phase", "driver angle from dead centre where the input reads zero [deg]"),
         ("--offset", "reading of the output at follower angle zero [deg]"),
     ):
-        rule = number(name, _validate.number, "give an angle in degrees")
+        rule = number(name, validate.number, "give an angle in degrees")
         zeros.add_argument(name, type=rule, metavar="DEG", help=text)
     _add_statistics(parser)
     output = parser.add_argument_group("output")
@@ -64,7 +64,7 @@ def _add_statistics(parser: Parser) -> None:
     )
     statistics.add_argument(
         "--confidence",
-        type=number("--confidence", _validate.positive, "give a share, as 0.99"),
+        type=number("--confidence", validate.positive, "give a share, as 0.99"),
         default=0.99,
         metavar="P",
         help="of the intervals (default: 0.99)",
@@ -77,7 +77,7 @@ def _add_statistics(parser: Parser) -> None:
     )
     statistics.add_argument(
         "--linearity",
-        type=number("--linearity", _validate.non_negative, "give a share, 0.003 for 0.3 %"),
+        type=number("--linearity", validate.non_negative, "give a share, 0.003 for 0.3 %"),
         metavar="SHARE",
         help="greatest deviation of the encoders as a share of a turn (default: 0)",
     )
@@ -144,7 +144,7 @@ def _read_zeros(args: argparse.Namespace) -> tuple[float, float] | None:
 
     for name, angle in given.items():
         if abs(math.radians(angle)) > FARTHEST:
-            raise _validate.fail(name, WITHIN, angle, "give an angle in degrees")
+            raise validate.fail(name, WITHIN, angle, "give an angle in degrees")
     return math.radians(args.phase), math.radians(args.offset)
 
 

@@ -3,10 +3,11 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from escapement import _validate
+from escapement import validate
 from escapement.cli import _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, UsageError, number
 from escapement.errors import InvalidValue
+from escapement.text import print_columns, print_values, words
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def configure(parser: Parser) -> None:
     _arguments.add_plot(drawing, "draw it to scale")
     drawing.add_argument(
         "--angle",
-        type=number("--angle", _validate.number, "give a driver angle in degrees"),
+        type=number("--angle", validate.number, "give a driver angle in degrees"),
         metavar="DEG",
         help="driver angle of the drawing from dead centre (default: 0)",
     )
@@ -71,18 +72,18 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
     units = {key: unit_name(quantity, system) for key, quantity in quantities.items()}
     units |= {key: "deg" for key in record if key.endswith("_deg")}
     tables = {key: value for key, value in record.items() if isinstance(value, list)}
-    _output.print_values(
-        (_output.words(key), value, units.get(key, ""))
+    print_values(
+        (words(key), value, units.get(key, ""))
         for key, value in record.items()
         if key not in tables
     )
     for key, rows in tables.items():
         if len(rows) > 1:
-            print(f"\n{_output.words(key)}")
+            print(f"\n{words(key)}")
             suffixes = [" (deg)" if name.endswith("_deg") else "" for name in rows[0]]
-            names = map(_output.words, rows[0])
+            names = map(words, rows[0])
             header = [name + suffix for name, suffix in zip(names, suffixes, strict=True)]
-            _output.print_columns([header], [row.values() for row in rows])
+            print_columns([header], [row.values() for row in rows])
 
 
 def _reasons(mechanism: "Mechanism", record: dict[str, Any]) -> list[str]:
@@ -98,4 +99,6 @@ def _draw(mechanism: "Mechanism", args: argparse.Namespace) -> None:
     import math
 
     draw = _kinds.module(_kinds.chosen(args)).draw
-    _files.save_axes(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    from escapement.plots.saving import save_axes
+
+    save_axes(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)

@@ -5,14 +5,14 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from escapement._input_file import check_input
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, UsageError
 from escapement.errors import InputFileError, InvalidValue
+from escapement.files.inputs import check_input
 from escapement.status import Status
 
 if TYPE_CHECKING:
-    from escapement.store import Study
+    from escapement.study.result import Study
 
 _CONVERTED = ("torque", "inertia", "length", "force")
 
@@ -49,8 +49,8 @@ def execute(args: argparse.Namespace) -> int:
     _files.check_picture(path, args.file)
     _check_hdf5(args.file)
     from escapement import plots
-    from escapement.store import read_study
-    from escapement.store_motion import is_motion, read_motion
+    from escapement.motion_file import is_motion, read_motion
+    from escapement.study.reader import read_study
 
     gaps = ""
     if is_motion(args.file):

@@ -5,17 +5,18 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement._whole_file import replace_whole
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, one_of
+from escapement.files.whole import replace_whole
+from escapement.text import as_csv, as_json
 
 if TYPE_CHECKING:
-    from escapement.cli._reproduction import Reproduction
+    from escapement.sources.reproduction import Reproduction
 
 SUMMARY = "A source's printed numbers beside computed ones, why they differ, and the figures."
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
-"""Each has a module `_reproduce_<source>`, whose `reproduce(units)` gives a `Reproduction`."""
+"""Folders of `escapement.sources`; `reproduce(units)` of each `report` gives a `Reproduction`."""
 ALL = "all"
 
 
@@ -60,10 +61,10 @@ def execute(args: argparse.Namespace) -> int:
 
 def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> dict[str, Any]:
     """Recompute one source, write and print what is wanted; its record."""
-    module = import_module(f"escapement.cli._reproduce_{source}")
+    module = import_module(f"escapement.sources.{source}.report")
     made: Reproduction = module.reproduce(args.units)
     if folder is not None:
-        contents = {".json": _output.as_json(made.record), ".csv": _output.as_csv(made.table)}
+        contents = {".json": as_json(made.record), ".csv": as_csv(made.table)}
         for suffix, text in contents.items():
             replace_whole(folder / (made.name + suffix), [text.encode()])
         made.draw(folder)

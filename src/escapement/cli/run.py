@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement import _validate
+from escapement import validate
 from escapement.cli import SOME_FAILED, _arguments, _files, _kinds, _output
 from escapement.cli._parser import Parser, UsageError, number, option, whole
 from escapement.cli._run_report import print_table, summarise
@@ -63,13 +63,13 @@ def _add_solver(parser: Parser) -> None:
     solver.add_argument("--engine", metavar="NAME", help="energy (default) or ivp, the reference")
     solver.add_argument(
         "--rtol",
-        type=number("--rtol", _validate.number, "1e-10 is a good choice"),
+        type=number("--rtol", validate.number, "1e-10 is a good choice"),
         metavar="R",
         help="relative error of handoff times and speeds (default: 1e-12, with ivp 1e-10)",
     )
     solver.add_argument(
         "--atol",
-        type=number("--atol", _validate.non_negative, "leave it out"),
+        type=number("--atol", validate.non_negative, "leave it out"),
         metavar="A",
         help="with ivp: absolute tolerance as in SciPy's solve_ivp",
     )
@@ -159,8 +159,8 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
             _output.note(f"there is no motion to write: no {' and no '.join(wanted)} was made")
         return
     if args.output is not None:
+        from escapement.motion_file import write_motion
         from escapement.progress import Progress
-        from escapement.store_motion import write_motion
 
         short = motion.handoff_times.size < _LONG
         with Progress(quiet=short, what="samples") as progress:
@@ -168,5 +168,6 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
             write_motion(motion, args.output, **options)
     if args.plot is not None:
         from escapement.plots import plot_velocities
+        from escapement.plots.saving import save_axes
 
-        _files.save_axes(plot_velocities(motion), args.plot)
+        save_axes(plot_velocities(motion), args.plot)

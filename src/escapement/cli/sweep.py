@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 from escapement.cli import SOME_FAILED, _arguments, _files, _output, _tables
 from escapement.cli._parser import Parser, UsageError, whole
 from escapement.errors import InvalidValue
+from escapement.text import print_columns, words
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
-    from escapement.configuration import StudyPlan
-    from escapement.sweeping import Tally
+    from escapement.study.plan import StudyPlan
+    from escapement.study.run import Tally
 
 SUMMARY = "A study on a grid or a sample of parameters, to an HDF5 file."
 
@@ -52,7 +53,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Run the study, then show a dozen of its cases."""
-    from escapement.configuration import load_plan
+    from escapement.study.plan_file import load_plan
 
     plan = load_plan(args.config)
     if args.workers is not None and args.scheduler not in (None, "local"):
@@ -87,8 +88,8 @@ def execute(args: argparse.Namespace) -> int:
 
 def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
     """Run the study; a request to end is answered with how to go on."""
-    from escapement.store import partial_path
-    from escapement.sweeping import write_plan
+    from escapement.study.run import write_plan
+    from escapement.study.writer import partial_path
 
     in_charge = threading.current_thread() is threading.main_thread()
     previous = signal.getsignal(signal.SIGTERM)
@@ -122,6 +123,6 @@ def _print_table(plan: "StudyPlan", cases: list[dict[str, Any]], units: str) -> 
         name: "s" if name.endswith(("period", "time")) else "rad s-1" for name in _tables.RESULTS
     }
     names = [*cases[0]]
-    header = [_output.words(name) for name in names]
+    header = [words(name) for name in names]
     below = ["" if named.get(name) in (None, "1") else named[name] for name in names]
-    _output.print_columns([header, below], ([case[name] for name in names] for case in cases))
+    print_columns([header, below], ([case[name] for name in names] for case in cases))

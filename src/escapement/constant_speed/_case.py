@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
-from escapement.constant_speed._kernels import tabulate_torque
+from escapement import validate
 from escapement.constant_speed.extrema import checked
+from escapement.constant_speed.kernels import tabulate_torque
 from escapement.errors import InvalidValue
-from escapement.mechanisms._table import is_table
+from escapement.mechanisms.table import is_table
 from escapement.model import FloatArray, Mechanism
 
 Load = float | Callable[[FloatArray], ArrayLike]
@@ -39,14 +39,14 @@ class Case:
             "load_torque": checked_load(self.load_torque),
             "follower_inertia": checked_inertia(self.follower_inertia),
             "efficiency": _efficiency(self.efficiency),
-            "friction": _validate.non_negative(
+            "friction": validate.non_negative(
                 "friction", self.friction, "give a coefficient of friction, 0 for none"
             ),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
         if self.friction > 0.0 and is_table(self.mechanism.path):
-            raise _validate.fail(
+            raise validate.fail(
                 "friction", "0 for a mechanism without a slot", self.friction, "give its efficiency"
             )
         if not 0.0 < self.inertial < math.inf:
@@ -74,28 +74,28 @@ class Case:
 
 def checked_speed(value: float) -> float:
     """A driver speed that keeps its rule, or the error."""
-    return _validate.positive("speed", value, "give the driver speed in rad/s")
+    return validate.positive("speed", value, "give the driver speed in rad/s")
 
 
 def checked_inertia(value: float) -> float:
     """A follower inertia that keeps its rule, or the error."""
-    return _validate.positive("follower_inertia", value, "give the moment of inertia in kg m^2")
+    return validate.positive("follower_inertia", value, "give the moment of inertia in kg m^2")
 
 
 def checked_load(value: Load) -> Load:
     """A load torque that keeps its rule, or the error."""
     if callable(value):
         return value
-    return _validate.non_negative(
+    return validate.non_negative(
         "load_torque", value, "give the opposing torque in N m, 0 for none, or a function"
     )
 
 
 def _efficiency(value: float) -> float:
     remedy = "give the share of the drive's work that arrives, 1 for all of it"
-    result = _validate.number("efficiency", value, remedy)
+    result = validate.number("efficiency", value, remedy)
     if not 0.0 < result <= 1.0:
-        raise _validate.fail("efficiency", "greater than 0 and at most 1", value, remedy)
+        raise validate.fail("efficiency", "greater than 0 and at most 1", value, remedy)
     return result
 
 
@@ -162,7 +162,7 @@ def finite(name: str, value: ArrayLike) -> FloatArray:
     try:
         given = np.ma.filled(value, np.nan)
     except (TypeError, ValueError):
-        raise _validate.fail(name, "finite numbers", value, remedy) from None
+        raise validate.fail(name, "finite numbers", value, remedy) from None
     if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
-        raise _validate.fail(name, "finite numbers", value, remedy)
+        raise validate.fail(name, "finite numbers", value, remedy)
     return given.astype(float)

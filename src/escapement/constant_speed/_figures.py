@@ -7,8 +7,8 @@ import numpy as np
 
 from escapement.constant_speed._case import Case, table
 from escapement.constant_speed._chebyshev import extremes, interpolate, zeros
-from escapement.constant_speed._kernels import tabulate_ratio
 from escapement.constant_speed.extrema import edges, rounding_of_acceleration
+from escapement.constant_speed.kernels import tabulate_ratio
 from escapement.model import FloatArray
 
 _PIECES = 512  # to begin with, of a load of any shape: a row in 5000 of a table is seen

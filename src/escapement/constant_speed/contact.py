@@ -13,7 +13,7 @@ from escapement.constant_speed._case import (
 )
 from escapement.constant_speed.extrema import checked
 from escapement.errors import InvalidValue
-from escapement.mechanisms._slotted import transmission
+from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
 

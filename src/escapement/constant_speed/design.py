@@ -6,7 +6,7 @@ exceed F12 of the mechanism.
 
 import math
 
-from escapement import _validate
+from escapement import validate
 from escapement.constant_speed import geneva
 from escapement.constant_speed._case import checked_inertia, checked_speed
 from escapement.constant_speed.extrema import transmission_extrema
@@ -82,7 +82,7 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
         `Geneva` has.
     """
     remedy = "give F = I_f omega^2/M_load"
-    ratio = _validate.non_negative("inertia_ratio", inertia_ratio, remedy)
+    ratio = validate.non_negative("inertia_ratio", inertia_ratio, remedy)
 
     def free(slots: int) -> bool:
         return bool(geneva.reversal_limits(slots, internal)[0] >= ratio)
@@ -102,7 +102,7 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
 
 
 def _constant(load_torque: float) -> float:
-    return _validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
+    return validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
 
 
 def _greatest_inertia_torque(mechanism: Mechanism, load: float) -> float:

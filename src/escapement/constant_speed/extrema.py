@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.constant_speed import geneva
 from escapement.constant_speed._chebyshev import Function, Piece, extremes, interpolate
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
-from escapement.mechanisms._slotted import jerk, transmission
-from escapement.mechanisms._table import smooth_intervals
+from escapement.mechanisms.slotted import jerk, transmission
+from escapement.mechanisms.table import smooth_intervals
 from escapement.model import FloatArray, Mechanism, is_mechanism
 
 _CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
@@ -122,7 +122,7 @@ def edges(mechanism: Mechanism) -> list[float]:
 def checked(mechanism: Mechanism) -> Mechanism:
     """`mechanism`, or the error that it is none."""
     if not is_mechanism(mechanism):
-        raise _validate.fail(
+        raise validate.fail(
             "mechanism", "a mechanism", mechanism, "give for example Geneva(slots=4)"
         )
     return mechanism

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.constant_speed import geneva
-from escapement.constant_speed._kernels import study
+from escapement.constant_speed.kernels import study
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
@@ -102,10 +102,10 @@ def _checked(slots: ArrayLike, inertia_ratio: ArrayLike) -> tuple[np.ndarray, Fl
     )  # fmt: skip
     for name, values, kinds, least, rule, remedy in rules:
         if values.dtype.kind not in kinds:
-            raise _validate.fail(name, rule, values.flat[0] if values.size else None, remedy)
+            raise validate.fail(name, rule, values.flat[0] if values.size else None, remedy)
         wrong = ~(np.isfinite(values) & (values >= least))
         if wrong.any():
-            raise _validate.fail(name, rule, values[wrong].flat[0].item(), remedy)
+            raise validate.fail(name, rule, values[wrong].flat[0].item(), remedy)
     try:
         n, ratio = np.broadcast_arrays(n, ratio.astype(float))
     except ValueError:

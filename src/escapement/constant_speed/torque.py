@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.constant_speed._case import Case, Load, finite, table, within_cell
 from escapement.constant_speed._figures import find_reversals, torque_figures
 from escapement.constant_speed.extrema import transmission_extrema
@@ -197,15 +197,15 @@ def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> f
         Where the load torque is zero or varies: no F exists.
     """
     if callable(load_torque):
-        raise _validate.fail(
+        raise validate.fail(
             "load_torque", "constant for an inertia ratio F", load_torque, "give a number in N m"
         )
-    load = _validate.positive(
+    load = validate.positive(
         "load_torque", load_torque, "without a load there is no inertia ratio F"
     )
     ratio = follower_inertia * speed * speed / load
     if not ratio < math.inf:
-        raise _validate.fail(
+        raise validate.fail(
             "load_torque", "great enough for an inertia ratio F a double can hold", load,
             "give 0 for no load",
         )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Engines: each turns a scene into a motion, and none knows another."""

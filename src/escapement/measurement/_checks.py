@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from escapement import _validate
+from escapement import validate
 from escapement.measurement.encoder import Encoder
 from escapement.measurement.readings import FARTHEST, WITHIN
 from escapement.model import is_mechanism
@@ -11,15 +11,15 @@ from escapement.model import is_mechanism
 def check_drive(mechanism: Any, encoder: Any) -> None:
     """Refuse what is no mechanism, and what is no encoder and not None."""
     if not is_mechanism(mechanism):
-        raise _validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+        raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
     if encoder is not None and not isinstance(encoder, Encoder):
-        raise _validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
+        raise validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
 
 
 def checked_zero(name: str, angle: Any) -> float:
     """Zero of an encoder [rad]."""
     remedy = "give an angle in rad"
-    value = _validate.number(name, angle, remedy)
+    value = validate.number(name, angle, remedy)
     if abs(value) > FARTHEST:
-        raise _validate.fail(name, WITHIN, angle, remedy)
+        raise validate.fail(name, WITHIN, angle, remedy)
     return value

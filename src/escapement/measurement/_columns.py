@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement import _validate
-from escapement._headings import NAMES, UNITS, name_and_unit
+from escapement import validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.model import FloatArray
+from escapement.text import NAMES, UNITS, name_and_unit
 
 _SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
 
@@ -69,7 +69,7 @@ class Layout(NamedTuple):
 def find_layout(text: str, input: str | None, output: str | None, angle_unit: str | None) -> Layout:
     """Layout of a file from its first line, see `read_readings`."""
     if angle_unit is not None:
-        _validate.choice("angle_unit", angle_unit, tuple(UNITS))
+        validate.choice("angle_unit", angle_unit, tuple(UNITS))
     separator = _separator(text)
     fields = _split(text, separator)
     decimal_comma = separator != ","
@@ -148,8 +148,8 @@ def _find(fields: list[str], role: str, name: str | None) -> int:
             f"must have one column called {' or '.join(wanted)}, got {reason} among "
             f"{_short(listed)}; name the {role}'s column"
         )
-    raise _validate.fail(
-        f"{role} column", f"one of {_short(listed)}", name, _validate.nearest(name, tuple(whole))
+    raise validate.fail(
+        f"{role} column", f"one of {_short(listed)}", name, validate.nearest(name, tuple(whole))
     )
 
 

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from escapement.mechanisms._slotted import transmission
+from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
 BLOCK = 1 << 17

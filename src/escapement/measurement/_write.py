@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from escapement._whole_file import write_whole
+from escapement.files.whole import write_whole
 from escapement.measurement._csv import SYNTHETIC
 from escapement.measurement._position import blocks
 from escapement.measurement.readings import Readings

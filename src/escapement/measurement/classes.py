@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.model import FloatArray
 
 RULES = ("sturges", "scott", "freedman-diaconis", "square-root")
@@ -56,11 +56,11 @@ def class_count(errors: FloatArray, bins: int | str = "sturges") -> int:
         leave such a test no degree of freedom.
     """
     if not isinstance(bins, str):
-        count = _validate.integer("bins", bins, 4, "a chi-squared test needs 4 classes or more")
+        count = validate.integer("bins", bins, 4, "a chi-squared test needs 4 classes or more")
         if count > MOST_CLASSES:
-            raise _validate.fail("bins", f"at most {MOST_CLASSES}", count, "give fewer classes")
+            raise validate.fail("bins", f"at most {MOST_CLASSES}", count, "give fewer classes")
         return count
-    rule = _validate.choice("bins", bins, RULES)
+    rule = validate.choice("bins", bins, RULES)
     n, spread = errors.size, float(np.ptp(errors))
     if rule == "sturges":
         return max(4, math.ceil(sturges(n)))

@@ -4,7 +4,7 @@ from os import PathLike
 
 import numpy as np
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.measurement._checks import check_drive, checked_zero
 from escapement.measurement._csv import read_readings
@@ -61,12 +61,12 @@ def measure(
     Source: Prikhodko (2020), section 3.
     """
     check_drive(mechanism, encoder)
-    share = _validate.number("confidence", confidence, "give a share, as 0.99")
+    share = validate.number("confidence", confidence, "give a share, as 0.99")
     if not 0.0 < share < 1.0:
-        raise _validate.fail("confidence", "between 0 and 1", confidence, "give a share, as 0.99")
+        raise validate.fail("confidence", "between 0 and 1", confidence, "give a share, as 0.99")
     known = None if zeros is None else _checked_zeros(zeros)
     if not isinstance(readings, Readings | str | PathLike):
-        raise _validate.fail(
+        raise validate.fail(
             "readings", "Readings or a path", readings, "give Readings(input, output) in rad"
         )
     taken = readings if isinstance(readings, Readings) else read_readings(readings)
@@ -94,7 +94,7 @@ def _checked_zeros(zeros: tuple[float, float]) -> tuple[float, float]:
     try:
         phase, offset = zeros
     except (TypeError, ValueError):
-        raise _validate.fail(
+        raise validate.fail(
             "zeros", "a phase and an offset in rad", zeros, "give both, or leave it out"
         ) from None
     return checked_zero("phase", phase), checked_zero("offset", offset)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement import _validate
+from escapement import validate
 from escapement.measurement.readings import TURN
 from escapement.model import FloatArray
 
@@ -29,12 +29,12 @@ class Encoder:
     linearity: float = 0.0
 
     def __post_init__(self) -> None:
-        counts = _validate.integer("resolution", self.resolution, 2, "give the counts of a turn")
-        share = _validate.non_negative(
+        counts = validate.integer("resolution", self.resolution, 2, "give the counts of a turn")
+        share = validate.non_negative(
             "linearity", self.linearity, "give a share of a turn, 0.003 for 0.3 %"
         )
         if share >= 0.5:
-            raise _validate.fail(
+            raise validate.fail(
                 "linearity", "below 0.5", share, "give a share of a turn, 0.003 for 0.3 %"
             )
         object.__setattr__(self, "resolution", counts)

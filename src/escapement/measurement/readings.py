@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 
@@ -102,7 +102,7 @@ class Readings:
 def _column(name: str, values: ArrayLike) -> FloatArray:
     array: np.ma.MaskedArray[Any, Any] = np.ma.asanyarray(values)
     if array.dtype.kind not in "iuf" or array.ndim != 1:
-        raise _validate.fail(
+        raise validate.fail(
             name, "a row of real numbers", _shape(array), "give the angles in rad, one a sample"
         )
     angles: FloatArray = np.ma.filled(array.astype(float, copy=False), np.nan)

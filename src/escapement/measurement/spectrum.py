@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.measurement.readings import LEAST_SAMPLES, TURN
 from escapement.model import FloatArray
@@ -64,9 +64,9 @@ class Periodogram:
         """Power that white noise exceeds anywhere with a probability in (0, 1)."""
         from scipy.optimize import brentq
 
-        chance = _validate.number("probability", probability, "give a share, as 0.01")
+        chance = validate.number("probability", probability, "give a share, as 0.01")
         if not 0.0 < chance < 1.0:
-            raise _validate.fail("probability", "between 0 and 1", chance, "give for example 0.01")
+            raise validate.fail("probability", "between 0 and 1", chance, "give for example 0.01")
         if self.false_alarm_probability(1.0) > chance:
             return 1.0
 
@@ -120,7 +120,7 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
             "give the angle of each error"
         )
     if highest is not None:
-        highest = _validate.positive("highest", highest, "give cycles a turn")
+        highest = validate.positive("highest", highest, "give cycles a turn")
     if not (values.size and np.ptp(values) > 0.0 and np.ptp(turns) > 0.0):
         raise InvalidValue("errors and angles must differ for a periodogram, got one value only")
     turns, values, top = _bounded(turns, values, highest)
@@ -135,7 +135,7 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
 def _row(name: str, values: ArrayLike) -> FloatArray:
     array = np.asarray(values)
     if array.dtype.kind not in "iuf" or array.ndim != 1 or np.ma.is_masked(values):
-        raise _validate.fail(name, "a row of real numbers", values, "leave out what is missing")
+        raise validate.fail(name, "a row of real numbers", values, "leave out what is missing")
     row: FloatArray = array.astype(float)
     if not np.isfinite(row).all():
         place = int(np.argmin(np.isfinite(row)))
@@ -202,7 +202,7 @@ def _bounded(
     most = _PER_TURN * MOST_TURNS / span
     if asked is not None:
         rule = f"at most {most:.6g} for {values.size} samples over {span:.6g} turns"
-        raise _validate.fail("highest", rule, asked, "ask for less, or give samples of fewer turns")
+        raise validate.fail("highest", rule, asked, "ask for less, or give samples of fewer turns")
     return turns, values, most
 
 

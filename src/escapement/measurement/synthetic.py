@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from escapement import _validate
+from escapement import validate
 from escapement.measurement._checks import check_drive, checked_zero
 from escapement.measurement._position import position
 from escapement.measurement.encoder import Encoder
@@ -69,22 +69,22 @@ def synthetic_readings(
     """
     check_drive(mechanism, encoder)
     start, zero = checked_zero("phase", phase), checked_zero("offset", offset)
-    count = _validate.integer("samples", samples, LEAST_SAMPLES, "give how many to compute")
-    whole = _validate.integer("seed", seed, 0, "give any whole number")
+    count = validate.integer("samples", samples, LEAST_SAMPLES, "give how many to compute")
+    whole = validate.integer("seed", seed, 0, "give any whole number")
     checked = {
-        name: _validate.non_negative(name, value, "give an angle in rad, 0 for none")
+        name: validate.non_negative(name, value, "give an angle in rad, 0 for none")
         for name, value in (
             ("noise", noise), ("backlash", backlash),
             ("input_eccentricity", input_eccentricity),
             ("output_eccentricity", output_eccentricity),
         )
     }  # fmt: skip
-    if _validate.number("sense", sense) not in (1.0, -1.0):
-        raise _validate.fail("sense", "1 or -1", sense, "give the sense of the output encoder")
-    if not 0.0 <= _validate.number("missing", missing) < 1.0:
-        raise _validate.fail("missing", "from 0 to below 1", missing, "give a share, as 0.01")
+    if validate.number("sense", sense) not in (1.0, -1.0):
+        raise validate.fail("sense", "1 or -1", sense, "give the sense of the output encoder")
+    if not 0.0 <= validate.number("missing", missing) < 1.0:
+        raise validate.fail("missing", "from 0 to below 1", missing, "give a share, as 0.01")
     random = np.random.default_rng(whole)
-    travel = TURN * _validate.number("turns", turns)
+    travel = TURN * validate.number("turns", turns)
     theta = start + np.linspace(0.0, travel, count, endpoint=False)
     phi = _with_play(position(mechanism, theta), checked["backlash"])
     bend = 0.0 if encoder is None else encoder.greatest_deviation

@@ -7,9 +7,9 @@ from os import PathLike
 
 import numpy as np
 
-from escapement._headings import FOREIGN, NAMES, UNITS, name_and_unit
 from escapement.errors import InputFileError, MissingInput
 from escapement.model import FloatArray
+from escapement.text import FOREIGN, NAMES, UNITS, name_and_unit
 
 
 def read_angles(path: str | PathLike[str]) -> FloatArray:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Self
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms._pitch_ellipses import PitchEllipse
 
 _GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
@@ -18,22 +18,22 @@ class EllipticalGears:
     planet_radius: float
 
     def __post_init__(self) -> None:
-        planet = _validate.positive(
+        planet = validate.positive(
             "planet_radius", self.planet_radius, "give the planet's pitch radius in m"
         )
-        sun = _validate.positive("sun_radius", self.sun_radius, "give the sun's pitch radius in m")
+        sun = validate.positive("sun_radius", self.sun_radius, "give the sun's pitch radius in m")
         if not sun > planet:
-            raise _validate.fail(
+            raise validate.fail(
                 "sun_radius", f"greater than the planet_radius, {planet!r}", sun,
                 "R1 = a + c and R2 = a - c, so the sun is the greater",
             )  # fmt: skip
         if sun > _GREATEST_RATIO * planet:
-            raise _validate.fail(
+            raise validate.fail(
                 "sun_radius / planet_radius", f"at most {_GREATEST_RATIO:g}", sun / planet,
                 "give a greater planet",
             )  # fmt: skip
         if not math.isfinite(sun + planet):
-            raise _validate.fail(
+            raise validate.fail(
                 "sun_radius + planet_radius", "within the range of a double", sun + planet,
                 "give smaller radii",
             )  # fmt: skip
@@ -51,10 +51,10 @@ class EllipticalGears:
         eccentricity : float
             e [-], between 0 and 1.
         """
-        a = _validate.positive("semi_major_axis", semi_major_axis, "give half the centre distance")
-        e = _validate.positive("eccentricity", eccentricity, "a circle never stops the output")
+        a = validate.positive("semi_major_axis", semi_major_axis, "give half the centre distance")
+        e = validate.positive("eccentricity", eccentricity, "a circle never stops the output")
         if not e < 1.0:
-            raise _validate.fail("eccentricity", "below 1", e, "a closed ellipse has e < 1")
+            raise validate.fail("eccentricity", "below 1", e, "a closed ellipse has e < 1")
         return cls(a * (1.0 + e), a * (1.0 - e))
 
     @classmethod
@@ -69,10 +69,10 @@ class EllipticalGears:
             Of carrier axis and planet shaft, R1 + R2 [m].
         """
         remedy = "give the input angle between stops in rad, less than 2 pi"
-        interval = _validate.positive("stop_interval", stop_interval, remedy)
+        interval = validate.positive("stop_interval", stop_interval, remedy)
         if not interval < 2.0 * math.pi:
-            raise _validate.fail("stop_interval", "below 2 pi", interval, remedy)
-        distance = _validate.positive("centre_distance", centre_distance, "give R1 + R2 in m")
+            raise validate.fail("stop_interval", "below 2 pi", interval, remedy)
+        distance = validate.positive("centre_distance", centre_distance, "give R1 + R2 in m")
         planet = distance * interval / (2.0 * math.pi + interval)
         return cls(distance - planet, planet)
 
@@ -87,9 +87,9 @@ class EllipticalGears:
         module : float
             Of both [m], > 0.
         """
-        sun = _validate.integer("sun_teeth", sun_teeth, 1, "give the teeth of the sun")
-        planet = _validate.integer("planet_teeth", planet_teeth, 1, "give those of the planet")
-        size = _validate.positive("module", module, "give the spur gears' module in m")
+        sun = validate.integer("sun_teeth", sun_teeth, 1, "give the teeth of the sun")
+        planet = validate.integer("planet_teeth", planet_teeth, 1, "give those of the planet")
+        size = validate.positive("module", module, "give the spur gears' module in m")
         return cls(0.5 * size * sun, 0.5 * size * planet)
 
     @property
@@ -148,11 +148,11 @@ class EllipticalGears:
             [kg m^2]. `Inertia.driver` takes the mean. It is constant: a swing
             that is not small against it is beyond the equation of motion.
         """
-        weight = _validate.non_negative("mass", mass, "give the planet's mass in kg")
-        about = _validate.non_negative("moment", moment, "give it about the satellite shaft")
-        away = _validate.number("offset", offset, "give the distance from the shaft in m")
+        weight = validate.non_negative("mass", mass, "give the planet's mass in kg")
+        about = validate.non_negative("moment", moment, "give it about the satellite shaft")
+        away = validate.number("offset", offset, "give the distance from the shaft in m")
         if weight * away * away > about * (1.0 + 1e-12):
-            raise _validate.fail(
+            raise validate.fail(
                 "moment", f"at least mass offset^2 = {weight * away * away:g}", about,
                 "give it about the satellite shaft, not about the centre of mass",
             )  # fmt: skip

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.mechanisms._periodic_spline import PeriodicSpline, interpolating, smoothing
 from escapement.mechanisms._rows import check_spacing, last_digit, leaps, scatter
@@ -62,7 +62,7 @@ class FoldedRows:
             degrees = math.degrees(turned)
             rule = f"what phi turns over the cell, {turned:.9g} rad or {degrees:.7g} degrees"
             remedy = "correct phi, or leave cell_angle and follower_step out"
-            raise _validate.fail("follower_step", rule, step, remedy)
+            raise validate.fail("follower_step", rule, step, remedy)
 
     @cached_property
     def sense(self) -> float:

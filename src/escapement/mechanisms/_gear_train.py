@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
-from escapement._curves import COGNATES, CURVES, MOST_LOBES
+from escapement import validate
+from escapement.curves import COGNATES, CURVES, MOST_LOBES
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import arm_length, gear_ratio, lobe_ratios
 from escapement.model import FloatArray
@@ -43,21 +43,21 @@ class GearTrain:
 
     def __post_init__(self) -> None:
         checked: dict[str, Any] = {
-            "stations": _validate.integer(
+            "stations": validate.integer(
                 "stations", self.stations, 3, "the wheel needs 3 stations or more"
             ),
-            "lobes": _validate.rational(
+            "lobes": validate.rational(
                 "lobes", self.lobes, "give a whole number or a fraction such as 1/2", MOST_LOBES
             ),
-            "curve": _validate.choice("curve", self.curve, CURVES),
-            "pins": _validate.integer("pins", self.pins, 1, "give the number of pins"),
-            "unused_lobes": _validate.integer(
+            "curve": validate.choice("curve", self.curve, CURVES),
+            "pins": validate.integer("pins", self.pins, 1, "give the number of pins"),
+            "unused_lobes": validate.integer(
                 "unused_lobes", self.unused_lobes, 0, "give 0 to use every lobe", MOST_LOBES
             ),
-            "solution": _validate.integer("solution", self.solution, 1, "they count from 1"),
+            "solution": validate.integer("solution", self.solution, 1, "they count from 1"),
         }
         if self.fixed_radius is not None:
-            checked["fixed_radius"] = _validate.positive(
+            checked["fixed_radius"] = validate.positive(
                 "fixed_radius", self.fixed_radius, "give the radius of the fixed gear in m"
             )
         for name, value in checked.items():
@@ -74,7 +74,7 @@ class GearTrain:
                 "V0 <= 1; choose another number of lobes"
             )
         if self.solution > len(found):
-            raise _validate.fail(
+            raise validate.fail(
                 "solution", f"at most {len(found)} here", self.solution, "leave it out"
             )
 
@@ -83,11 +83,11 @@ class GearTrain:
         if self.pins > most:
             rule = f"at most {most} for a ratio of times of {self.lobe_ratio:.6g} a pin"
             remedy = f"give {most}{' or fewer' if most > 1 else ''}: two would be engaged at once"
-            raise _validate.fail("pins", rule, self.pins, remedy)
+            raise validate.fail("pins", rule, self.pins, remedy)
         if self.through_centre and self.unused_lobes:
             rule = "0 for a path through the wheel's centre"
             remedy = "the wheel turns uniformly and would start and stop with a jump"
-            raise _validate.fail("unused_lobes", rule, self.unused_lobes, remedy)
+            raise validate.fail("unused_lobes", rule, self.unused_lobes, remedy)
         # in the locked wheel's frame an unused lobe sweeps the angle of one station
         slots = self.slots
         for lobe in range(1, self.unused_lobes + 1):

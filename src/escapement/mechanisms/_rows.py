@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 
@@ -21,29 +21,29 @@ def column(name: str, values: Any) -> FloatArray:
     try:
         given = np.array(values, dtype=float)
     except (TypeError, ValueError):
-        raise _validate.fail(name, "a list of numbers", values, "give angles in rad") from None
+        raise validate.fail(name, "a list of numbers", values, "give angles in rad") from None
     if given.ndim != 1:
-        raise _validate.fail(name, "one-dimensional", given.shape, "give a list of angles")
+        raise validate.fail(name, "one-dimensional", given.shape, "give a list of angles")
     if given.size < FEWEST:
-        raise _validate.fail(
+        raise validate.fail(
             name, f"at least {FEWEST} rows long", given.size, "give more of the position function"
         )
     if not np.isfinite(given).all():
         bad = float(given[~np.isfinite(given)][0])
-        raise _validate.fail(name, "finite throughout", bad, "leave out the row")
+        raise validate.fail(name, "finite throughout", bad, "leave out the row")
     return given
 
 
 def check_rows(theta: FloatArray, phi: FloatArray, measured: bool) -> None:
     """A follower angle for each driver angle, and of an exact table not too many."""
     if theta.size != phi.size:
-        raise _validate.fail(
+        raise validate.fail(
             "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
         )
     if not measured and theta.size > MOST_EXACT:
         rule = f"at most {MOST_EXACT} rows of an exact table"
         remedy = "leave rows out, or say that they are measured"
-        raise _validate.fail("theta", rule, theta.size, remedy)
+        raise validate.fail("theta", rule, theta.size, remedy)
 
 
 def one_cell(theta: FloatArray) -> float:

@@ -21,10 +21,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms._elliptical_gears import EllipticalGears
-from escapement.mechanisms._slotted import Transmission
-from escapement.mechanisms._table import chebyshev_table
+from escapement.mechanisms.slotted import Transmission
+from escapement.mechanisms.table import chebyshev_table
 from escapement.model import FloatArray
 
 _MOST_STATIONS = 1000
@@ -173,7 +173,7 @@ class EllipticalPlanetary(EllipticalGears):
         ratio : float
             Tolerated output speed over input speed [-], >= 0.
         """
-        limit = _validate.non_negative("ratio", ratio, "give output over input speed, 0.01 say")
+        limit = validate.non_negative("ratio", ratio, "give output over input speed, 0.01 say")
         left = self.ratio_max - limit
         if left <= 0.0:
             return self.cell_angle
@@ -189,7 +189,7 @@ class EllipticalPlanetary(EllipticalGears):
             Tolerated deviation of the output from where it stops [rad], > 0; from half
             a step on the angle reaches beyond the cell.
         """
-        limit = _validate.positive("angle", angle, "give the tolerated deviation in rad")
+        limit = validate.positive("angle", angle, "give the tolerated deviation in rad")
         # every cell turns the output by a step, its second half as the first turned back
         cells, rest = divmod(limit, self.follower_step)
         if rest > 0.5 * self.follower_step:

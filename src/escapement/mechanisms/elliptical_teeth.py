@@ -11,7 +11,7 @@ Source: F. L. Litvin and A. Fuentes, Gear Geometry and Applied Theory (2004), ch
 
 import math
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
 
 PRESSURE_ANGLE = math.radians(20.0)
@@ -34,7 +34,7 @@ def tooth_module(mechanism: EllipticalPlanetary, teeth: int) -> float:
         Of each elliptical gear, >= 3. With an odd number both gears are alike and
         symmetrical about their long axes: a tooth at one end, a gap at the other.
     """
-    count = _validate.integer("teeth", teeth, 3, "give the teeth of one elliptical gear")
+    count = validate.integer("teeth", teeth, 3, "give the teeth of one elliptical gear")
     return perimeter(mechanism) / (math.pi * count)
 
 
@@ -59,10 +59,10 @@ def fewest_teeth(
     int
         18 for a circle, pressure angle 20 degrees and addendum 1; more for an ellipse.
     """
-    angle = _validate.positive("pressure_angle", pressure_angle, "0.349 rad are 20 degrees")
+    angle = validate.positive("pressure_angle", pressure_angle, "0.349 rad are 20 degrees")
     if not angle < 0.25 * math.pi:
-        raise _validate.fail("pressure_angle", "below pi/4", angle, "0.349 rad are 20 degrees")
-    reach = _validate.positive("addendum", addendum, "1 is usual")
+        raise validate.fail("pressure_angle", "below pi/4", angle, "0.349 rad are 20 degrees")
+    reach = validate.positive("addendum", addendum, "1 is usual")
     from scipy.special import ellipe
 
     # both in semi-major axes, whatever the unit of the radii: 4 E(e), and 1 - e^2

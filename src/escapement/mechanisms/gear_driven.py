@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from escapement.errors import InvalidValue
 from escapement.mechanisms._gear_train import GearTrain
-from escapement.mechanisms._slotted import Transmission, jerk, transmission, two_vector_path
+from escapement.mechanisms.slotted import Transmission, jerk, transmission, two_vector_path
 from escapement.model import FloatArray
 
 

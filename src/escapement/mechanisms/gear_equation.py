@@ -18,8 +18,8 @@ from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 
-from escapement import _validate
-from escapement._curves import COGNATES, CURVES
+from escapement import validate
+from escapement.curves import COGNATES, CURVES
 
 _EDGE = 1e-12
 """A root this close to x = pi is V0 = 1: there the equation is c + 1 = 2 j - 2/n exactly."""
@@ -35,7 +35,7 @@ def gear_ratio(stations: int, lobes: Fraction, curve: str) -> Fraction:
     if not share < Fraction(1, 2):
         rule = f"below stations/2 - 1 = {float(Fraction(stations, 2) - 1):g} for a {curve}"
         remedy = "fewer lobes, more stations, or an epicycloid"
-        raise _validate.fail("lobes", rule, str(lobes), remedy)
+        raise validate.fail("lobes", rule, str(lobes), remedy)
     return 1 / share if curve == "hypocycloid" else 1 / (1 - share)
 
 

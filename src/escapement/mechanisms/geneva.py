@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
-from escapement.mechanisms._slotted import Transmission, radius, transmission, two_vector_path
+from escapement import validate
+from escapement.mechanisms.slotted import Transmission, radius, transmission, two_vector_path
 from escapement.model import FloatArray
 
 MOST_SLOTS = 1_000_000
@@ -47,16 +47,16 @@ class Geneva:
 
     def __post_init__(self) -> None:
         remedy = "a Geneva wheel has from 3 slots to some dozens"
-        n = _validate.integer("slots", self.slots, 3, remedy, maximum=MOST_SLOTS)
-        internal = _validate.truth("internal", self.internal)
+        n = validate.integer("slots", self.slots, 3, remedy, maximum=MOST_SLOTS)
+        internal = validate.truth("internal", self.internal)
         most = 1 if internal else (2 * n) // (n - 2)
         if self.pins is None:
             pins = most if not internal and (2 * n) % (n - 2) == 0 else 1
         else:
-            pins = _validate.integer("pins", self.pins, 1, "give the number of crank pins")
+            pins = validate.integer("pins", self.pins, 1, "give the number of crank pins")
         if pins > most:
             kind = "an internal wheel" if internal else f"{n} slots"
-            raise _validate.fail(
+            raise validate.fail(
                 "pins", f"at most {most} for {kind}", pins, "fewer pins, or leave it out"
             )
         # a study over the slots keeps a number of pins that was given, and no other
@@ -65,7 +65,7 @@ class Geneva:
         object.__setattr__(self, "pins", pins)
         object.__setattr__(self, "internal", internal)
         if self.crank_radius is not None:
-            length = _validate.positive(
+            length = validate.positive(
                 "crank_radius", self.crank_radius, "give the crank radius in m"
             )
             object.__setattr__(self, "crank_radius", length)

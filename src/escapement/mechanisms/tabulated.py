@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.mechanisms._angle_table import read_angles
 from escapement.mechanisms._folded_rows import FoldedRows
 from escapement.mechanisms._periodic_spline import DEGREE, PeriodicSpline, rise_over
 from escapement.mechanisms._rows import check_rows, column, one_cell
-from escapement.mechanisms._slotted import Transmission
-from escapement.mechanisms._table import chebyshev_table
+from escapement.mechanisms.slotted import Transmission
+from escapement.mechanisms.table import chebyshev_table
 from escapement.model import FloatArray
 
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
@@ -75,7 +75,7 @@ class Tabulated:
 
     def __post_init__(self) -> None:
         theta, phi = (column(name, getattr(self, name)) for name in ("theta", "phi"))
-        measured = _validate.truth("measured", self.measured)
+        measured = validate.truth("measured", self.measured)
         check_rows(theta, phi, measured)
         cell, step = self.cell_angle, self.follower_step
         if cell == 0.0:
@@ -91,8 +91,8 @@ class Tabulated:
             "theta": tuple(theta.tolist()),
             "phi": tuple(phi.tolist()),
             "measured": measured,
-            "cell_angle": _validate.positive("cell_angle", cell, remedy),
-            "follower_step": _validate.positive(
+            "cell_angle": validate.positive("cell_angle", cell, remedy),
+            "follower_step": validate.positive(
                 "follower_step", step, "the follower must have turned on from cell to cell"
             ),
         }

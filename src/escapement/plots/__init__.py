@@ -4,8 +4,6 @@ Functions named after one panel draw into the axes they are given, or into a new
 figure of their own; nothing is shown on a screen. `save` writes a figure.
 """
 
-from escapement.plots._save import save
-from escapement.plots._style import new_axes
 from escapement.plots.animation import animate
 from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
@@ -21,8 +19,10 @@ from escapement.plots.measurement import (
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
 from escapement.plots.planetary import plot_planetary
 from escapement.plots.sample import plot_sample
+from escapement.plots.saving import save
 from escapement.plots.spread import plot_spread
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
+from escapement.plots.style import new_axes
 from escapement.plots.tabulated import plot_table
 
 __all__ = [

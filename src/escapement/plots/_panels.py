@@ -20,9 +20,9 @@ from matplotlib.ticker import (
 )
 
 from escapement.model import FloatArray
-from escapement.plots import _style
-from escapement.plots._labels import label, number, print_unit, scaled
+from escapement.plots import style
 from escapement.plots._table import Study, Table, printed_name
+from escapement.plots.labels import label, number, print_unit, scaled
 
 _FEW = 15  # points of a line that are marked one by one
 _LEVELS = 7  # contours of a map, about
@@ -41,7 +41,7 @@ def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D
     x, joined = table.x_values, not whole(study, table.x)
     factor, unit = scaled(study.units.get(result, ""), table.values)
     drawn = []
-    for look, column in zip(_style.LOOKS, spread(table.values.shape[1]), strict=False):
+    for look, column in zip(style.LOOKS, spread(table.values.shape[1]), strict=False):
         name = "" if table.lines is None else number(table.line_values[column])
         drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name, joined))
     dress_axis(ax, "x", study, table.x)
@@ -50,7 +50,7 @@ def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D
 
 
 def draw_line(
-    ax: Axes, x: FloatArray, y: FloatArray, look: _style.Look, name: str, joined: bool = True
+    ax: Axes, x: FloatArray, y: FloatArray, look: style.Look, name: str, joined: bool = True
 ) -> Line2D:
     """One line, its points marked where they are few or stand alone; or all, and not joined."""
     finite = np.concatenate([[False], np.isfinite(y), [False]])
@@ -69,7 +69,7 @@ def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str 
     if table.lines is not None:
         title = "\n".join(text for text in (note, legend_title(study, table)) if text)
         columns = 2 if len(lines) == 4 else 3
-        _style.legend_above(ax, columns, title, handles=lines, handlelength=_style.HANDLE)
+        style.legend_above(ax, columns, title, handles=lines, handlelength=style.HANDLE)
 
 
 def legend_title(study: Study, table: Table) -> str:
@@ -99,7 +99,7 @@ def draw_map(
     count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black on 0.6 can be read
     levels = np.asarray(MaxNLocator(count).tick_values(float(z.min()), float(z.max())))
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
-    hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": _style.GREY, "hatch": "////"}
+    hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
     dress_axis(ax, "x", study, table.x, narrow=bar == "top")
     dress_axis(ax, "y", study, str(table.lines))
@@ -115,12 +115,12 @@ def draw_map(
         filled = ax.contourf(x, y, z, levels, cmap=colours)
         inside = levels[(levels > z.min()) & (levels < z.max())]
         if inside.size:
-            lines = ax.contour(x, y, z, inside, colors=_style.BLACK, linewidths=0.6)
+            lines = ax.contour(x, y, z, inside, colors=style.BLACK, linewidths=0.6)
             _label_contours(ax, lines)
     every = 1 + levels.size // _LEVELS  # numbers where colours change, as many as have room
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
-    key.set_label(label(printed_name(study, result), unit), size=_style.TICK_SIZE)
-    key.ax.tick_params(labelsize=_style.SMALL_SIZE, width=0.7)
+    key.set_label(label(printed_name(study, result), unit), size=style.TICK_SIZE)
+    key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)
     return [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
 
 
@@ -140,7 +140,7 @@ def _label_contours(ax: Axes, lines: ContourSet) -> None:
         if clear and _EDGE < x < 1.0 - _EDGE and _EDGE < y < 1.0 - _EDGE:
             placed.append((x, y))
     middles = [to_axes.inverted().transform(point) for point in placed]
-    for text in ax.clabel(lines, fontsize=_style.SMALL_SIZE, inline=False, manual=middles) or ():
+    for text in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False, manual=middles) or ():
         text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
@@ -205,7 +205,7 @@ def _logarithmic(values: FloatArray) -> bool:
 
 def spread(count: int) -> list[int]:
     """Indices of the lines drawn, of so many: evenly spread, ends included."""
-    most = len(_style.LOOKS)
+    most = len(style.LOOKS)
     if count <= most:
         return list(range(count))
     even = [n for n in range(most, 3, -1) if (count - 1) % (n - 1) == 0]

@@ -8,10 +8,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots._labels import quantity
+from escapement.plots.labels import quantity
 from escapement.status import Status
 
 _SHORT = {
@@ -98,7 +98,7 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
         For an unknown or empty result, or a study that varies nothing.
     """
     known = tuple(name for name in study.results if name != "status")
-    _validate.choice("result", result, known)
+    validate.choice("result", result, known)
     if study.sampled:
         raise InvalidValue(
             "study must be a grid to be drawn as lines or a map, got a sample; use plot_study"
@@ -109,7 +109,7 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
     if x is None:
         pair = varied[:2]
         x = "torque" if "torque" in pair else max(pair, key=lambda name: len(study.axes[name]))
-    _validate.choice("x", x, tuple(varied))
+    validate.choice("x", x, tuple(varied))
     lines = next((name for name in varied if name != x), None)
     middle = {
         name: np.size(values) // 2 for name, values in study.axes.items() if name not in (x, lines)

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.model import FloatArray, Mechanism
 from escapement.motion import Motion
-from escapement.plots import _style
-from escapement.plots._labels import scaled
+from escapement.plots import style
 from escapement.plots.drawing import plot_mechanism
 from escapement.plots.gear_driven import plot_gear_driven
+from escapement.plots.labels import scaled
 from escapement.plots.motion import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
 
@@ -64,21 +64,21 @@ def animate(
     mechanism = motion.escapement.mechanism
     if not isinstance(mechanism, Geneva | GearDriven | EllipticalPlanetary):
         remedy = "draw its motion with plot_velocities"
-        raise _validate.fail("motion", "of a mechanism that can be drawn", mechanism, remedy)
+        raise validate.fail("motion", "of a mechanism that can be drawn", mechanism, remedy)
     first, last = _part(motion, start, stop)
-    count = _validate.integer("frames", frames, 2, "100 is a good choice", _MOST_FRAMES)
-    rate = _validate.positive("rate", rate, "25 pictures a second look smooth")
+    count = validate.integer("frames", frames, 2, "100 is a good choice", _MOST_FRAMES)
+    rate = validate.positive("rate", rate, "25 pictures a second look smooth")
     from matplotlib.animation import FuncAnimation
 
     times = np.linspace(first, last, count, endpoint=False)
     state = motion.at(times)
-    figure = _style.new_figure(_style.TWO_COLUMN, _HEIGHT)
+    figure = style.new_figure(style.TWO_COLUMN, _HEIGHT)
     drawing, velocities = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
-    plot_velocities(motion, _style.dress(velocities))
+    plot_velocities(motion, style.dress(velocities))
     factor, unit = scaled("s", np.array([motion.end_time]))
     velocities.set_xlim(first * factor, last * factor)
-    now = velocities.axvline(first * factor, color=_style.BLACK, lw=0.8, zorder=4)
-    (marks,) = velocities.plot([], [], "o", color=_style.BLACK, ms=4, zorder=5)
+    now = velocities.axvline(first * factor, color=style.BLACK, lw=0.8, zorder=4)
+    (marks,) = velocities.plot([], [], "o", color=style.BLACK, ms=4, zorder=5)
     draw = _drawing(drawing, mechanism, state.theta)
     slower = count / rate / (last - first)
     pace = f"{slower:.3g} times slower" if slower >= 1.0 else f"{1.0 / slower:.3g} times faster"
@@ -88,7 +88,7 @@ def animate(
         drawing.clear()
         draw(float(state.theta[frame]))
         place = times[frame] * factor
-        drawing.set_title(f"{place:.{digits}f} {unit}, {pace}", fontsize=_style.SMALL_SIZE)
+        drawing.set_title(f"{place:.{digits}f} {unit}, {pace}", fontsize=style.SMALL_SIZE)
         now.set_xdata([place, place])
         marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
 
@@ -102,11 +102,11 @@ def animate(
 def _part(motion: Motion, start: float, stop: float | None) -> tuple[float, float]:
     """First and last instant to be shown [s]."""
     end = float(motion.end_time)
-    first = _validate.non_negative("start", start, "begin at 0")
-    last = end if stop is None else _validate.number("stop", stop, "leave it out")
+    first = validate.non_negative("start", start, "begin at 0")
+    last = end if stop is None else validate.number("stop", stop, "leave it out")
     if not first < last <= end:
         given = f"start {first:g} and stop {last:g}"
-        raise _validate.fail("film", f"a part of the motion's {end:g} s", given, "leave both out")
+        raise validate.fail("film", f"a part of the motion's {end:g} s", given, "leave both out")
     return first, last
 
 

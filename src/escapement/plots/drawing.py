@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, PathPatch, Polygon
 from matplotlib.path import Path
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms import Geneva
-from escapement.plots import _style
-from escapement.plots._wheels import Wheels, locking_disc, pose
+from escapement.outlines.geneva import Wheels, locking_disc, pose
+from escapement.plots import style
 
 _PLATE, _DISC, _PIN = "#dcebf7", "#9cc7e8", "#00466f"
 _FOLLOWER = "#f6d9a8"
@@ -59,14 +59,14 @@ def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None
             "give Geneva(slots=4), or draw a planetary drive with plot_planetary, a gear-driven "
             "wheel with plot_gear_driven, a table with plot_table"
         )
-        raise _validate.fail("mechanism", "a Geneva drive", mechanism, remedy)
-    angle = _validate.number("theta", theta, "give the driver angle in rad")
-    _style.check_drawn("slots", mechanism.slots)
+        raise validate.fail("mechanism", "a Geneva drive", mechanism, remedy)
+    angle = validate.number("theta", theta, "give the driver angle in rad")
+    style.check_drawn("slots", mechanism.slots)
     wheels = Wheels(mechanism)
     box = _extent(wheels)
     if ax is None:
-        height = _style.ONE_COLUMN * (box[3] - box[2]) / (box[1] - box[0])
-        ax = _style.new_axes(_style.ONE_COLUMN, height)
+        height = style.ONE_COLUMN * (box[3] - box[2]) / (box[1] - box[0])
+        ax = style.new_axes(style.ONE_COLUMN, height)
     _draw(ax, wheels, angle)
     _draw_scale(ax, wheels)
     return ax
@@ -82,19 +82,19 @@ def plot_configurations(theta: float = 0.0) -> Figure:
 
     Source: Meyer (1973), eq. 1-3 and figures 12-14.
     """
-    angle = _validate.number("theta", theta, "give the driver angle in rad")
+    angle = validate.number("theta", theta, "give the driver angle in rad")
     drives = [Wheels(Geneva(slots=n)) for n in _CONTINUOUS]
     boxes = [_extent(drive) for drive in drives]
     widths = [box[1] - box[0] for box in boxes]
     half = max(box[3] for box in boxes) + 0.05
-    height = _style.TWO_COLUMN * 2.0 * half / sum(widths) + 0.3
-    figure = _style.new_figure(_style.TWO_COLUMN, height)
+    height = style.TWO_COLUMN * 2.0 * half / sum(widths) + 0.3
+    figure = style.new_figure(style.TWO_COLUMN, height)
     axes = figure.subplots(1, 3, width_ratios=widths)
     for ax, wheels in zip(axes, drives, strict=True):
         _draw(ax, wheels, angle)
         ax.set_ylim(-half, half)
         title = f"{wheels.mechanism.slots} slots, {wheels.mechanism.pins} pins"
-        ax.set_title(title, fontsize=_style.LABEL_SIZE)
+        ax.set_title(title, fontsize=style.LABEL_SIZE)
     _draw_scale(axes[0], drives[0])
     return figure
 
@@ -128,7 +128,7 @@ def _draw_follower(ax: Axes, wheels: Wheels, phi: float) -> PathPatch:
     if wheels.mechanism.internal:
         rings.append(wheels.body * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361)))
     path = Path.make_compound_path(*(Path(_points(ring), closed=True) for ring in rings))
-    edge: dict[str, Any] = {"edgecolor": _style.BLACK, "linewidth": 0.9 / _size(wheels)}
+    edge: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 0.9 / _size(wheels)}
     follower = PathPatch(
         path, facecolor=_FOLLOWER, zorder=2, joinstyle="round", gid="follower", **edge
     )
@@ -142,9 +142,9 @@ def _draw_follower(ax: Axes, wheels: Wheels, phi: float) -> PathPatch:
 def _draw_driver(ax: Axes, wheels: Wheels, theta: float, follower: PathPatch) -> None:
     """Crank disc behind the follower, locking disc in its plane, pins in front."""
     mechanism, c = wheels.mechanism, wheels.mechanism.centre_distance
-    edge: dict[str, Any] = {"edgecolor": _style.BLACK, "linewidth": 0.9 / _size(wheels)}
+    edge: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 0.9 / _size(wheels)}
     ax.add_patch(Circle((c, 0), wheels.plate, facecolor=_PLATE, zorder=1, gid="crank-disc", **edge))
-    hidden = Circle((c, 0), wheels.plate, fill=False, ec=_style.GREY, lw=0.6, ls=(0, (4, 2.5)))
+    hidden = Circle((c, 0), wheels.plate, fill=False, ec=style.GREY, lw=0.6, ls=(0, (4, 2.5)))
     ax.add_patch(hidden).set(zorder=2.2, clip_path=follower)
     if wheels.locks:
         outline = c + locking_disc(wheels) * np.exp(1j * wheels.side * theta)
@@ -167,16 +167,16 @@ def _draw_lines(ax: Axes, wheels: Wheels, phi: float) -> None:
     thin: dict[str, Any] = {"lw": 0.5 / _size(wheels), "linestyle": _CHAIN, "zorder": 2.8}
     left, right, _, _ = _extent(wheels)
     across = [left + 0.15, right - 0.15]
-    ax.plot(across, [0, 0], color=_style.GREY, gid="line-of-centres", **thin)
-    ax.add_patch(Circle((c, 0), 1.0, fill=False, edgecolor=_style.GREY, **thin))
+    ax.plot(across, [0, 0], color=style.GREY, gid="line-of-centres", **thin)
+    ax.add_patch(Circle((c, 0), 1.0, fill=False, edgecolor=style.GREY, **thin))
     for k in range(mechanism.slots):
         ray = np.exp(1j * (phi + k * mechanism.follower_step))
         ends = (0.3 * wheels.slot_end, wheels.rim + 0.1)
         if mechanism.internal:
             ends = (wheels.rim - 0.1, wheels.body - 0.05)
         line = np.array(ends) * ray
-        ax.plot(line.real, line.imag, color=_style.GREY, gid=f"slot-{k}", **thin)
-    ax.plot([0, c], [0, 0], "+", color=_style.BLACK, ms=6, mew=0.8, zorder=4, gid="axes")
+        ax.plot(line.real, line.imag, color=style.GREY, gid=f"slot-{k}", **thin)
+    ax.plot([0, c], [0, 0], "+", color=style.BLACK, ms=6, mew=0.8, zorder=4, gid="axes")
 
 
 def _draw_senses(ax: Axes, wheels: Wheels) -> None:
@@ -191,7 +191,7 @@ def _draw_senses(ax: Axes, wheels: Wheels) -> None:
     for arc in (follower, driver):
         arrow = FancyArrowPatch(path=Path(_points(arc)), arrowstyle="-|>", mutation_scale=8)
         ax.add_patch(arrow)
-        arrow.set(color=_style.BLACK, linewidth=0.8, zorder=5, fill=True)
+        arrow.set(color=style.BLACK, linewidth=0.8, zorder=5, fill=True)
 
 
 def _draw_scale(ax: Axes, wheels: Wheels) -> None:
@@ -200,10 +200,10 @@ def _draw_scale(ax: Axes, wheels: Wheels) -> None:
     x, y = left + 0.15, bottom + 0.5 * _MARGIN * _size(wheels)
     radius = wheels.mechanism.crank_radius
     text = "crank radius" if radius is None else f"crank radius {1e3 * radius:.4g} mm"
-    ax.plot([x, x + 1.0], [y, y], "-|", color=_style.BLACK, lw=0.9, ms=6, mew=0.9)
+    ax.plot([x, x + 1.0], [y, y], "-|", color=style.BLACK, lw=0.9, ms=6, mew=0.9)
     ax.annotate(
         text, (x + 1.0, y), (5, 0), textcoords="offset points", va="center",
-        fontsize=_style.SMALL_SIZE,
+        fontsize=style.SMALL_SIZE,
     )  # fmt: skip
 
 

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
-from escapement import _validate
+from escapement import validate
 from escapement.constant_speed import DriveTorque
-from escapement.plots import _style
-from escapement.plots._labels import label, number, scaled
+from escapement.plots import style
+from escapement.plots.labels import label, number, scaled
 from escapement.units import SYSTEMS, factor, unit_name
 
 
@@ -39,23 +39,23 @@ def plot_drive_torque(
     Source: Filemon (1960), figures 7 and 8.
     """
     if not isinstance(result, DriveTorque):
-        raise _validate.fail(
+        raise validate.fail(
             "result", "a DriveTorque", result, "give what escapement.drive_torque returns"
         )
-    _validate.choice("units", units, SYSTEMS)
-    ax = ax or _style.new_axes(_style.TWO_COLUMN, 3.2)
+    validate.choice("units", units, SYSTEMS)
+    ax = ax or style.new_axes(style.TWO_COLUMN, 3.2)
     state = result.samples
     angle = np.degrees(state.theta)
     own = factor("torque", units)
     moments = np.array([state.torque, state.contact_moment]) / own
     prefix, unit = scaled(unit_name("torque", units), moments)
     scale = prefix / own
-    ax.axhline(0.0, color=_style.BLACK, lw=0.6)
+    ax.axhline(0.0, color=style.BLACK, lw=0.6)
     _shade(ax, result)
-    ax.plot(angle, state.torque * scale, color=_style.BLUE, lw=1.6, label="drive torque")
+    ax.plot(angle, state.torque * scale, color=style.BLUE, lw=1.6, label="drive torque")
     ax.plot(
-        angle, state.contact_moment * scale, color=_style.VERMILLION, lw=0.8,
-        ls=_style.LOOKS[1].linestyle, label="moment on the follower",
+        angle, state.contact_moment * scale, color=style.VERMILLION, lw=0.8,
+        ls=style.LOOKS[1].linestyle, label="moment on the follower",
     )  # fmt: skip
     _mark_mean(ax, result, scale)
     ax.set_xlim(angle[0], angle[-1])
@@ -63,7 +63,7 @@ def plot_drive_torque(
     _mark_reversals(ax, result)
     ax.set(xlabel=label("driver angle from dead centre", "°"), ylabel=label("torque", unit))
     ax.margins(y=0.14)
-    _style.legend_above(ax, 3)
+    style.legend_above(ax, 3)
     return ax
 
 
@@ -74,26 +74,26 @@ def _shade(ax: Axes, result: DriveTorque) -> None:
     for low, high in pairwise([breaks[0], *result.reversals, breaks[-1]]):
         if result.at(0.5 * (low + high)).contact_moment < 0.0:
             span = math.degrees(low), math.degrees(high)
-            ax.axvspan(*span, color=_style.SKY, alpha=0.22, lw=0, label=name, zorder=0)
+            ax.axvspan(*span, color=style.SKY, alpha=0.22, lw=0, label=name, zorder=0)
             name = "_"
 
 
 def _mark_mean(ax: Axes, result: DriveTorque, scale: float) -> None:
     start, end = math.degrees(result.mechanism.breaks[0]), math.degrees(result.half)
     ax.plot(
-        [start, end], [result.torque_mean * scale] * 2, color=_style.BLACK, lw=1.0,
+        [start, end], [result.torque_mean * scale] * 2, color=style.BLACK, lw=1.0,
         ls=(0, (4, 2)), label="mean of the first half",
     )  # fmt: skip
 
 
 def _mark_maximum(ax: Axes, result: DriveTorque, scale: float, unit: str) -> None:
     x, y = math.degrees(result.torque_max_angle), result.torque_max * scale
-    ax.plot(x, y, "v", color=_style.BLACK, ms=5, label="greatest torque", zorder=4, clip_on=False)
+    ax.plot(x, y, "v", color=style.BLACK, ms=5, label="greatest torque", zorder=4, clip_on=False)
     _write(ax, f"{number(y)} {unit} at {x:.2f}°", (x, y), (0.0, 10.0))
 
 
 def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
-    marks: dict[str, Any] = {"mfc": "white", "mec": _style.BLACK, "mew": 0.9, "zorder": 5}
+    marks: dict[str, Any] = {"mfc": "white", "mec": style.BLACK, "mew": 0.9, "zorder": 5}
     found = np.degrees(result.reversals)
     if found.size:
         ax.plot(found, np.zeros_like(found), "o", ms=5, label="pin reversal", **marks)
@@ -114,7 +114,7 @@ def _write(ax: Axes, text: str, place: tuple[float, float], offset: tuple[float,
     side = "left" if place[0] - start < half else "right" if end - place[0] < half else "center"
     note = ax.annotate(
         text.replace("-", "−"), place, offset, textcoords="offset points", ha=side,
-        va="center", fontsize=_style.SMALL_SIZE, zorder=6,
+        va="center", fontsize=style.SMALL_SIZE, zorder=6,
     )  # fmt: skip
     note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
@@ -123,4 +123,4 @@ def _half_width(ax: Axes, text: str) -> float:
     """About half the width of a number, along the abscissa."""
     start, end = ax.get_xlim()
     points = 72.0 * ax.bbox.width / ax.figure.dpi
-    return 0.3 * _style.SMALL_SIZE * len(text) * (end - start) / points
+    return 0.3 * style.SMALL_SIZE * len(text) * (end - start) / points

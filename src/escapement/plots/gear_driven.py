@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms import GearDriven
-from escapement.plots import _style
-from escapement.plots._gear_shapes import GearWheels
+from escapement.outlines.gear_driven import GearWheels
+from escapement.plots import style
 
 _FOLLOWER, _PLANET, _PIN = "#F5D7A9", "#DCE9F7", "#00446B"
 _CHAIN = (0, (8, 2, 1.5, 2))
@@ -44,16 +44,16 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
         or an angle that is not finite.
     """
     if not isinstance(mechanism, GearDriven):
-        raise _validate.fail(
+        raise validate.fail(
             "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
         )
-    angle = _validate.number("theta", theta, "give the carrier angle in rad")
-    _style.check_drawn("slots", mechanism.slots)
+    angle = validate.number("theta", theta, "give the carrier angle in rad")
+    style.check_drawn("slots", mechanism.slots)
     ratio = mechanism.gear_ratio
-    _style.check_drawn("lobes of the whole path", max(abs(ratio.numerator), ratio.denominator))
+    style.check_drawn("lobes of the whole path", max(abs(ratio.numerator), ratio.denominator))
     wheels = GearWheels(mechanism)
     if ax is None:
-        ax = _style.new_axes(_style.ONE_COLUMN, _style.ONE_COLUMN)
+        ax = style.new_axes(style.ONE_COLUMN, style.ONE_COLUMN)
     _draw_wheel(ax, wheels, angle)
     _draw_gears(ax, wheels, angle)
     _draw_pins(ax, wheels, angle)
@@ -71,11 +71,11 @@ def plot_gear_driven_examples() -> Figure:
         8: GearDriven(4, 0, "hypocycloid"),
         9: GearDriven(12, 3, "hypocycloid"),
     }
-    figure = _style.new_figure(_style.TWO_COLUMN, 2.25)
+    figure = style.new_figure(style.TWO_COLUMN, 2.25)
     for ax, (number, mechanism) in zip(figure.subplots(1, 4), cases.items(), strict=True):
         plot_gear_driven(mechanism, ax=ax)
         text = f"figure {number}: n = {mechanism.stations}, k = {mechanism.gear_ratio}"
-        ax.set_title(text, fontsize=_style.SMALL_SIZE)
+        ax.set_title(text, fontsize=style.SMALL_SIZE)
     return figure
 
 
@@ -87,7 +87,7 @@ def plot_curves() -> Figure:
         GearDriven(12, 3, "epicycloid"),
         GearDriven(12, 3, "pericycloid"),
     )
-    figure = _style.new_figure(_style.TWO_COLUMN, 2.35)
+    figure = style.new_figure(style.TWO_COLUMN, 2.35)
     for ax, mechanism in zip(figure.subplots(1, 4), cases, strict=True):
         wheels = GearWheels(mechanism)
         _draw_gears(ax, wheels, 0.5)
@@ -98,7 +98,7 @@ def plot_curves() -> Figure:
         name = {"hypocycloid": "protracted\nhypocycloid"}.get(mechanism.curve, mechanism.curve)
         title = f"{name.replace('-', chr(10))}\nk = {mechanism.gear_ratio}"
         ax.set_title(title if "\n" in name or "-" in mechanism.curve else "\n" + title,
-                     fontsize=_style.SMALL_SIZE)  # fmt: skip
+                     fontsize=style.SMALL_SIZE)  # fmt: skip
     return figure
 
 
@@ -106,14 +106,14 @@ def _draw_wheel(ax: Axes, wheels: GearWheels, theta: float) -> None:
     turn = np.exp(1j * wheels.wheel_at(theta))
     rings = [Path(_points(outline * turn), closed=True) for outline in wheels.outlines()]
     body = PathPatch(
-        Path.make_compound_path(*rings), facecolor=_FOLLOWER, edgecolor=_style.BLACK,
+        Path.make_compound_path(*rings), facecolor=_FOLLOWER, edgecolor=style.BLACK,
         linewidth=0.8, zorder=1, joinstyle="round", gid="follower",
     )  # fmt: skip
     ax.add_patch(body)
     for outline in wheels.reliefs():
         shape = Path(_points(outline * turn), closed=True)
         # fills hide the inner half of all edges, and what one relief cuts off another
-        edge = PathPatch(shape, fill=False, edgecolor=_style.BLACK, linewidth=1.6)
+        edge = PathPatch(shape, fill=False, edgecolor=style.BLACK, linewidth=1.6)
         ax.add_patch(edge).set(zorder=1.1, clip_path=body, gid="relief")
         ax.add_patch(PathPatch(shape, color="white", linewidth=0, zorder=1.2))
 
@@ -123,14 +123,14 @@ def _draw_gears(ax: Axes, wheels: GearWheels, theta: float) -> None:
     centre = wheels.mechanism.arms.first * np.exp(1j * theta)
     place = (centre.real, centre.imag)
     pitch: dict[str, Any] = {"linewidth": 0.9, "linestyle": _CHAIN, "zorder": 2.2}
-    ax.add_patch(Circle((0, 0), 1.0, fill=False, ec=_style.GREY, gid="fixed-gear", **pitch))
+    ax.add_patch(Circle((0, 0), 1.0, fill=False, ec=style.GREY, gid="fixed-gear", **pitch))
     ax.add_patch(Circle(place, wheels.planet, fc=_PLANET, alpha=0.55, lw=0, zorder=2.1))
-    ax.add_patch(Circle(place, wheels.planet, fill=False, ec=_style.BLUE, gid="planet", **pitch))
-    ax.plot([0, place[0]], [0, place[1]], color=_style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
-    ax.plot([0, place[0]], [0, place[1]], "o", color="white", mec=_style.BLACK, ms=3.2, mew=0.8,
+    ax.add_patch(Circle(place, wheels.planet, fill=False, ec=style.BLUE, gid="planet", **pitch))
+    ax.plot([0, place[0]], [0, place[1]], color=style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
+    ax.plot([0, place[0]], [0, place[1]], "o", color="white", mec=style.BLACK, ms=3.2, mew=0.8,
             zorder=2.6)  # fmt: skip
     path = wheels.path()
-    ax.plot(path.real, path.imag, color=_style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
+    ax.plot(path.real, path.imag, color=style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
 
 
 def _draw_pins(ax: Axes, wheels: GearWheels, theta: float) -> None:

@@ -4,13 +4,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement import _validate
+from escapement import validate
 from escapement.measurement import Measurement, position
 from escapement.measurement.encoder import sensor_uncertainty
 from escapement.measurement.readings import spread
 from escapement.model import FloatArray
-from escapement.plots import _style
-from escapement.plots._labels import label
+from escapement.plots import style
+from escapement.plots.labels import label
 
 _MOST_POINTS = 4000  # more than a print can tell apart
 _CURVE = 400
@@ -39,17 +39,15 @@ def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
     driver = result.input + result.fit.phase
     angles = np.linspace(driver.min(), driver.max(), _CURVE)
     phi = position(result.mechanism, angles)
-    ax.plot(
-        np.degrees(angles), np.degrees(phi), color=_style.BLUE, lw=1.0, label="theory", zorder=3
-    )
+    ax.plot(np.degrees(angles), np.degrees(phi), color=style.BLUE, lw=1.0, label="theory", zorder=3)
     some = spread(driver.size, _MOST_POINTS)
     found = position(result.mechanism, driver[some]) + result.fit.sense * result.errors[some]
     ax.plot(
         np.degrees(driver[some]), np.degrees(found), "o", ms=2.5, mfc="none", mew=0.7,
-        color=_style.VERMILLION, label="measured",
+        color=style.VERMILLION, label="measured",
     )  # fmt: skip
     ax.set(xlabel=label("driver angle from dead centre", "°"), ylabel=label("follower angle", "°"))
-    _style.legend_above(ax, 2, _title(result))
+    style.legend_above(ax, 2, _title(result))
     return ax
 
 
@@ -79,21 +77,21 @@ def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
         width = 2.0 * np.degrees(sensor_uncertainty(result.encoder, result.fit.slope[some]))
         order = np.argsort(angle)
         ax.fill_between(
-            angle[order], -width[order], width[order], color=_style.SKY, alpha=0.3, lw=0,
+            angle[order], -width[order], width[order], color=style.SKY, alpha=0.3, lw=0,
             label="encoders",
         )  # fmt: skip
-    ax.axhline(0.0, color=_style.BLACK, lw=0.6)
-    ax.plot(angle, np.degrees(result.errors[some]), ".", ms=2.5, color=_style.BLUE, label="errors")
+    ax.axhline(0.0, color=style.BLACK, lw=0.6)
+    ax.plot(angle, np.degrees(result.errors[some]), ".", ms=2.5, color=style.BLUE, label="errors")
     name = f"{100.0 * result.confidence:g} % interval"
     for limit in result.interval:
         ax.axhline(
-            np.degrees(limit), color=_style.VERMILLION, lw=1.0,
-            ls=_style.LOOKS[1].linestyle, label=name,
+            np.degrees(limit), color=style.VERMILLION, lw=1.0,
+            ls=style.LOOKS[1].linestyle, label=name,
         )  # fmt: skip
         name = "_"
     ax.set(xlabel=label("input angle", "°"), ylabel=label("error", "°"))
     ax.margins(x=0.01)
-    _style.legend_above(ax, 3, _title(result))
+    style.legend_above(ax, 3, _title(result))
     return ax
 
 
@@ -119,15 +117,15 @@ def plot_error_histogram(result: Measurement, ax: Axes | None = None) -> Axes:
     edges = np.degrees(classes.edges)
     density = classes.observed / (classes.observed.sum() * np.diff(edges))
     ax.stairs(
-        density, edges, fill=True, fc=_style.SKY, ec=_style.BLACK, lw=0.7, alpha=0.6, label="errors"
+        density, edges, fill=True, fc=style.SKY, ec=style.BLACK, lw=0.7, alpha=0.6, label="errors"
     )
     mean, deviation = np.degrees([result.mean, result.standard_deviation])
     reach = max(3.5 * deviation, float(np.abs(edges - mean).max()))
     x = mean + np.linspace(-reach, reach, _CURVE)
     bell = np.exp(-0.5 * ((x - mean) / deviation) ** 2) / (deviation * np.sqrt(2.0 * np.pi))
-    ax.plot(x, bell, color=_style.VERMILLION, lw=1.4, label="normal law")
+    ax.plot(x, bell, color=style.VERMILLION, lw=1.4, label="normal law")
     ax.set(xlabel=label("error", "°"), ylabel=label("density", "1/°"), ylim=(0.0, None))
-    _style.legend_above(ax, 2, _title(result))
+    style.legend_above(ax, 2, _title(result))
     return ax
 
 
@@ -153,15 +151,15 @@ def plot_frequencies(result: Measurement, ax: Axes | None = None) -> Axes:
     middle = np.degrees(0.5 * (classes.edges[1:] + classes.edges[:-1]))
     width = 0.4 * (middle[1] - middle[0])
     ax.bar(
-        middle - 0.5 * width, classes.observed, width, fc=_style.SKY, ec=_style.BLACK, lw=0.6,
+        middle - 0.5 * width, classes.observed, width, fc=style.SKY, ec=style.BLACK, lw=0.6,
         label="empirical",
     )  # fmt: skip
     ax.bar(
-        middle + 0.5 * width, classes.expected, width, fc="white", ec=_style.VERMILLION, lw=0.9,
+        middle + 0.5 * width, classes.expected, width, fc="white", ec=style.VERMILLION, lw=0.9,
         hatch="////", label="theoretical",
     )  # fmt: skip
     ax.set(xlabel=label("middle of the class", "°"), ylabel="Number of errors")
-    _style.legend_above(ax, 2, _title(result))
+    style.legend_above(ax, 2, _title(result))
     return ax
 
 
@@ -186,17 +184,17 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
     ax = _ready(result, ax)
     found = result.periodogram
     keep = _outline(found.frequency.size, np.nan_to_num(found.power))
-    ax.plot(found.frequency[keep], 100.0 * found.power[keep], color=_style.BLUE, lw=0.9)
+    ax.plot(found.frequency[keep], 100.0 * found.power[keep], color=style.BLUE, lw=0.9)
     ax.axhline(
-        100.0 * found.level(_FALSE_ALARM), color=_style.VERMILLION, lw=1.0,
-        ls=_style.LOOKS[1].linestyle, label=f"{100.0 * _FALSE_ALARM:g} % false alarm",
+        100.0 * found.level(_FALSE_ALARM), color=style.VERMILLION, lw=1.0,
+        ls=style.LOOKS[1].linestyle, label=f"{100.0 * _FALSE_ALARM:g} % false alarm",
     )  # fmt: skip
     cells = 2.0 * np.pi / result.mechanism.cell_angle
     rounds = abs(result.mechanism.follower_step) / result.mechanism.cell_angle
     marks = {
-        "input turn": (1.0, _style.LOOKS[5]),
-        "output turn": (rounds, _style.LOOKS[2]),
-        "cell": (cells, _style.LOOKS[3]),
+        "input turn": (1.0, style.LOOKS[5]),
+        "output turn": (rounds, style.LOOKS[2]),
+        "cell": (cells, style.LOOKS[3]),
     }
     for name, (place, look) in marks.items():
         if place <= found.frequency[-1]:
@@ -205,28 +203,28 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
         xlabel="Cycles a turn of the input", ylabel="Share of variance (%)",
         xlim=(0.0, found.frequency[-1]), ylim=(0.0, None),
     )  # fmt: skip
-    _style.legend_above(ax, 2, _title(result))
+    style.legend_above(ax, 2, _title(result))
     return ax
 
 
 def plot_measurement(result: Measurement) -> Figure:
     """Errors, their distribution and what comes back, on one sheet."""
-    figure = _style.new_figure(_style.TWO_COLUMN, 5.6)
+    figure = style.new_figure(style.TWO_COLUMN, 5.6)
     draw = (plot_errors, plot_error_histogram, plot_periodogram, plot_frequencies)
     for ax, plot in zip(figure.subplots(2, 2).flat, draw, strict=True):
-        plot(result, _style.dress(ax))
+        plot(result, style.dress(ax))
         ax.get_legend().set_title(None)
     if result.readings.synthetic:
-        figure.suptitle("Synthetic data", fontsize=_style.LABEL_SIZE)
+        figure.suptitle("Synthetic data", fontsize=style.LABEL_SIZE)
     return figure
 
 
 def _ready(result: Measurement, ax: Axes | None) -> Axes:
     if not isinstance(result, Measurement):
-        raise _validate.fail(
+        raise validate.fail(
             "result", "a Measurement", result, "give what escapement.measure returns"
         )
-    return ax or _style.new_axes(5.0, 3.4)
+    return ax or style.new_axes(5.0, 3.4)
 
 
 def _title(result: Measurement) -> str | None:

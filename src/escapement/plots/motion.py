@@ -10,8 +10,8 @@ from matplotlib.ticker import MultipleLocator
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.motion import Motion
-from escapement.plots import _style
-from escapement.plots._labels import label, scaled
+from escapement.plots import style
+from escapement.plots.labels import label, scaled
 
 _CROWDED = 30  # handoffs beyond which full-height lines would grey the figure
 _REPEATS = 0.01  # two handoff speeds this close, relatively: the cycle is terminal
@@ -35,19 +35,19 @@ def plot_velocities(motion: Motion, ax: Axes | None = None) -> Axes:
     Source: the figure is Meyer (1973), figure 8.
     """
     times = _times(motion)
-    ax = ax or _style.new_axes(_style.TWO_COLUMN, 3.0)
+    ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     factor, unit = scaled("s", times)
     state = motion.at(times)
-    ax.plot(times * factor, state.theta_dot, color=_style.BLUE, lw=1.3, label="driver")
-    dashes = _style.LOOKS[1].linestyle
-    ax.plot(times * factor, state.phi_dot, color=_style.VERMILLION, lw=1.1, ls=dashes,
+    ax.plot(times * factor, state.theta_dot, color=style.BLUE, lw=1.3, label="driver")
+    dashes = style.LOOKS[1].linestyle
+    ax.plot(times * factor, state.phi_dot, color=style.VERMILLION, lw=1.1, ls=dashes,
             label="follower")  # fmt: skip
     _mark_reversals(ax, motion.reversals.time * factor, motion.reversals.theta_dot)
     _mark_handoffs(ax, motion, factor)
     ax.set(xlabel=label("time", unit), ylabel=label("angular velocity", "rad/s"))
     ax.set_xlim(times[0] * factor, times[-1] * factor)
     ax.set_ylim(bottom=min(0.0, float(state.phi_dot.min())))
-    _style.legend_above(ax, 4)
+    style.legend_above(ax, 4)
     return ax
 
 
@@ -69,25 +69,25 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
         within 1 %; a dwell is shaded.
     """
     times = _times(motion)
-    ax = ax or _style.new_axes(_style.ONE_COLUMN, 3.0)
+    ax = ax or style.new_axes(style.ONE_COLUMN, 3.0)
     mechanism = motion.escapement.mechanism
     entry, exit_, cell = mechanism.breaks[0], mechanism.breaks[-1], mechanism.cell_angle
     ends = motion.handoff_times[motion.handoff_times > times[0]]
     last = ends.size - 1
     if entry + cell - exit_ > 1e-9:
         dwell = np.degrees([exit_, entry + cell])
-        ax.axvspan(*dwell, color=_style.LIGHT_GREY, alpha=0.35, lw=0, label="dwell")
-    ax.axvline(0.0, color=_style.LIGHT_GREY, lw=0.6, ls=":", zorder=0)
+        ax.axvspan(*dwell, color=style.LIGHT_GREY, alpha=0.35, lw=0, label="dwell")
+    ax.axvline(0.0, color=style.LIGHT_GREY, lw=0.6, ls=":", zorder=0)
     places = np.searchsorted(times, np.unique([times[0], *ends, times[-1]]))
     for index, (start, end) in enumerate(pairwise(places)):
         state = motion.at(times[start : end + 1])
         angle = np.degrees(state.theta - index * cell)
         if index == last:
             name = "terminal cycle" if _repeats(motion) else "last whole engagement"
-            ax.plot(angle, state.theta_dot, color=_style.BLUE, lw=1.8, zorder=3, label=name)
+            ax.plot(angle, state.theta_dot, color=style.BLUE, lw=1.8, zorder=3, label=name)
         else:
             name = "_" if index > 0 else "transient" if last > 0 else "unfinished"
-            ax.plot(angle, state.theta_dot, color=_style.GREY, lw=0.6, alpha=0.7, label=name)
+            ax.plot(angle, state.theta_dot, color=style.GREY, lw=0.6, alpha=0.7, label=name)
     found = motion.reversals
     local = np.degrees(found.theta - cell * np.floor((found.theta - entry) / cell))
     _mark_reversals(ax, local, found.theta_dot)
@@ -96,7 +96,7 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
     ax.xaxis.set_major_locator(_degrees(np.degrees(cell)))
     ax.set(xlabel=label("driver angle from dead centre", "°"))
     ax.set(ylabel=label("driver velocity", "rad/s"))
-    _style.legend_above(ax, 2)
+    style.legend_above(ax, 2)
     return ax
 
 
@@ -117,22 +117,22 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None) -> Axes:
         shaded, the follower drives the pin; in a dwell there is no contact.
     """
     times, moments = _moments(motion)
-    ax = ax or _style.new_axes(_style.TWO_COLUMN, 3.0)
+    ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     factor, unit = scaled("s", times)
     prefix, moment_unit = scaled("N m", moments)
     x, y = times * factor, moments * prefix
-    ax.axhline(0.0, color=_style.BLACK, lw=0.6)
-    ax.plot(x, y, color=_style.BLUE, lw=1.1, label="contact moment")
+    ax.axhline(0.0, color=style.BLACK, lw=0.6)
+    ax.plot(x, y, color=style.BLUE, lw=1.1, label="contact moment")
     driven = y < 0.0
     if driven.any():
         ax.fill_between(
-            x, y, 0.0, where=driven, color=_style.SKY, alpha=0.45, lw=0, label="follower drives"
+            x, y, 0.0, where=driven, color=style.SKY, alpha=0.45, lw=0, label="follower drives"
         )
     _mark_reversals(ax, motion.reversals.time * factor, np.zeros(motion.reversals.time.size))
     _mark_handoffs(ax, motion, factor)
     ax.set(xlabel=label("time", unit), ylabel=label("moment on the follower", moment_unit))
     ax.set_xlim(0.0, motion.end_time * factor)
-    _style.legend_above(ax, 4)
+    style.legend_above(ax, 4)
     return ax
 
 
@@ -174,16 +174,16 @@ def _mark_handoffs(ax: Axes, motion: Motion, factor: float) -> None:
     times = motion.handoff_times * factor
     if times.size:
         # short ones at the top, where no curve of a motion hides them
-        bottom, style = (0.0, ":") if times.size <= _CROWDED else (0.97, "-")
+        bottom, line = (0.0, ":") if times.size <= _CROWDED else (0.97, "-")
         ax.vlines(
-            times, bottom, 1.0, transform=ax.get_xaxis_transform(), color=_style.LIGHT_GREY,
-            lw=0.7, ls=style, zorder=0, label="handoff",
+            times, bottom, 1.0, transform=ax.get_xaxis_transform(), color=style.LIGHT_GREY,
+            lw=0.7, ls=line, zorder=0, label="handoff",
         )  # fmt: skip
 
 
 def _mark_reversals(ax: Axes, x: FloatArray, y: FloatArray) -> None:
     if x.size:
-        marks: dict[str, Any] = {"mfc": "white", "mec": _style.BLACK, "mew": 0.8, "zorder": 4}
+        marks: dict[str, Any] = {"mfc": "white", "mec": style.BLACK, "mew": 0.8, "zorder": 4}
         ax.plot(x, y, "o", ms=4.0 if x.size <= _CROWDED else 2.5, label="pin reversal", **marks)
 
 

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from escapement.motion import Motion
-from escapement.plots import _style
+from escapement.plots import style
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
 
 
@@ -20,8 +20,8 @@ def plot_motion(motion: Motion) -> Figure:
     InvalidValue
         For a motion without length.
     """
-    figure = _style.new_figure(_style.TWO_COLUMN, 8.2)
-    velocities, moment, phase = (_style.dress(ax) for ax in figure.subplots(3, 1))
+    figure = style.new_figure(style.TWO_COLUMN, 8.2)
+    velocities, moment, phase = (style.dress(ax) for ax in figure.subplots(3, 1))
     plot_velocities(motion, velocities)
     plot_contact_moment(motion, moment)
     plot_phase_portrait(motion, phase)

@@ -7,11 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.path import Path
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.model import FloatArray
-from escapement.plots import _style
-from escapement.plots.filemon import write
+from escapement.plots import style
 
 _SPUR, _DRIVING, _DRIVEN = "#e4e4e4", "#9cc7e8", "#f6d9a8"
 _MARGIN = 0.12  # of the centre distance
@@ -44,14 +43,14 @@ def plot_planetary(
         For another mechanism, or an angle that is not finite.
     """
     if not isinstance(mechanism, EllipticalPlanetary):
-        raise _validate.fail(
+        raise validate.fail(
             "mechanism", "a planetary drive with elliptical gears", mechanism,
             "give EllipticalPlanetary(16e-3, 9e-3)",
         )  # fmt: skip
-    angle = _validate.number("theta", theta, "give the driver angle in rad")
+    angle = validate.number("theta", theta, "give the driver angle in rad")
     left, right, bottom, top = box = extent(mechanism, angle)
     if ax is None:
-        ax = _style.new_axes(_style.ONE_COLUMN, _style.ONE_COLUMN * (top - bottom) / (right - left))
+        ax = style.new_axes(style.ONE_COLUMN, style.ONE_COLUMN * (top - bottom) / (right - left))
     draw_planetary(ax, mechanism, angle, angle)
     _draw_senses(ax, mechanism, angle)
     _draw_scale(ax, mechanism, box)
@@ -76,7 +75,7 @@ def draw_planetary(
     distance = sun + planet
     along = np.exp(1j * carrier)
     shaft = distance * along
-    edge: dict[str, Any] = {"edgecolor": _style.BLACK, "linewidth": 0.8}
+    edge: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 0.8}
     place = (shaft.real, shaft.imag)
     for centre, radius, name in (((0.0, 0.0), sun, "sun"), (place, planet, "planet")):
         ax.add_patch(Circle(centre, radius, facecolor=_SPUR, zorder=1, gid=name, **edge))
@@ -85,18 +84,18 @@ def draw_planetary(
     ax.add_patch(_body(shaft + driving * along, _DRIVING, "driving", 2.1))
     for centre, radius in (((0.0, 0.0), sun), (place, planet)):  # what the ellipses hide
         ax.add_patch(
-            Circle(centre, radius, fill=False, ec=_style.GREY, lw=0.6, ls=(0, (4, 2.5)), zorder=2.4)
+            Circle(centre, radius, fill=False, ec=style.GREY, lw=0.6, ls=(0, (4, 2.5)), zorder=2.4)
         )
     for line in (driven * along, shaft + driving * along):  # long axes tell how they are turned
         ends = line[[0, _POINTS // 2]]
-        ax.plot(ends.real, ends.imag, color=_style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
+        ax.plot(ends.real, ends.imag, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
     ax.plot(
-        [0, shaft.real], [0, shaft.imag], "o-", color=_style.BLACK, lw=1.6, ms=4, mfc="white",
+        [0, shaft.real], [0, shaft.imag], "o-", color=style.BLACK, lw=1.6, ms=4, mfc="white",
         zorder=3, gid="carrier",
     )  # fmt: skip
     rho = 1e3 * float(mechanism.pitch_ellipses[0].radius(mechanism.ratio * theta))
     contact = (distance - rho) * along
-    ax.plot(contact.real, contact.imag, "o", color=_style.VERMILLION, ms=4, zorder=4, gid="contact")
+    ax.plot(contact.real, contact.imag, "o", color=style.VERMILLION, ms=4, zorder=4, gid="contact")
     return np.array([0.0, sun, distance, distance - rho])
 
 
@@ -116,7 +115,7 @@ def outlines(mechanism: EllipticalPlanetary, theta: float) -> tuple[np.ndarray, 
 
 def _body(edge: np.ndarray, colour: str, name: str, order: float) -> Polygon:
     return Polygon(
-        np.column_stack([edge.real, edge.imag]), facecolor=colour, edgecolor=_style.BLACK,
+        np.column_stack([edge.real, edge.imag]), facecolor=colour, edgecolor=style.BLACK,
         linewidth=0.9, zorder=order, gid=name, alpha=0.85,
     )  # fmt: skip
 
@@ -127,8 +126,8 @@ def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None
     shaft = distance * np.exp(1j * theta)
     # letters to the right of the carrier, arrows to its left and behind it
     aside = 10.0 * np.exp(1j * (theta - 0.5 * np.pi))
-    write(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
-    write(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
+    style.write(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
+    style.write(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
     # the carrier turns counter-clockwise, the output the other way
     for arc in (
         distance * np.exp(1j * (theta + np.linspace(0.1, 0.4, 21))),
@@ -138,7 +137,7 @@ def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None
             path=Path(np.column_stack([arc.real, arc.imag])), arrowstyle="-|>", mutation_scale=8
         )
         ax.add_patch(arrow)
-        arrow.set(color=_style.BLACK, linewidth=0.8, zorder=5, fill=True)
+        arrow.set(color=style.BLACK, linewidth=0.8, zorder=5, fill=True)
 
 
 def extent(mechanism: EllipticalPlanetary, theta: float) -> tuple[float, float, float, float]:
@@ -163,8 +162,8 @@ def _draw_scale(
     power = 10.0 ** np.floor(np.log10(0.5 * distance))
     length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= 0.5 * distance) * power)
     x, y = box[0] + 0.04 * distance, box[2] + _MARGIN * distance
-    ax.plot([x, x + length], [y, y], "-|", color=_style.BLACK, lw=0.9, ms=6, mew=0.9)
+    ax.plot([x, x + length], [y, y], "-|", color=style.BLACK, lw=0.9, ms=6, mew=0.9)
     ax.annotate(
         f"{length:g} mm", (x + length, y), (5, 0), textcoords="offset points", va="center",
-        fontsize=_style.SMALL_SIZE,
+        fontsize=style.SMALL_SIZE,
     )  # fmt: skip

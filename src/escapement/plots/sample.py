@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from escapement import _validate
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots import _style
-from escapement.plots._labels import label, number, print_unit, scaled, superscript
+from escapement.plots import style
 from escapement.plots._quantiles import QUANTILES, counted, missing, quantile, ran
 from escapement.plots._table import NoResult, Study, printed_name, single_case
+from escapement.plots.labels import label, number, print_unit, scaled, superscript
 
 _RESULTS = ("period", "velocity_max", "rise_time")
 _MOST_PANELS = 3  # parameters beside one another
@@ -25,8 +25,8 @@ _MOST_POINTS = 1500
 _BINS = (8, 40)
 _LINE = 20  # characters of a label beside a panel
 _BESIDE = dict(zip(QUANTILES, ("top", "center", "bottom"), strict=True))
-_LOST: dict[str, Any] = {"marker": "x", "color": _style.VERMILLION, "ms": 3.5, "mew": 0.8}
-_LONGER: dict[str, Any] = {"marker": "^", "color": _style.PURPLE, "ms": 3.5, "mew": 0.0}
+_LOST: dict[str, Any] = {"marker": "x", "color": style.VERMILLION, "ms": 3.5, "mew": 0.8}
+_LONGER: dict[str, Any] = {"marker": "^", "color": style.PURPLE, "ms": 3.5, "mew": 0.0}
 _APART = 0.06  # least distance of two numbers, of a panel's height
 
 
@@ -56,9 +56,9 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
         When the study is no sample, has no such result, or no case has one.
     """
     if isinstance(results, str):
-        raise _validate.fail("results", "a list of names", results, f"give [{results!r}]")
+        raise validate.fail("results", "a list of names", results, f"give [{results!r}]")
     for name in results:
-        _validate.choice("results", name, tuple(study.results))
+        validate.choice("results", name, tuple(study.results))
     flat = _flat(study)
     rows = [name for name in results if np.isfinite(flat.results[name]).any()]
     if not rows:
@@ -69,7 +69,7 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
     names = _foremost(flat, rows[0])
     if not names:
         raise single_case()
-    figure = _style.new_figure(_style.TWO_COLUMN, 0.9 + 1.75 * len(rows))
+    figure = style.new_figure(style.TWO_COLUMN, 0.9 + 1.75 * len(rows))
     widths = [1.0] * len(names) + [0.75]
     panels = figure.subplots(
         len(rows), len(widths), sharex="col", sharey="row", squeeze=False, width_ratios=widths
@@ -79,13 +79,13 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
         factor, unit = scaled(study.units.get(name, ""), flat.results[name])
         values = flat.results[name] * factor
         for ax, parameter in zip(line, names, strict=False):
-            _scatter(_style.dress(ax), flat.parameters[parameter], values, flat.failed, shown)
+            _scatter(style.dress(ax), flat.parameters[parameter], values, flat.failed, shown)
         line[0].set_ylabel(_wrapped(printed_name(study, name), unit))
-        _distribution(_style.dress(line[-1]), values[np.isfinite(values)])
+        _distribution(style.dress(line[-1]), values[np.isfinite(values)])
         _quantile_lines(line, [float(quantile(values, share)) for share in QUANTILES])
         if lack := missing(study, name):
             note = f"{lack}: counted as longest"
-            line[-1].set_title(note, loc="right", fontsize=_style.SMALL_SIZE)
+            line[-1].set_title(note, loc="right", fontsize=style.SMALL_SIZE)
     for ax in panels.ravel():
         ax.label_outer()
     for ax, parameter in zip(panels[-1], names, strict=False):
@@ -155,7 +155,7 @@ def _chosen(size: int) -> np.ndarray:
 def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray, rows: np.ndarray) -> None:
     """Points of the chosen rows; crosses below for no answer, triangles above for infinity."""
     few, many = rows.size <= _FEW, rows.size > _MANY
-    ax.plot(x[rows], y[rows], ".", color=_style.BLUE, ms=2.5 if many else 8.0 if few else 4.0,
+    ax.plot(x[rows], y[rows], ".", color=style.BLUE, ms=2.5 if many else 8.0 if few else 4.0,
             mew=0.0, alpha=0.5 if many else 0.8, zorder=3.0 if few else 2.0)  # fmt: skip
     lost = rows[failed[rows]]
     above = rows[np.isinf(y[rows])]
@@ -167,7 +167,7 @@ def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray, rows: n
 def _distribution(ax: Axes, values: FloatArray) -> None:
     """A histogram on its side."""
     bins = int(np.clip(2.0 * values.size ** (1.0 / 3.0), *_BINS))
-    look: dict[str, Any] = {"color": _style.SKY, "edgecolor": "white", "lw": 0.3}
+    look: dict[str, Any] = {"color": style.SKY, "edgecolor": "white", "lw": 0.3}
     ax.hist(values, bins=bins, orientation="horizontal", **look)
     ax.xaxis.set_major_locator(MaxNLocator(2, integer=True))
 
@@ -180,12 +180,12 @@ def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
         if not np.isfinite(value):
             continue
         for ax in row:
-            ax.axhline(value, color=_style.BLACK, lw=0.8, ls="-" if share == 0.5 else (0, (4, 2)))
+            ax.axhline(value, color=style.BLACK, lw=0.8, ls="-" if share == 0.5 else (0, (4, 2)))
         if all(abs(value - other) > _APART * (high - low) for other in placed):
             placed.append(value)
             row[-1].annotate(
                 number(value), (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
-                textcoords="offset points", va=_BESIDE[share], fontsize=_style.SMALL_SIZE,
+                textcoords="offset points", va=_BESIDE[share], fontsize=style.SMALL_SIZE,
             )  # fmt: skip
 
 
@@ -215,9 +215,9 @@ def _explain(figure: Figure, flat: _Flat, names: Sequence[str], rows: Sequence[s
     size, lost = flat.failed.size, int(flat.failed.sum())
     points = f"case ({min(size, _MOST_POINTS)} of {size})" if size > _MOST_POINTS else "case"
     handles: list[Any] = [
-        Line2D([], [], ls="", marker=".", color=_style.BLUE, ms=5, mew=0, label=points),
-        Line2D([], [], color=_style.BLACK, lw=0.8, label="median"),
-        Line2D([], [], color=_style.BLACK, lw=0.8, ls=(0, (4, 2)), label="5 % and 95 %"),
+        Line2D([], [], ls="", marker=".", color=style.BLUE, ms=5, mew=0, label=points),
+        Line2D([], [], color=style.BLACK, lw=0.8, label="median"),
+        Line2D([], [], color=style.BLACK, lw=0.8, ls=(0, (4, 2)), label="5 % and 95 %"),
     ]
     if lost:
         text = f"no result ({lost} of {size})"
@@ -229,6 +229,6 @@ def _explain(figure: Figure, flat: _Flat, names: Sequence[str], rows: Sequence[s
     title = f"{len(names)} of {count} parameters, those {effect}"
     figure.legend(
         handles=handles, loc="outside upper center", ncols=len(handles), frameon=False,
-        fontsize=_style.SMALL_SIZE, title_fontsize=_style.SMALL_SIZE,
+        fontsize=style.SMALL_SIZE, title_fontsize=style.SMALL_SIZE,
         title=title if len(names) < count else None, columnspacing=1.4,
     )  # fmt: skip

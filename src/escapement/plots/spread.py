@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from escapement.model import FloatArray
-from escapement.plots import _style
-from escapement.plots._labels import scaled
+from escapement.plots import style
 from escapement.plots._panels import draw_lines, legend, spread, whole
 from escapement.plots._quantiles import QUANTILES, counted, missing, quantile, ran
 from escapement.plots._table import NoResult, Study, Table, available, tabulate
+from escapement.plots.labels import scaled
 
 _RESULTS = ("rise_time", "velocity_mean")
 
@@ -41,11 +41,11 @@ def plot_spread(study: Study) -> Figure:
     """
     low, middle, high = (_at_quantile(study, share) for share in QUANTILES)
     names = available(middle, _RESULTS)
-    figure = _style.new_figure(_style.ONE_COLUMN, 0.9 + 2.2 * len(names))
+    figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(names))
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
     for ax, name in zip(panels, names, strict=True):
         table = tabulate(middle, name)
-        lines = draw_lines(_style.dress(ax), middle, name, table)
+        lines = draw_lines(style.dress(ax), middle, name, table)
         factor, _ = scaled(study.units.get(name, ""), table.values)
         ends = [_values(side, name, table) * factor for side in (low, high)]
         for line, column in zip(lines, spread(table.values.shape[1]), strict=True):
@@ -59,9 +59,9 @@ def plot_spread(study: Study) -> Figure:
     note = _note(study, names)
     legend(panels[0], study, table, lines, note)
     if table.lines is None:
-        panels[0].set_title(note, fontsize=_style.SMALL_SIZE)
+        panels[0].set_title(note, fontsize=style.SMALL_SIZE)
     if table.note:
-        figure.suptitle(table.note, fontsize=_style.SMALL_SIZE)
+        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
     return figure
 
 

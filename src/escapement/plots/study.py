@@ -7,8 +7,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
 from escapement.errors import InvalidValue
-from escapement.plots import _style
-from escapement.plots._labels import label, scaled
+from escapement.plots import style
 from escapement.plots._panels import (
     draw_line,
     draw_lines,
@@ -19,6 +18,7 @@ from escapement.plots._panels import (
     whole,
 )
 from escapement.plots._table import NoResult, Study, Table, available, tabulate
+from escapement.plots.labels import label, scaled
 from escapement.plots.sample import plot_sample
 from escapement.plots.spread import plot_spread
 
@@ -58,11 +58,11 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
     Source: the figures are Meyer (1973), figures 9-11.
     """
     table = tabulate(study, result, x)
-    ax = ax or _style.new_axes(_style.ONE_COLUMN, 3.1)
+    ax = ax or style.new_axes(style.ONE_COLUMN, 3.1)
     lines = draw_lines(ax, study, result, table)
     legend(ax, study, table, lines, table.note)
     if table.lines is None and table.note:
-        ax.set_title(table.note, fontsize=_style.SMALL_SIZE)
+        ax.set_title(table.note, fontsize=style.SMALL_SIZE)
     return ax
 
 
@@ -78,7 +78,7 @@ def plot_rise_and_terminal(study: Study) -> Figure:
     (max + min)/2, here it is the cell angle over the period.
     """
     names = available(study, ("rise_time", "velocity_mean"))
-    figure = _style.new_figure(_style.ONE_COLUMN, 0.7 + 2.2 * len(names))
+    figure = style.new_figure(style.ONE_COLUMN, 0.7 + 2.2 * len(names))
     panels = _panels(figure, len(names), 1)
     lines, table = _fill(panels, study, names)
     legend(panels[0], study, table, lines)
@@ -113,10 +113,10 @@ def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
             f"study must vary two parameters for a map, got one ({table.x}); use plot_lines"
         )
     own = ax is None
-    ax = ax or _style.new_axes(_style.ONE_COLUMN, 2.9)
+    ax = ax or style.new_axes(style.ONE_COLUMN, 2.9)
     key = draw_map(ax, study, result, table, bar="right")
     if key:
-        _style.legend_above(ax, 1, handles=key)
+        style.legend_above(ax, 1, handles=key)
     if own:
         _title(ax.figure, table)
     return ax
@@ -159,13 +159,13 @@ def plot_study(study: Study) -> Figure:
 
 def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
     """Lines above maps."""
-    figure = _style.new_figure(_style.TWO_COLUMN, 6.3)
+    figure = style.new_figure(style.TWO_COLUMN, 6.3)
     rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
     upper, lower = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
     lines, _ = _fill(_panels(upper, 1, len(names)), study, names)
-    _style.add_legend(
+    style.add_legend(
         upper, len(lines), legend_title(study, table), handles=lines,
-        loc="outside upper center", handlelength=_style.HANDLE,
+        loc="outside upper center", handlelength=style.HANDLE,
     )  # fmt: skip
     maps = available(study, _MAPS)
     holes = []
@@ -173,8 +173,8 @@ def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
         holes += draw_map(ax, study, name, tabulate(study, name), bar="top")
         ax.label_outer()
     if holes:
-        _style.add_legend(
-            lower, 1, handles=holes[:1], loc="outside lower center", handlelength=_style.HANDLE
+        style.add_legend(
+            lower, 1, handles=holes[:1], loc="outside lower center", handlelength=style.HANDLE
         )
     _title(figure, table)
     return figure
@@ -184,19 +184,19 @@ def _plot_single(study: Study, table: Table) -> Figure:
     """Times above velocities, against the only varied parameter."""
     groups = {"time": _present(study, _TIMES), "driver velocity": _present(study, _VELOCITIES)}
     groups = {name: members for name, members in groups.items() if members}
-    figure = _style.new_figure(_style.ONE_COLUMN, 0.4 + 2.2 * len(groups))
+    figure = style.new_figure(style.ONE_COLUMN, 0.4 + 2.2 * len(groups))
     panels = _panels(figure, len(groups), 1)
     for ax, (name, members) in zip(panels, groups.items(), strict=True):
         values = {member: tabulate(study, member).values[:, 0] for member in members}
         factor, unit = scaled(study.units.get(members[0], ""), list(values.values()))
-        for look, (member, y) in zip(_style.LOOKS, values.items(), strict=False):
+        for look, (member, y) in zip(style.LOOKS, values.items(), strict=False):
             entry = member.removeprefix("velocity_").replace("_", " ")
             joined = not whole(study, table.x)
             draw_line(ax, table.x_values, y * factor, look, entry, joined)
         dress_axis(ax, "x", study, table.x)
         ax.set_ylabel(label(name, unit))
         ax.label_outer()
-        _style.legend_above(ax, 3, handlelength=_style.HANDLE)
+        style.legend_above(ax, 3, handlelength=style.HANDLE)
     _title(figure, table)
     return figure
 
@@ -211,7 +211,7 @@ def _present(study: Study, names: Sequence[str]) -> list[str]:
 def _panels(figure: Figure | SubFigure, rows: int, columns: int) -> list[Axes]:
     """Panels in house style; stacked ones share the abscissa."""
     axes = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False)
-    return [_style.dress(ax) for ax in axes.ravel()]
+    return [style.dress(ax) for ax in axes.ravel()]
 
 
 def _fill(panels: list[Axes], study: Study, names: Sequence[str]) -> tuple[list[Line2D], Table]:
@@ -227,4 +227,4 @@ def _fill(panels: list[Axes], study: Study, names: Sequence[str]) -> tuple[list[
 def _title(figure: Figure | SubFigure, table: Table) -> None:
     """Say over the figure which axes were fixed, and where."""
     if table.note:
-        figure.suptitle(table.note, fontsize=_style.SMALL_SIZE)
+        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)

@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
-from escapement._curves import CURVES, MOST_LOBES
+from escapement import validate
+from escapement.curves import CURVES, MOST_LOBES
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import FloatArray
@@ -43,12 +43,12 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
     Source: Dijksman (1974), eq. 14 with V0 counted negative for the epicycloid, as
     his (9) does.
     """
-    n = _validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
-    name = _validate.choice("curve", curve, CURVES)
-    values = _validate.numbers("lobes", lobes, "give numbers of lobes")
+    n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
+    name = validate.choice("curve", curve, CURVES)
+    values = validate.numbers("lobes", lobes, "give numbers of lobes")
     if not np.all((values >= 0.0) & (values <= MOST_LOBES)):
         rule = f"at least 0 and at most {MOST_LOBES}"
-        raise _validate.fail("lobes", rule, lobes, "give numbers of lobes")
+        raise validate.fail("lobes", rule, lobes, "give numbers of lobes")
     found = [_ratio(n, Fraction(float(m)), name) for m in values.reshape(-1)]
     return np.array(found).reshape(values.shape)
 
@@ -74,11 +74,11 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
         Empty where the chart does not reach this ratio; two near a hypocycloid's
         least one.
     """
-    n = _validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
-    name = _validate.choice("curve", curve, CURVES)
-    wanted = _validate.positive("motion_ratio", motion_ratio, "give V0 between 0 and 1")
+    n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
+    name = validate.choice("curve", curve, CURVES)
+    wanted = validate.positive("motion_ratio", motion_ratio, "give V0 between 0 and 1")
     if wanted >= 1.0:
-        raise _validate.fail("motion_ratio", "below 1", motion_ratio, "give V0 between 0 and 1")
+        raise validate.fail("motion_ratio", "below 1", motion_ratio, "give V0 between 0 and 1")
     # with x = pi V0 and c = +-2/k - 1 the equation is c sin x = sin(c x + gamma); c goes
     # from m = 0 to alpha = pi - gamma, or to the hypocycloid through the wheel's centre
     gamma, x = 2.0 * math.pi / n, math.pi * wanted

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from escapement import _validate
-from escapement._curves import COGNATES
+from escapement import validate
+from escapement.curves import COGNATES
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
 
@@ -46,15 +46,15 @@ class GearPair:
         _checked(self.mechanism)
         for name in ("fixed_teeth", "planet_teeth"):
             remedy = "a full-depth 20 degree gear with fewer is undercut"
-            number = _validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
+            number = validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
             object.__setattr__(self, name, number)
-        module = _validate.positive("module", self.module, "give the module in m")
+        module = validate.positive("module", self.module, "give the module in m")
         object.__setattr__(self, "module", module)
         ratio = abs(self.mechanism.gear_ratio)
         if self.fixed_teeth != ratio * self.planet_teeth:
             pair = f"{self.fixed_teeth}/{self.planet_teeth}"
             rule = f"in the ratio |k| = {ratio} exactly"
-            raise _validate.fail("teeth", rule, pair, "or the pin would miss its slots in time")
+            raise validate.fail("teeth", rule, pair, "or the pin would miss its slots in time")
         difference = abs(self.fixed_teeth - self.planet_teeth)
         if self.internal and difference < LEAST_DIFFERENCE:
             raise InvalidValue(
@@ -97,7 +97,7 @@ class GearPair:
 def _checked(mechanism: GearDriven) -> GearDriven:
     """`mechanism`, or the error that it is not gear-driven."""
     if not isinstance(mechanism, GearDriven):
-        raise _validate.fail(
+        raise validate.fail(
             "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
         )
     return mechanism
@@ -123,8 +123,8 @@ def gear_pairs(
         For each number of teeth the largest standard module; empty where no pair
         of at least `LEAST_TEETH` fits.
     """
-    limit = _validate.positive("largest_radius", largest_radius, "give the radius in m")
-    most = _validate.integer("most_teeth", most_teeth, LEAST_TEETH, "give the most teeth")
+    limit = validate.positive("largest_radius", largest_radius, "give the radius in m")
+    most = validate.integer("most_teeth", most_teeth, LEAST_TEETH, "give the most teeth")
     ratio, found = abs(_checked(mechanism).gear_ratio), []
     for times in range(1, most // max(ratio.numerator, ratio.denominator) + 1):
         teeth = times * ratio.numerator, times * ratio.denominator
@@ -174,11 +174,11 @@ def planet_inertia(
     part given here; that is neglected. A counterweight opposite the pin removes it.
     The carrier's own inertia, losses of the mesh and gravity are not in it.
     """
-    radius = _validate.positive("fixed_radius", fixed_radius, "give the radius R0 in m")
-    mass = _validate.non_negative("planet_mass", planet_mass, "give the mass in kg")
-    own = _validate.non_negative("planet_inertia", planet_inertia, "give the inertia in kg m^2")
-    pin = _validate.non_negative("pin_mass", pin_mass, "give the mass in kg")
-    count = _validate.integer("planets", planets, 1, "give the number of planets")
+    radius = validate.positive("fixed_radius", fixed_radius, "give the radius R0 in m")
+    mass = validate.non_negative("planet_mass", planet_mass, "give the mass in kg")
+    own = validate.non_negative("planet_inertia", planet_inertia, "give the inertia in kg m^2")
+    pin = validate.non_negative("pin_mass", pin_mass, "give the mass in kg")
+    count = validate.integer("planets", planets, 1, "give the number of planets")
     first, _, second, rate = _checked(mechanism).arms
     pins = mechanism.pins * pin * (first**2 + (rate * second) ** 2)
     return count * (radius * radius * (mass * first**2 + pins) + own * rate**2)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms import GearDriven, Geneva
-from escapement.mechanisms._slotted import jerk
+from escapement.mechanisms.slotted import jerk
 from escapement.model import FloatArray
 
 
@@ -48,10 +48,10 @@ def follower_motion(mechanism: GearDriven | Geneva, time: ArrayLike) -> Follower
     A wheel in uniform motion has neither acceleration nor jerk.
     """
     if not isinstance(mechanism, GearDriven | Geneva):
-        raise _validate.fail(
+        raise validate.fail(
             "mechanism", "a slotted wheel", mechanism, "give a Geneva or a GearDriven"
         )
-    at = _validate.numbers("time", time, "give times in cycles")
+    at = validate.numbers("time", time, "give times in cycles")
     cell, half = mechanism.cell_angle, mechanism.breaks[-1]
     step, whole = mechanism.follower_step, np.floor(at)
     theta = (at - whole) * cell - half

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from escapement import _validate
+from escapement import validate
 from escapement.mechanisms import GearDriven, Geneva
-from escapement.mechanisms._slotted import circle
+from escapement.mechanisms.slotted import circle
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
         For a mechanism without a slotted wheel, or a path through its centre.
     """
     if not isinstance(mechanism, GearDriven | Geneva):
-        raise _validate.fail(
+        raise validate.fail(
             "mechanism", "a slotted wheel", mechanism, "give a Geneva or a GearDriven"
         )
     path = mechanism.path

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from escapement import _validate
-from escapement._curves import CURVES
+from escapement import validate
+from escapement.curves import CURVES
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
 from escapement.synthesis.peaks import MotionPeaks, motion_peaks
@@ -92,17 +92,17 @@ def find_mechanisms(
     InvalidValue
         When an argument breaks its rule.
     """
-    n = _validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
+    n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
     wanted = _wanted(motion_ratio, dwell_ratio)
-    room = _validate.non_negative("tolerance", tolerance, "give a deviation of V")
+    room = validate.non_negative("tolerance", tolerance, "give a deviation of V")
     several = isinstance(curves, Iterable) and not isinstance(curves, str)
     wished = curves if several else (curves,)
-    names = [_validate.choice("curves", curve, CURVES) for curve in wished]
+    names = [validate.choice("curves", curve, CURVES) for curve in wished]
     counts = {
-        "most_lobes": _validate.integer("most_lobes", most_lobes, 0, "give a number of lobes"),
-        "finest": _validate.integer("finest", finest, 1, "1 for whole numbers of lobes"),
-        "most_pins": _validate.integer("most_pins", most_pins, 1, "give a number of pins"),
-        "most_unused": _validate.integer(
+        "most_lobes": validate.integer("most_lobes", most_lobes, 0, "give a number of lobes"),
+        "finest": validate.integer("finest", finest, 1, "1 for whole numbers of lobes"),
+        "most_pins": validate.integer("most_pins", most_pins, 1, "give a number of pins"),
+        "most_unused": validate.integer(
             "most_unused", most_unused, 0, "0 to use every lobe", _MOST
         ),
     }
@@ -113,12 +113,12 @@ def find_mechanisms(
         )
     size = None
     if largest_radius is not None:
-        size = _validate.positive("largest_radius", largest_radius, "give the radius in m")
+        size = validate.positive("largest_radius", largest_radius, "give the radius in m")
     limit = math.inf
     if most_slots is not None:
-        limit = _validate.integer("most_slots", most_slots, 1, "give a number of slots")
-    shaft = _validate.non_negative("shaft_radius", shaft_radius, "give a radius, 0 for none")
-    planet = _validate.non_negative("planet_radius", planet_radius, "give a radius, 0 for none")
+        limit = validate.integer("most_slots", most_slots, 1, "give a number of slots")
+    shaft = validate.non_negative("shaft_radius", shaft_radius, "give a radius, 0 for none")
+    planet = validate.non_negative("planet_radius", planet_radius, "give a radius, 0 for none")
     found = []
     for wheel in _mechanisms(n, wanted, room, names, **counts):
         scale = 1.0 if size is None else size / wheel.reach_over_fixed
@@ -144,9 +144,9 @@ def _wanted(motion_ratio: float | None, dwell_ratio: float | None) -> float:
         )
     name = "motion_ratio" if dwell_ratio is None else "dwell_ratio"
     value = motion_ratio if dwell_ratio is None else dwell_ratio
-    share = _validate.non_negative(name, value, "give a share of the cycle")
+    share = validate.non_negative(name, value, "give a share of the cycle")
     if share > 1.0:
-        raise _validate.fail(name, "at most 1", value, "give a share of the cycle")
+        raise validate.fail(name, "at most 1", value, "give a share of the cycle")
     return share if dwell_ratio is None else 1.0 - share
 
 

@@ -1,0 +1,188 @@
+"""The fast engine: linear in theta_dot^2 over the driver angle.
+
+A motion is the list of its handoffs; reversals, extrema and states in between
+are worked out when asked for, by marching the engagement in question again.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from escapement.engines.energy.events import BREAK, MAXIMUM, REVERSAL
+from escapement.engines.energy.handoffs import handoffs
+from escapement.engines.energy.march import OK, PAINLEVE, STALL
+from escapement.engines.energy.pieces import events_of, follow, states_in
+from escapement.engines.energy.scene import numbers_of
+from escapement.model import Escapement, FloatArray
+from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
+from escapement.status import MESSAGES, Status
+from escapement.validate import fail
+
+_ENTRY, _EXIT = -1.0, 4.0
+_NOWHERE = np.empty(0)
+_START = np.zeros(1)
+_AT_ONCE = 1 << 15  # engagements between two moments at which Ctrl-C is heard
+_DONE = MESSAGES[Status.OK]
+
+
+@dataclass
+class EnergyTrajectory:
+    """Handoffs of a motion, and what follows from them; natural units inside.
+
+    initial_speed : at the first entry [rad/s].
+    times, speeds : of handoffs, of which the first `turns` start an engagement [s, rad/s].
+    end_time : [s].
+    """
+
+    escapement: Escapement
+    rtol: float
+    initial_speed: float
+    times: FloatArray
+    speeds: FloatArray
+    turns: int
+    end_time: float
+
+    @cached_property
+    def _events(self) -> FloatArray:
+        clock = self.escapement.time_unit
+        starts = np.concatenate([_START, self.times[: self.turns]]) / clock
+        speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
+        squares = (speeds * clock) ** 2
+        scene, tables = numbers_of(self.escapement.scene), []
+        for first in range(0, starts.size, _AT_ONCE):
+            # from one engagement before: whether the speed was rising decides of an extremum
+            some = slice(max(first - 1, 0), first + _AT_ONCE)
+            table = events_of(*scene, starts[some], squares[some], self.rtol)
+            table[:, 0] += some.start
+            tables.append(table[(table[:, 0] >= first) & (table[:, 3] * clock <= self.end_time)])
+        return np.concatenate(tables)
+
+    @cached_property
+    def _pieces(self) -> FloatArray:
+        """Start time, engagement, sign, start angle, end angle, w; shape (6, pieces)."""
+        rows: list[list[float]] = []
+        sign = 0.0
+        exit_ = self.escapement.mechanism.breaks[-1]
+        for engagement, kind, angle, time, w in self._events:
+            if kind == _ENTRY:
+                sign, angle = angle, self.escapement.mechanism.breaks[0]
+            elif kind == REVERSAL:
+                sign = -sign
+            elif kind == _EXIT:
+                sign = 0.0
+            elif kind != BREAK:
+                continue
+            if rows and rows[-1][1] == engagement:
+                rows[-1][4] = angle
+            rows.append([time, engagement, sign, angle, exit_, w])
+        return np.array(rows).reshape(-1, 6).T
+
+    @property
+    def start(self) -> FloatArray:
+        """Start time of each piece [s]."""
+        return self._pieces[0] * self.escapement.time_unit
+
+    @property
+    def engagement(self) -> np.ndarray:
+        """Engagement of each piece."""
+        return self._pieces[1].astype(int)
+
+    @property
+    def sign(self) -> FloatArray:
+        """Side of the slot in each piece, 0 while locked."""
+        return self._pieces[2]
+
+    @cached_property
+    def friction_loss(self) -> FloatArray:
+        """Work lost in friction over each piece [J]."""
+        _calls, _cells, path, edges, _dwell, *losses = numbers_of(self.escapement.scene)
+        end_time = self.end_time / self.escapement.time_unit
+        pieces = self._pieces[2:].T.copy()
+        if pieces[-1, 0] != 0.0:
+            since = np.array([end_time - self._pieces[0, -1]])
+            pieces[-1, 2] = self._solve(len(pieces) - 1, since)[0][0]
+        # a motion that has settled repeats its pieces
+        distinct, which = np.unique(pieces, axis=0, return_inverse=True)
+        none = (_NOWHERE, _NOWHERE, _NOWHERE)
+        lost = [
+            states_in(path, edges, angle, end, w, sign, *losses, self.rtol, *none)[0]
+            if sign
+            else 0.0
+            for sign, angle, end, w in distinct
+        ]
+        return np.array(lost)[which.reshape(-1)] * self.escapement.torque
+
+    @cached_property
+    def reversals(self) -> Events:
+        """Every pin reversal."""
+        return Events(*self._select(self._events[:, 1] == REVERSAL))
+
+    @cached_property
+    def extrema(self) -> Extrema:
+        """Every extremum of the driver speed."""
+        kinds = self._events[:, 1]
+        chosen = (kinds > REVERSAL) & (kinds <= MAXIMUM)
+        return Extrema(*self._select(chosen), maximum=kinds[chosen] == MAXIMUM)
+
+    def _select(self, chosen: np.ndarray) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
+        engagement, _, angle, time, w = self._events[chosen].T
+        clock = self.escapement.time_unit
+        theta = angle + engagement * self.escapement.mechanism.cell_angle
+        return engagement.astype(int), time * clock, theta, np.sqrt(w) / clock
+
+    def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Angles and squared speeds at times since the piece's start."""
+        _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
+        return follow(numbers_of(self.escapement.scene), (angle, w, sign), end, times, self.rtol)
+
+    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
+        clock = self.escapement.time_unit
+        since = np.ascontiguousarray(t, dtype=float) / clock - self._pieces[0, piece]
+        theta, squares = self._solve(piece, np.maximum(since, 0.0))
+        return theta, np.sqrt(squares) / clock
+
+
+def simulate(
+    escapement: Escapement,
+    *,
+    engagements: int | None,
+    duration: float | None,
+    initial_speed: float,
+    rtol: float,
+    longest: int = 10_000_000,
+) -> Motion:
+    """Motion in the driver-angle domain; arguments are validated by `escapement.simulate`.
+
+    A duration of more than `longest` engagements is refused.
+    """
+    clock, scene = escapement.time_unit, numbers_of(escapement.scene)
+    horizon = np.inf if duration is None else duration / clock
+    w = (initial_speed * clock) ** 2
+    size = engagements or 64
+    while True:
+        times, speeds = np.empty(size), np.empty(size)
+        code, done, angle = handoffs(*scene, w, horizon, rtol, clock, times, speeds)
+        if code != OK or duration is None or done < size or times[-1] >= duration:
+            break
+        if size >= longest:
+            rule = f"at most {times[-1]:.6g} s, in which {longest} engagements pass"
+            raise fail("duration", rule, duration, "the figures of merit need no long motion")
+        size = min(8 * size, longest)
+    if code == PAINLEVE:
+        return no_motion(escapement, "energy", rtol)
+    # the engagement in which the motion ends, and when
+    last = done - 1 if code == OK else done
+    end = float(times[last])
+    status, message = Status.OK, _DONE
+    if code != OK:
+        status = Status(code)
+        message = stall_message(angle, done) if code == STALL else MESSAGES[status]
+    if duration is not None and (code == OK or end >= duration):
+        done = done if end <= duration else last
+        end, status, message = duration, Status.OK, _DONE
+    trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times, speeds, last, end)
+    if done < size:
+        times, speeds = times[:done], speeds[:done]
+    return Motion(escapement, "energy", rtol, trajectory, end, times, speeds, status, message)

@@ -1,0 +1,61 @@
+"""Terminal cycle and figures of merit of the fast engine."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from escapement.engines.energy import simulate as energy_engine
+from escapement.engines.energy.cycle import (
+    CONTRACTION,
+    FIGURES,
+    RISE,
+    SETTLING,
+    V_MAX,
+    V_MIN,
+    W_HANDOFF,
+)
+from escapement.engines.energy.figures import figures, workspace
+from escapement.engines.energy.scene import numbers_of
+from escapement.metrics import Figures
+from escapement.model import Escapement
+from escapement.motion import stall_message
+from escapement.status import MESSAGES, Status
+
+
+def terminal(
+    escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
+) -> Figures:
+    """Figures of merit without a transient in time; see `escapement.terminal`."""
+    clock = escapement.time_unit
+    start = (initial_speed * clock) ** 2
+    out = np.empty(FIGURES)
+    scene = numbers_of(escapement.scene)
+    code = figures(*scene, start, rtol, *workspace(scene[3]), out)
+    status = Status(code)
+    if status is Status.STALL:
+        message = stall_message(out[0], int(out[1]))
+        return replace(base, status=status, message=message)
+    if status is not Status.OK:
+        return replace(base, status=status, message=MESSAGES[status])
+    handoff = float(np.sqrt(out[W_HANDOFF]) / clock)
+    cycle = energy_engine.simulate(
+        escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol
+    )
+    # to the last digit that of the motion at hand, which may be asked for its end
+    period = float(cycle.end_time)
+    message = base.message
+    if np.isnan(out[SETTLING]):
+        message = "rise and settling time are not given: beyond 1 000 000 engagements"
+    return replace(
+        base,
+        velocity_max=float(out[V_MAX] / clock),
+        velocity_min=float(out[V_MIN] / clock),
+        velocity_mean=escapement.mechanism.cell_angle / period,
+        period=period,
+        rise_time=float(out[RISE] * clock),
+        settling_time=float(out[SETTLING] * clock),
+        handoff_velocity=handoff,
+        contraction=float(out[CONTRACTION]),
+        motion=cycle,
+        message=message,
+    )

@@ -1,0 +1,1 @@
+"""The reference engine: SciPy's solve_ivp in the time domain, piece by piece."""

@@ -1,0 +1,197 @@
+"""The core of every slotted mechanism: a pin path of two rotating vectors.
+
+With the origin on the follower's axis the pin moves along
+C(theta) = P exp(i a theta) + Q exp(i b theta). A radial slot makes the follower
+turn with arg C while the pin slides along R = |C|; with q = C'/C
+
+    g  = Im q        transmission function                (Meyer 1-7, Filemon 2)
+    u  = Re q        relative sliding speed R'/R
+    g' = u (a+b-2g)  second-order transmission function   (Meyer 1-8, Filemon 3)
+
+All three depend on the half angle h = (a-b) theta/2 alone. Writing them in
+sin(h)^2 keeps full relative accuracy where |C| is small. C'/C is a Moebius
+function of exp(2ih), so (g, u) runs on a circle between g1 at sin(h) = 0 and g2
+at cos(h) = 0: u^2 = (g1 - g)(g - g2).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement.jit import jit
+from escapement.mechanisms.table import is_table, ratio_at
+from escapement.model import FloatArray
+
+BLOCK = 16  # driver angles that are evaluated together
+PLACES = 0xFFFFFF
+"""Kernels mask the places in arrays that they are given with this: a place known not to
+be negative needs no wrap-around, and loops over it become vector code."""
+
+
+@jit
+def transmission_at(path, theta):
+    """Transmission (g, u, g') at one driver angle, from a mechanism's flat numbers.
+
+    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2) with L = |C|^2 = L0 + L1 sin^2 h,
+    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Where g is zero
+    at pin entry -r and exit r, its numerator is G1 sin(h - h_r) sin(h + h_r), as accurate
+    as the way from there: all depends on it where the follower's inertia is many times
+    the driver's. Otherwise r is 0 and G2 = G0. Of a table: g and g' from its series;
+    u = g, for what slides in a mesh is in proportion to it.
+    """
+    if is_table(path):
+        g, dg = ratio_at(path, theta)
+        return g, g, dg
+    half = path[0] * theta
+    sine = np.sin(half)
+    square = sine * sine
+    length = path[1] + path[2] * square
+    before, behind = path[0] * (theta - path[7]), path[0] * (theta + path[7])
+    g = (path[8] + path[4] * (np.sin(before) * np.sin(behind))) / length
+    u = path[5] * sine * np.cos(half) / length
+    return g, u, u * (path[6] - 2.0 * g)
+
+
+@jit
+def circle(path):
+    """g1 and g2 of a pin path: where the circle that (g, u) runs on meets u = 0.
+
+    At a pin exit g is zero and u^2 = -g1 g2. The path's own numbers say the same of a
+    pin that all but meets the follower's axis by a difference that no digit is left of.
+    """
+    first = path[3] / path[1]
+    if path[7] > 0.0:
+        slide = transmission_at(path, path[7])[1]
+        return first, -slide * slide / first
+    return first, (path[3] + path[4]) / (path[1] + path[2])
+
+
+@jit
+def transmission_on(path, left, half, s, points, to):
+    """Transmission at 16 driver angles left + half * (1 + s[points + i]).
+
+    The sine and cosine of the steps come from their power series, accurate to
+    rounding for half angles of up to 0.75; those of the sums from the addition
+    theorem. 16 values each of g, |u| and g' are written to s[to], s[to + 16] and s[to + 32] on
+    (places rather than slices: making a slice takes as long as four points). The size of
+    `s` has the bit 16 set.
+    """
+    to &= PLACES
+    points &= PLACES
+    step = path[0] * half
+    if is_table(path) or abs(step) > 0.75:
+        for i in range(BLOCK):
+            g, u, dg = transmission_at(path, left + half * (1.0 + s[points + i]))
+            s[to + i], s[to + BLOCK + i], s[to + 2 * BLOCK + i] = g, abs(u), dg
+        return
+    middle = path[0] * (left + half)
+    sine_m, cosine_m = np.sin(middle), np.cos(middle)
+    # the way to an exit next to `left` is exact, the middle as an angle is not
+    before, behind = path[0] * ((left - path[7]) + half), path[0] * ((left + path[7]) + half)
+    sine_b, cosine_b = np.sin(before), np.cos(before)
+    sine_a, cosine_a = np.sin(behind), np.cos(behind)
+    l0, l1, g1, u1, total, g2 = path[1], path[2], path[4], path[5], path[6], path[8]
+    # 16 times, which the compiler must not know: it makes vector code of such a loop only
+    for i in range(s.size & BLOCK):
+        d = step * s[points + i]
+        z = d * d
+        odd = 1.0 - z * (1.0 / 210.0) * (1.0 - z * (1.0 / 272.0) * (1.0 - z * (1.0 / 342.0)))
+        odd = 1.0 - z * (1.0 / 72.0) * (1.0 - z * (1.0 / 110.0) * (1.0 - z * (1.0 / 156.0) * odd))
+        odd = d * (
+            1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0) * (1.0 - z * (1.0 / 42.0) * odd))
+        )
+        even = 1.0 - z * (1.0 / 182.0) * (1.0 - z * (1.0 / 240.0) * (1.0 - z * (1.0 / 306.0)))
+        even = 1.0 - z * (1.0 / 56.0) * (1.0 - z * (1.0 / 90.0) * (1.0 - z * (1.0 / 132.0) * even))
+        even = 1.0 - z * 0.5 * (1.0 - z * (1.0 / 12.0) * (1.0 - z * (1.0 / 30.0) * even))
+        sine = sine_m * even + cosine_m * odd
+        cosine = cosine_m * even - sine_m * odd
+        inverse = 1.0 / (l0 + l1 * sine * sine)
+        product = (sine_b * even + cosine_b * odd) * (sine_a * even + cosine_a * odd)
+        ratio = (g2 + g1 * product) * inverse
+        slide = u1 * sine * cosine * inverse
+        s[to + i] = ratio
+        s[to + BLOCK + i] = abs(slide)
+        s[to + 2 * BLOCK + i] = slide * (total - 2.0 * ratio)
+
+
+@jit
+def _tabulate(path, theta, g, u, dg):
+    for i in range(theta.size):
+        g[i], u[i], dg[i] = transmission_at(path, theta[i])
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """Transmission over driver angle: arrays of one shape.
+
+    g : first-order transmission function, follower over driver speed [-].
+    u : relative sliding of the pin along the slot, R'/R [-].
+    dg : derivative of g by driver angle [-].
+    """
+
+    g: FloatArray
+    u: FloatArray
+    dg: FloatArray
+
+
+def two_vector_path(
+    p: float, a: float, q: float, b: float, forward: float, rest: float = 0.0
+) -> FloatArray:
+    """Flat numbers of C = p exp(i a theta) + q exp(i b theta).
+
+    Parameters
+    ----------
+    p, q : float
+        Vector lengths, in crank radii [-].
+    a, b : float
+        Their turns per turn of the driver [-].
+    forward : float
+        +1 or -1: the sense in which the follower angle is counted.
+    rest : float
+        Pin exit, where g is zero [rad]; 0 for a pin whose exit is elsewhere.
+
+    Returns
+    -------
+    ndarray, shape (9,)
+        As `transmission_at` expects.
+    """
+    total, product = p + q, p * q
+    first = forward * total * (a * p + b * q)
+    return np.array(
+        [
+            (a - b) / 2.0,
+            total * total,
+            -4.0 * product,
+            first,
+            -2.0 * forward * product * (a + b),
+            -2.0 * product * (a - b),
+            forward * (a + b),
+            rest,
+            0.0 if rest else first,
+        ]
+    )
+
+
+def transmission(path: FloatArray, theta: ArrayLike) -> Transmission:
+    """Transmission of a path at driver angles of any shape [rad]."""
+    angles = np.asarray(theta, dtype=float)
+    flat = np.ascontiguousarray(angles).reshape(-1)
+    g, u, dg = np.empty_like(flat), np.empty_like(flat), np.empty_like(flat)
+    _tabulate(path, flat, g, u, dg)
+    return Transmission(*(values.reshape(angles.shape) for values in (g, u, dg)))
+
+
+def jerk(path: FloatArray, found: Transmission) -> FloatArray:
+    """g'' where the transmission is known: q' = a b + i (a + b) q - q^2 and g' = u (a+b-2g)."""
+    total = path[6]
+    slope = 0.25 * total**2 - path[0] ** 2 - total * found.g - found.u**2 + found.g**2
+    return slope * (total - 2.0 * found.g) - 2.0 * found.u * found.dg
+
+
+def radius(path: FloatArray, theta: ArrayLike) -> FloatArray:
+    """Distance of the pin from the follower's axis, in crank radii; NaN without a pin."""
+    if is_table(path):
+        return np.full(np.shape(theta), np.nan)
+    sine = np.sin(path[0] * np.asarray(theta, dtype=float))
+    return np.sqrt(path[1] + path[2] * sine * sine)

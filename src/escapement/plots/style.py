@@ -1,0 +1,125 @@
+"""House style of every figure.
+
+Colours are the Okabe-Ito palette, which colour-blind readers can tell apart
+(Okabe and Ito, "Color universal design", 2008). Each goes with a line style and a
+marker of its own, so nothing is lost in grey print. Sizes and fonts are for a
+printed column and stay readable at half size. Only figure objects are used:
+nothing here touches pyplot's global state or opens a window.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.patheffects import withStroke
+
+from escapement import validate
+
+BLACK, GREY, LIGHT_GREY = "#000000", "#5f5f5f", "#b8b8b8"
+BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
+PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
+
+ONE_COLUMN = 3.5
+"""Width of a figure in one column [in], 89 mm."""
+TWO_COLUMN = 7.2
+"""Width of a figure across two columns [in], 183 mm."""
+LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
+"""Font sizes [pt]; the smallest is 4 pt at half size."""
+
+_MOST_DRAWN = 200  # slots or lobes
+
+HANDLE = 4.2
+"""Length of a handle, in font sizes, that shows two dashes of any of `LOOKS` without marker."""
+
+
+class Look(NamedTuple):
+    """Colour, line style and marker of one line among several."""
+
+    color: str
+    linestyle: Any
+    marker: str
+
+
+LOOKS = (
+    Look(BLUE, "-", "o"),
+    Look(VERMILLION, (0, (5, 1.6)), "s"),
+    Look(GREEN, (0, (5, 1.4, 1.2, 1.4)), "^"),
+    Look(PURPLE, (0, (1.4, 1.2)), "D"),
+    Look(ORANGE, (0, (8, 1.6)), "v"),
+    Look(BLACK, (0, (5, 1.4, 1.2, 1.4, 1.2, 1.4)), "P"),
+)
+
+
+def check_drawn(name: str, count: int) -> None:
+    """Refuse a drawing whose parts nobody could tell apart."""
+    if count > _MOST_DRAWN:
+        raise validate.fail(name, f"at most {_MOST_DRAWN} in a drawing", count, "leave it undrawn")
+
+
+def new_figure(width: float = ONE_COLUMN, height: float | None = None) -> Figure:
+    """An empty figure, laid out on its own, of a size in inches."""
+    return Figure(figsize=(width, height or 0.72 * width), layout="constrained")
+
+
+def new_axes(width: float = ONE_COLUMN, height: float | None = None) -> Axes:
+    """The only axes of a new figure of a size in inches."""
+    return dress(new_figure(width, height).add_subplot())
+
+
+def dress(ax: Axes) -> Axes:
+    """Give axes of our own the house's fonts, ticks and frame."""
+    ax.tick_params(
+        which="both", direction="in", labelsize=TICK_SIZE, width=0.7, pad=5, top=True, right=True
+    )
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.label.set_fontsize(LABEL_SIZE)
+        axis.get_offset_text().set_fontsize(TICK_SIZE)
+    for spine in ax.spines.values():
+        spine.set_linewidth(0.7)
+    ax.title.set_fontsize(LABEL_SIZE)
+    return ax
+
+
+def legend_above(ax: Axes, columns: int, title: str | None = None, **options: Any) -> None:
+    """A legend over the axes, where it can cover no data."""
+    room = {"bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.2, "borderaxespad": 0.3}
+    add_legend(ax, columns, title, loc="lower center", **room, **{"handlelength": 2.6, **options})
+
+
+def add_legend(
+    where: Axes | Figure | SubFigure, columns: int, title: str | None = None, **options: Any
+) -> None:
+    """A legend in house style, of fewer columns where so many are wider than the figure."""
+    whole = where.figure if isinstance(where, Axes) else where
+    while True:
+        legend = where.legend(ncols=columns, fontsize=SMALL_SIZE, frameon=False, **options)
+        if columns == 1 or legend.get_window_extent().width <= whole.bbox.width:
+            break
+        legend.remove()
+        entries = len(legend.get_texts())
+        columns = math.ceil(entries / (math.ceil(entries / columns) + 1))
+    legend.set_title(title or "")
+    legend.get_title().set(fontsize=SMALL_SIZE, multialignment="center")
+
+
+def write(
+    ax: Axes,
+    text: str,
+    place: tuple[float, float],
+    offset: tuple[float, float] = (0.0, 0.0),
+    side: str = "center",
+) -> None:
+    """Text beside a point of the data, in a halo; the offset is in points."""
+    note = ax.annotate(
+        text, place, offset, textcoords="offset points", ha=side, va="center",
+        fontsize=SMALL_SIZE, zorder=6, annotation_clip=False,
+    )  # fmt: skip
+    note.set_path_effects([withStroke(linewidth=2.2, foreground="white")])
+
+
+def grid(ax: Axes) -> None:
+    """Lines to read values by."""
+    ax.grid(which="major", color=LIGHT_GREY, lw=0.5)
+    ax.grid(which="minor", color=LIGHT_GREY, lw=0.25)
+    ax.set_axisbelow(True)

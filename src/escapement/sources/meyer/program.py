@@ -1,0 +1,152 @@
+"""Meyer's program of 1973 as printed, its mistakes and its sampling included.
+
+The listing (thesis, Appendix B) is in MIMIC, a language whose statements form a
+differential equation and whose run time integrates it. Everything that shaped
+the printed tables is kept: the cell of 1.5708 rad for every mechanism, pi =
+3.1416, a friction sign that looks at the acceleration of 50 us earlier, and a
+table of one row per 0.5 ms. For the motion itself use `escapement.simulate`;
+this file exists to explain the printed numbers.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.model import FloatArray
+from escapement.sources.meyer.listing import CELL, PI, ROW, run_listing
+
+# X0 by slots. The data cards are not printed; rounding them to three decimals
+# would move the six-slot maxima by 0.1 rad/s, too little to tell
+_ENTRY = {3: -PI / 6.0, 4: -PI / 4.0, 6: -PI / 3.0}
+
+
+@dataclass(frozen=True)
+class Printout:
+    """One run's table, arrays of one shape (rows,).
+
+    time : [s].
+    theta : driver angle from the start, not wrapped [rad] (DISPL).
+    theta_dot, theta_ddot : driver speed and acceleration [rad/s, rad/s^2].
+    phi_dot : follower speed [rad/s].
+    """
+
+    time: FloatArray
+    theta: FloatArray
+    theta_dot: FloatArray
+    theta_ddot: FloatArray
+    phi_dot: FloatArray
+
+
+class Reading(NamedTuple):
+    """What a reader takes from a printout; NaN where the run is too short.
+
+    velocity_max, velocity_min : terminal driver speeds [rad/s].
+    rise_time, period : [s].
+    peaks : every peak of the terminal part [rad/s], shape (peaks,).
+    """
+
+    velocity_max: float
+    velocity_min: float
+    rise_time: float
+    period: float
+    peaks: FloatArray
+
+
+def program_1973(
+    slots: int,
+    friction: float,
+    torque: float,
+    driver_inertia: float,
+    follower_inertia: float,
+    duration: float = 0.2,
+    interval: float = ROW,
+) -> Printout:
+    """Run the listing of Meyer (1973), Appendix B.
+
+    Parameters
+    ----------
+    slots : int
+        3, 4 or 6.
+    friction : float
+        Coefficient of friction [-], >= 0.
+    torque, driver_inertia, follower_inertia : float
+        In any consistent units, SI or inch-pound-second; only their ratios count.
+    duration : float
+        FIN, length of the run [s].
+    interval : float
+        Time between rows [s]. Finer ones show what the printout cuts off; the
+        delay of the friction sign stays at 50 us.
+
+    Returns
+    -------
+    Printout
+        t = 0 included.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule, or friction is at the Painleve limit
+        and the listing breaks down.
+    """
+    n = validate.integer("slots", slots, 3, "the listing was run for 3, 4 and 6")
+    if n not in _ENTRY:
+        raise validate.fail("slots", "3, 4 or 6", slots, "the listing has no other data card")
+    mu = validate.non_negative("friction", friction, "give a coefficient of friction")
+    follower = validate.positive("follower_inertia", follower_inertia, "give it as driver_inertia")
+    rho = validate.positive("driver_inertia", driver_inertia, "give a consistent unit") / follower
+    e = validate.positive("torque", torque, "give the constant driving torque") / follower
+    length = validate.positive("duration", duration, "give the length of the run in s")
+    between = validate.number("interval", interval)
+    if between < 1e-6:
+        raise validate.fail("interval", "at least 1e-6 s", interval, "the listing's is 0.0005")
+    if length < between:
+        raise validate.fail("duration", f"at least {between:g} s", duration, "the listing ran 0.2")
+    out = np.empty((round(length / between) + 1, 4))
+    rows = run_listing(float(n), mu, rho, e, _ENTRY[n], between, out)
+    if rows < out.shape[0]:
+        raise InvalidValue(
+            "friction must be below the Painleve limit of the inertias and the motion slow "
+            f"enough for steps of 50 us, got {mu!r}; the listing breaks down after "
+            f"{rows * between:.4f} s, give less friction or torque"
+        )
+    time = between * np.arange(rows)
+    return Printout(time, *(np.ascontiguousarray(column) for column in out.T))
+
+
+def read_printout(printout: Printout) -> Reading:
+    """Read the four tabulated figures off a printout, as its author would.
+
+    Terminal speeds are the largest and smallest entry of the last two thirds of
+    the run; they agree with the printed ones better than those of the last half,
+    as sampling cuts every peak differently and more peaks leave a higher one.
+    The period is the mean spacing of handoffs there (THETA passing a multiple
+    of 1.5708, between rows). Rise time is the first extremum among the rows
+    within 2 % of its terminal value, maximum against maximum and minimum
+    against minimum. `peaks` holds the largest row of each stretch above mean
+    speed: their spread is the wandering of the peak that Meyer's recommendation
+    2 asks to investigate, and is made by the sampling.
+    """
+    time, theta, speed = printout.time, printout.theta, printout.theta_dot
+    start = time[-1] / 3.0
+    late = speed[time >= start]
+    highest, lowest = float(late.max()), float(late.min())
+    count = np.arange(1, int(theta[-1] // CELL) + 1)
+    handoffs = np.interp(CELL * count, theta, time)
+    handoffs = handoffs[handoffs >= start]
+    period = float(np.diff(handoffs).mean()) if handoffs.size > 1 else np.nan
+    slope = np.sign(np.diff(speed))
+    turns = np.flatnonzero(slope[:-1] * slope[1:] < 0) + 1
+    terminal = np.where(slope[turns - 1] > 0, highest, lowest)
+    risen = turns[np.abs(speed[turns] / terminal - 1.0) < 0.02]
+    rise = float(time[risen[0]]) if risen.size else np.nan
+    tops = [stretch.max() for stretch in stretches(late, 0.5 * (highest + lowest))]
+    return Reading(highest, lowest, rise, period, np.array(tops))
+
+
+def stretches(speed: FloatArray, level: float) -> list[FloatArray]:
+    """Runs of rows above `level` that begin and end inside the table."""
+    runs = np.split(speed, np.flatnonzero(np.diff(speed > level)) + 1)[1:-1]
+    return [run for run in runs if run[0] > level]

@@ -1,0 +1,135 @@
+"""Prikhodko's figures 3 and 6: plans of velocities, and the position function."""
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from escapement.mechanisms import EllipticalPlanetary
+from escapement.model import FloatArray
+from escapement.plots import style
+from escapement.plots.planetary import draw_planetary
+
+LETTERS = "abcde"
+_CELLS = 2
+_POINTS = 721
+_LENGTH = 0.75  # of the vector of a point that moves 1 mm per radian of the input [mm]
+_PLAN = {
+    "carrier, A C′": style.LOOKS[5],
+    "planet, B C′": style.LOOKS[0],
+    "output, A D′": style.LOOKS[1],
+}
+_ARROW: dict[str, Any] = {
+    "arrowstyle": "-|>", "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "color": style.BLACK,
+    "mutation_scale": 7,
+}  # fmt: skip
+
+
+def positions(mechanism: EllipticalPlanetary) -> FloatArray:
+    """Driver angles of positions a to e [rad]: stop, rising, fastest, falling, stop.
+
+    b and d are where the planet has turned a quarter on its carrier; the paper does
+    not say where its own are.
+    """
+    return np.linspace(*mechanism.breaks, len(LETTERS))
+
+
+def plot_position_function(mechanism: EllipticalPlanetary, ax: Axes | None = None) -> Axes:
+    """Output angle over input angle, stops and positions a to e marked (figure 6)."""
+    ax = ax or style.new_axes(style.TWO_COLUMN, 3.6)
+    cell = mechanism.cell_angle
+    angle = np.linspace(0.0, _CELLS * cell, _POINTS)
+    marks = positions(mechanism) + cell
+    turned = np.degrees(-mechanism.follower_angle(angle))
+    ax.plot(np.degrees(angle), turned, color=style.BLUE, lw=1.5)
+    for k in range(_CELLS):
+        stop = (k + 0.5) * cell
+        ax.axvline(math.degrees(stop), color=style.GREY, lw=0.7, ls=":")
+    heights = np.degrees(-mechanism.follower_angle(marks))
+    ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
+    for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
+        style.write(ax, letter, (x, y), (8.0, 8.0))
+    between = f"{math.degrees(cell):g}° between stops, output {-_degrees(mechanism):g}°"
+    ax.set_title(between.replace("-", "−"), fontsize=style.TICK_SIZE)
+    ax.set(xlabel="Input angle φ₁ (°)", ylabel="Output angle φ₃ (°)")
+    ax.set_xlim(0.0, math.degrees(_CELLS * cell))
+    return ax
+
+
+def plot_velocity_analogue(mechanism: EllipticalPlanetary, ax: Axes | None = None) -> Axes:
+    """Output over input speed, equation 9, over the same angles as figure 6."""
+    ax = ax or style.new_axes(style.TWO_COLUMN, 2.8)
+    cell = mechanism.cell_angle
+    angle = np.linspace(0.0, _CELLS * cell, _POINTS)
+    ax.axhline(0.0, color=style.BLACK, lw=0.6)
+    ax.plot(np.degrees(angle), -mechanism.transmission(angle).g, color=style.BLUE, lw=1.5)
+    marks = positions(mechanism) + cell
+    heights = -mechanism.transmission(marks).g
+    ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
+    for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
+        style.write(ax, letter, (x, y), (0.0, 9.0) if letter == "c" else (9.0, -7.0))
+    ax.set(xlabel="Input angle φ₁ (°)", ylabel="Velocity analogue φ₃′")
+    ax.set_xlim(0.0, math.degrees(_CELLS * cell))
+    return ax
+
+
+def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
+    """Plans of linear velocities over the gears in positions a to e (figure 3).
+
+    Seen from the carrier, which stands upright. A horizontal vector is the speed of
+    a point of the line of centres: of the carrier on A C', of the planet on B C',
+    of the output on A D'.
+    """
+    figure = style.new_figure(style.TWO_COLUMN, 2.75)
+    panels = figure.subplots(1, len(LETTERS))
+    for ax, letter, theta in zip(panels, LETTERS, positions(mechanism), strict=True):
+        _draw_plan(ax, mechanism, float(theta))
+        speed = float(mechanism.transmission(theta).g)
+        moves = speed > 1e-9 * mechanism.ratio_max
+        text = f"ω₃ = −{speed:.3g} ω₁" if moves else "ω₃ = 0"
+        ax.set_title(f"{letter}   {text}", fontsize=style.TICK_SIZE)
+    figure.legend(
+        handles=panels[0].get_lines()[-len(_PLAN) :], loc="outside lower center", ncols=3,
+        fontsize=style.SMALL_SIZE, frameon=False, handlelength=3.0,
+    )  # fmt: skip
+    return figure
+
+
+def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
+    _axis, rolling, shaft, contact = draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
+    # speeds over omega_1 are lengths; to the left is forwards
+    spin = 1.0 + mechanism.ratio
+    at_contact = spin * (contact - rolling)
+    lowest = min(contact, rolling)
+    lines = (
+        ([0.0, shaft], [0.0, shaft]),
+        ([spin * (lowest - rolling), shaft], [lowest, shaft]),
+        ([0.0, at_contact], [0.0, contact]),
+    )
+    for (speeds, heights), (name, look) in zip(lines, _PLAN.items(), strict=True):
+        ax.plot(
+            -_LENGTH * np.array(speeds), heights, color=look.color, ls=look.linestyle, lw=1.4,
+            zorder=6, label=name,
+        )  # fmt: skip
+    marks = [("A", 0.0, 0.0, (8, -1)), ("C", 0.0, shaft, (8, 3)), ("C′", shaft, shaft, (0, 8))]
+    if at_contact < -1e-9 * shaft:
+        marks += [("D′", at_contact, contact, (-1, 9)), ("B", 0.0, rolling, (-7, 1))]
+        marks += [("D", 0.0, contact, (-8, -4))]
+    else:
+        marks += [("B, D", 0.0, rolling, (14, -1))]
+    for letters, speed, height, offset in marks:
+        style.write(ax, letters, (-_LENGTH * speed, height), offset)
+    for height, speed in ((shaft, shaft), (contact, at_contact)):
+        if abs(speed) > 1e-9 * shaft:
+            ax.annotate("", (-_LENGTH * speed, height), (0.0, height), zorder=7, arrowprops=_ARROW)
+    reach = 1e3 * mechanism.sun_radius
+    wide = max(reach, _LENGTH * shaft, _LENGTH * spin * (reach - 1e3 * mechanism.planet_radius))
+    ax.set(xlim=(-1.12 * wide, 1.12 * wide), ylim=(-1.05 * reach, shaft + 1.05 * reach))
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+
+
+def _degrees(mechanism: EllipticalPlanetary) -> float:
+    return round(math.degrees(mechanism.follower_step), 9)

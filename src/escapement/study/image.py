@@ -1,0 +1,156 @@
+"""The HDF5 layout of a study: datasets, scales, names and units, then blocks."""
+
+import errno
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import takewhile
+from os import PathLike
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.files.steady import SteadyFile
+from escapement.files.whole import PendingFile
+from escapement.status import Status
+from escapement.study.block import Block, blocks_of
+from escapement.study.chunks import CELLS, Tiling
+from escapement.study.result import RESULTS, Study
+
+_FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
+
+
+class StudyImage:
+    """A study file under construction on an open, empty file.
+
+    Every method raises OSError as soon as the disk has failed; closing never
+    leaves HDF5 in a state it cannot leave.
+
+    Parameters
+    ----------
+    handle : binary file
+        Where the bytes go.
+    frame : Study
+        Everything but the results.
+    tiling : Tiling
+        How the results are cut into chunks.
+    """
+
+    def __init__(self, handle: BinaryIO, frame: Study, tiling: Tiling) -> None:
+        import h5py
+
+        self._tiling = tiling
+        self._steady = SteadyFile(handle)
+        self._hdf5 = h5py.File(self._steady, "w")
+        try:
+            _write_root(self._hdf5, frame)
+            for name, values in frame.axes.items():
+                _write_line(self._hdf5, frame, name, values).make_scale(name)
+            for name, values in frame.sampled.items():
+                line = _write_line(self._hdf5, frame, name, values)
+                line.dims[0].attach_scale(self._hdf5[[*frame.axes][-1]])
+            self._results = [
+                _create_result(self._hdf5, frame, name, tiling.tile) for name in RESULTS
+            ]
+            self._check()
+        except BaseException:
+            self._hdf5.close()
+            raise
+
+    def store(self, block: Block) -> None:
+        """Write one chunk of every result."""
+        offset = self._tiling.offset(block.number)
+        for dataset, data in zip(self._results, block.chunks, strict=True):
+            dataset.id.write_direct_chunk(offset, data)
+        self._check()
+
+    def close(self) -> None:
+        """Complete the file."""
+        self._hdf5.close()
+        self._check()
+
+    def _check(self) -> None:
+        if self._steady.error is not None:
+            raise self._steady.error
+
+
+def write_blocks(
+    frame: Study,
+    path: str | PathLike[str],
+    blocks: Iterator[Block],
+    force: bool,
+    stop: threading.Event,
+    temporary: Path | None,
+) -> None:
+    """Write all blocks of a study, in order, and put the file in place.
+
+    Run it in a thread of its own, where Ctrl-C never strikes HDF5; once `stop` is
+    set it ends without putting anything in place.
+
+    Raises
+    ------
+    CannotCreate, StorageError
+        As `PendingFile`.
+    OSError
+        When a block cannot be read or written.
+    """
+    pending = PendingFile(path, force, temporary)
+    try:
+        _write_image(pending.handle, frame, takewhile(lambda _: not stop.is_set(), blocks))
+        if not stop.is_set():
+            pending.place()
+    except RuntimeError as error:  # HDF5 tells a failed device by it
+        raise OSError(errno.EIO, str(error)) from None
+    finally:
+        pending.discard()
+
+
+def _write_image(handle: BinaryIO, frame: Study, blocks: Iterator[Block]) -> None:
+    image = StudyImage(handle, frame, blocks_of(frame))
+    try:
+        for block in blocks:
+            image.store(block)
+    except BaseException:
+        with suppress(OSError):  # told already
+            image.close()
+        raise
+    image.close()
+
+
+def _write_root(hdf5: Any, frame: Study) -> None:
+    import h5py
+
+    for name, value in frame.attributes.items():
+        hdf5.attrs[name] = value
+    text = json.dumps(frame.configuration, allow_nan=False)
+    dataset = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
+    dataset.attrs["units"] = "1"
+    dataset.attrs["long_name"] = "configuration of the study, JSON"
+
+
+def _write_line(hdf5: Any, frame: Study, name: str, values: NDArray[Any]) -> Any:
+    """A dataset over one dimension: values of an axis, or of a sampled parameter."""
+    chunks = (min(values.size, CELLS),)
+    kind = "<i8" if values.dtype.kind == "i" else "<f8"
+    line = hdf5.create_dataset(name, data=values, dtype=kind, chunks=chunks, **_FILTERS)
+    line.attrs["units"] = frame.units[name]
+    line.attrs["long_name"] = frame.long_names[name]
+    return line
+
+
+def _create_result(hdf5: Any, frame: Study, name: str, tile: tuple[int, ...]) -> Any:
+    result = RESULTS[name]
+    dataset = hdf5.create_dataset(name, frame.shape, result.dtype, chunks=tile, **_FILTERS)
+    dataset.attrs["units"] = frame.units[name]
+    dataset.attrs["long_name"] = frame.long_names[name]
+    if frame.sampled:
+        dataset.attrs["coordinates"] = " ".join(frame.sampled)  # as the CF conventions have it
+    if name == "status":
+        dataset.attrs["flag_values"] = np.array([member.value for member in Status], "u1")
+        dataset.attrs["flag_meanings"] = " ".join(member.label for member in Status)
+    for dimension, axis in zip(dataset.dims, frame.axes, strict=True):
+        dimension.attach_scale(hdf5[axis])
+    return dataset

@@ -1,0 +1,175 @@
+"""From the content of a study file to a plan."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import fields
+from typing import Any
+
+from escapement import units, validate
+from escapement.errors import InvalidValue
+from escapement.model import Mechanism
+from escapement.solver import Solver
+from escapement.study.axes import axis_values
+from escapement.study.keys import check_keys, table
+from escapement.study.kinds import KINDS, Kind, other_keys
+from escapement.study.parameters import Parameter
+from escapement.study.plan import StudyPlan
+from escapement.study.sample import Sample, parse_sample
+
+MOST_CASES = 10**12
+DEFAULT_KIND = "geneva"
+_SECTIONS = ("mechanism", "inertia", "sweep", "sample", "solver")
+
+
+def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = None) -> StudyPlan:
+    """Check a study configuration and make a plan of it.
+
+    Parameters
+    ----------
+    configuration : Mapping
+        The content of a study file, in the units that it names.
+    mechanism : Mechanism, optional
+        Replaces what the [mechanism] table says: for mechanisms of the user's
+        own, which no table can describe.
+
+    Raises
+    ------
+    InvalidValue
+        For an unknown key, a missing parameter or a value that breaks its rule.
+    """
+    machine = dict(table(configuration, "mechanism"))
+    if mechanism is None:
+        machine.setdefault("kind", DEFAULT_KIND)
+        kind = KINDS[validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))]
+        _check_keys(configuration, kind)
+        machine = {"kind": machine["kind"]} | _options(machine, kind)
+    else:
+        from escapement.mechanisms.table import is_table  # compiled: not to read a file
+
+        kind = Kind(factory="", parameters={}, meshed=bool(is_table(mechanism.path)))
+    system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
+    parameters = kind.all_parameters
+    axes, forms = _axes(table(configuration, "sweep"), parameters, _homes(kind))
+    drawn = table(configuration, "sample")
+    if not axes and "sample" not in configuration:
+        raise InvalidValue(
+            "the study must sweep at least one parameter, got none; "
+            "add an axis (of a study file under [sweep]), for example friction = [0.2, 0.3]"
+        )
+    values = _values(configuration, parameters, {*axes, *drawn})
+    sample = _sample(drawn, parameters, axes, values) if "sample" in configuration else None
+    sampled = [*sample.values] if sample else []
+    replaced = {*axes, *sampled} - (sample.around if sample else set())
+    over = ", ".join(axes) + " and " * bool(axes and sampled)
+    over += "a sample of " * bool(sampled) + ", ".join(sampled)
+    title = configuration.get("title", f"{machine['kind']} escapement over {over}")
+    plan = StudyPlan(
+        title=_title(title),
+        unit_system=system,
+        kind=kind,
+        machine=machine,
+        fixed={name: value for name, value in values.items() if name not in replaced},
+        axes=axes,
+        forms=forms,
+        solver=_solver(table(configuration, "solver")),
+        sample=sample,
+        own_mechanism=mechanism,
+    )
+    if plan.cases > MOST_CASES:
+        raise InvalidValue(
+            f"the grid must have at most {MOST_CASES:.0e} cases, got {plan.cases:.3g}; "
+            "shorten an axis"
+        )
+    return plan
+
+
+def _homes(kind: Kind) -> dict[str, str]:
+    """Where keys belong that are no parameters of the model."""
+    homes = other_keys(kind)
+    slot = "without" if kind.other_loss == "efficiency" else "with"
+    homes[kind.other_loss] = f"a study of a mechanism {slot} a slot"
+    homes |= {setting.name: "[solver]" for setting in fields(Solver)}
+    homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
+    return homes | dict.fromkeys(["size", "seed"], "[sample]")
+
+
+def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
+    """Refuse keys that no part of a study has, naming where each would belong."""
+    parameters = kind.all_parameters
+    homes = _homes(kind)
+    keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
+    keys["mechanism"] = ["kind", *kind.options]
+    for name, parameter in parameters.items():
+        keys[parameter.section].append(parameter.key)
+        where = f"[{parameter.section}]" if parameter.section else "the top level"
+        homes[parameter.key] = where
+        if name != parameter.key:
+            homes[name] = f"{where} as {parameter.key!r}"
+    check_keys(configuration, keys[""], "at the top level", homes)
+    for section in ("mechanism", "inertia"):
+        check_keys(table(configuration, section), keys[section], f"in [{section}]", homes)
+
+
+def _options(machine: Mapping[str, Any], kind: Kind) -> dict[str, Any]:
+    for name, option in kind.options.items():
+        if option.required and name not in machine:
+            raise InvalidValue(f"the study lacks mechanism.{name}; write it in [mechanism]")
+    return {
+        name: option.check(f"mechanism.{name}", machine[name])
+        for name, option in kind.options.items()
+        if name in machine
+    }
+
+
+def _axes(
+    forms: Mapping[str, Any], parameters: Mapping[str, Parameter], homes: Mapping[str, str]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Values and JSON form of every axis, in order."""
+    check_keys(forms, parameters, "in [sweep]", homes)
+    parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
+    axes = {name: values for name, (values, _) in parsed.items()}
+    return axes, {name: form for name, (_, form) in parsed.items()}
+
+
+def _sample(
+    drawn: Mapping[str, Any],
+    parameters: Mapping[str, Parameter],
+    axes: Mapping[str, Any],
+    nominal: Mapping[str, float],
+) -> Sample:
+    both = [name for name in drawn if name in axes]
+    if both:
+        raise InvalidValue(
+            f"{both[0]} must be in [sweep] or in [sample], got both; leave one of them out"
+        )
+    return parse_sample(drawn, parameters, nominal)
+
+
+def _values(
+    configuration: Mapping[str, Any], parameters: Mapping[str, Parameter], varied: Collection[str]
+) -> dict[str, float]:
+    """Fixed and nominal values, the default ones included; what varies needs none."""
+    fixed, missing = {}, []
+    for name, parameter in parameters.items():
+        section = table(configuration, parameter.section) if parameter.section else configuration
+        if parameter.key in section:
+            fixed[name] = parameter.check(parameter.label, section[parameter.key])
+        elif parameter.default is not None:
+            fixed[name] = parameter.default
+        elif parameter.required and name not in varied:
+            missing.append(f"{parameter.label} ({parameter.long_name})")
+    if missing:
+        raise InvalidValue(
+            f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
+        )
+    return fixed
+
+
+def _solver(settings: Mapping[str, Any]) -> Solver:
+    check_keys(settings, tuple(field.name for field in fields(Solver)), "in [solver]")
+    return Solver(**settings)
+
+
+def _title(title: Any) -> str:
+    if not isinstance(title, str) or not title.isprintable():
+        raise validate.fail("title", "one line of text", title, "put it in quotation marks")
+    return title

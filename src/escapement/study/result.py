@@ -1,0 +1,149 @@
+"""A study's results as a value, and the results every study has."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.status import Status
+
+SCHEMA_VERSION = 1
+"""Version of the file layout: raised when an older reader would misread a newer file."""
+
+_AGREE = 6e-6
+"""Relative difference below which a value means the one of the axis: six figures, as shown."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """One result of every case: its unit (UDUNITS), name and storage type."""
+
+    units: str
+    long_name: str
+    dtype: DTypeLike = "<f8"
+
+
+RESULTS: Mapping[str, Result] = {
+    "velocity_max": Result("rad s-1", "largest driver velocity of the terminal cycle"),
+    "velocity_min": Result("rad s-1", "smallest driver velocity of the terminal cycle"),
+    "velocity_mean": Result("rad s-1", "mean driver velocity of the terminal cycle"),
+    "period": Result("s", "period of one engagement of the terminal cycle"),
+    "rise_time": Result("s", "time of the first velocity extremum within 2 % of terminal"),
+    "settling_time": Result("s", "time from which every engagement's extremes are within 1 %"),
+    "status": Result("1", "outcome of the case", "u1"),
+}
+"""Results over the grid, in the order of the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A study: axes, results over their grid, and what they mean.
+
+    Attributes
+    ----------
+    axes : dict of ndarray, shape (n,)
+        In the user's units; their order is that of the results' dimensions. The last
+        axis of a sample is `case`, the numbers of its cases.
+    results : dict of ndarray
+        NaN where a case has no such figure; `status` (uint8) says why.
+    units, long_names : dict of str
+        For every axis, sampled parameter and result.
+    configuration : dict
+        The study as it was asked for.
+    attributes : dict
+        title, schema_version, package_version, engine, rtol and created.
+    sampled : dict of ndarray, shape (n,)
+        Parameters of a sample in the user's units, along `case`.
+    """
+
+    axes: dict[str, NDArray[Any]]
+    results: dict[str, NDArray[Any]]
+    units: dict[str, str]
+    long_names: dict[str, str]
+    configuration: dict[str, Any]
+    attributes: dict[str, Any]
+    sampled: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{name} {values.size}" for name, values in self.axes.items())
+        failed = f", {self.failed} failed" if "status" in self.results else ""
+        sampled = f", sampled {', '.join(self.sampled)}" if self.sampled else ""
+        return f"{type(self).__name__}({axes}: {self.cases} cases{failed}{sampled})"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of each axis."""
+        return tuple(values.size for values in self.axes.values())
+
+    @property
+    def cases(self) -> int:
+        """Number of cases."""
+        return math.prod(self.shape)
+
+    @property
+    def failed(self) -> int:
+        """Number of cases without an answer."""
+        return count_failed(self.results["status"])
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """Number of cases by the label of their status, of those that occur."""
+        counts = np.bincount(self.results["status"].reshape(-1), minlength=len(Status)).tolist()
+        return {status.label: counts[status] for status in Status if counts[status]}
+
+    def at(self, **values: float) -> "Study":
+        """The cases at given values of some axes, which keep a length of 1.
+
+        Parameters
+        ----------
+        values : float
+            By name of the axis, to six figures: `study.at(slots=6)`.
+
+        Raises
+        ------
+        InvalidValue
+            For a name that is no axis, or a value that is not on it.
+        """
+        for name in values:
+            validate.choice("axis", name, tuple(self.axes))
+        kept = {name: slice(None) for name in self.axes}
+        for name, value in values.items():
+            number = validate.number(name, value, "give one of the axis")
+            place = place_on(self.axes[name], name, number, "the study")
+            kept[name] = slice(place, place + 1)
+        grid = tuple(kept.values())
+        case = kept.get("case", slice(None))
+        return replace(
+            self,
+            axes={name: axis[kept[name]] for name, axis in self.axes.items()},
+            results={name: found[grid] for name, found in self.results.items()},
+            sampled={name: drawn[case] for name, drawn in self.sampled.items()},
+        )
+
+
+def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
+    """Index of a value on an axis of the owner's, told by six figures.
+
+    Raises
+    ------
+    InvalidValue
+        When it is not there.
+    """
+    nearest = int(abs(axis - value).argmin())
+    found = float(axis[nearest])
+    if not math.isclose(found, value, rel_tol=_AGREE):
+        raise InvalidValue(
+            f"{name} must be a value of {owner}, got {value:g}; the nearest is {found:.10g}"
+        )
+    return nearest
+
+
+def count_failed(status: NDArray[np.uint8]) -> int:
+    """How many statuses say that a case has no answer."""
+    failures = [member.value for member in Status if member.failed]
+    return int(np.isin(status, failures).sum())

@@ -1,0 +1,89 @@
+"""Text: tables and JSON for people and programs, and headings of columns of angles."""
+
+import csv
+import io
+import json
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+UNITS = {"deg": 2.0 * math.pi / 360.0, "rad": 1.0}
+"""Units of angles, in rad."""
+NAMES = {
+    "input": ("input", "in", "driver", "theta", "phi1"),
+    "output": ("output", "out", "follower", "phi", "phi3"),
+}
+"""What the columns of driver and follower are called."""
+_SPELLINGS = {
+    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
+    "rad": "rad", "radian": "rad", "radians": "rad",
+}  # fmt: skip
+FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?", re.IGNORECASE)
+"""Units of angles that are not read."""
+
+
+def name_and_unit(field: str) -> tuple[str, str | None]:
+    """A column's name in small letters, and the unit it ends in, one of `UNITS` or foreign."""
+    *words, last = re.findall(r"[^\W_]+|°", field.lower()) or [""]
+    unit = _SPELLINGS.get(last) or (last if FOREIGN.fullmatch(last) else None)
+    return "".join(words if unit else [*words, last]), unit
+
+
+def as_json(record: dict[str, Any]) -> str:
+    """One object; what is not a finite number is null."""
+    return json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
+
+
+def as_csv(rows: Iterable[Sequence[Any]]) -> str:
+    """A line a row; what does not exist is empty."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+def plain(value: Any) -> Any:
+    """`value` in JSON's own types, NaN and infinity as None."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
+
+
+def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
+    """Name, value and unit, a row each."""
+    lines = [(name, show(value), "" if unit == "1" else unit) for name, value, unit in rows]
+    wide = max(len(name) for name, _, _ in lines)
+    far = max(len(value) for _, value, unit in lines if unit)
+    for name, value, unit in lines:
+        print(f"{name:<{wide}}  {value:<{far}}  {unit}".rstrip())
+
+
+def print_columns(header: Iterable[Sequence[str]], rows: Iterable[Sequence[Any]]) -> None:
+    """A table with right-aligned columns under a header of one or more lines."""
+    cells = [*map(list, header), *([show(value) for value in row] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    for row in cells:
+        print(
+            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        )
+
+
+def show(value: Any) -> str:
+    """A value as a reader wants it: six figures, a dash for what does not exist."""
+    value = plain(value)
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def words(key: str) -> str:
+    """A JSON key as a table shows it; the unit has a column of its own."""
+    return key.removesuffix("_deg").replace("_", " ")
