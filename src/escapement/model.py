@@ -10,12 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from escapement import validate
+from escapement.scene import Path, Scene, smooth_intervals
 
 FloatArray = NDArray[np.float64]
-
-Scene = tuple[FloatArray, FloatArray, float, float, tuple[float, float], float]
-"""Path, breaks, dwell angle [rad], inertia ratio, losses and load ratio [-]."""
-
 
 MOST_UNEQUAL = 1e100
 """Beyond this ratio of two numbers of a model a double has no room to spare."""
@@ -53,11 +50,8 @@ class Mechanism(Protocol):
         """Follower angle per cell [rad]."""
 
     @property
-    def path(self) -> FloatArray:
-        """Flat numbers that kernels evaluate the transmission from: a pin path or a table.
-
-        Shape (n,), doubles; the array stays the same, and so does what is in it.
-        """
+    def path(self) -> Path:
+        """What kernels evaluate the transmission from: a pin path or a table."""
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""
@@ -175,8 +169,8 @@ class Escapement:
     def _check_path(self) -> None:
         """Refuse what kernels could not read."""
         path: Any = self.mechanism.path
-        if not (isinstance(path, np.ndarray) and path.dtype == np.float64 and path.ndim == 1):
-            rule, remedy = "a one-dimensional array of doubles", "make it with dtype=float"
+        if not isinstance(path, Path):
+            rule, remedy = "a Path", "make it with mechanisms.slotted or mechanisms.table"
             raise validate.fail("mechanism.path", rule, path, remedy)
 
     def _check_losses(self) -> None:
@@ -196,7 +190,7 @@ class Escapement:
 
     @property
     def _meshed(self) -> bool:
-        return bool(self.mechanism.path[0] == 0.0)
+        return self.mechanism.path.table
 
     def _check_ratios(self) -> None:
         """Refuse numbers whose ratios a double cannot hold with room to spare."""
@@ -208,15 +202,26 @@ class Escapement:
 
     @cached_property
     def scene(self) -> Scene:
-        """The escapement as kernels see it: a tuple of flat numbers."""
-        return (
-            self.mechanism.path,
-            np.array(self.mechanism.breaks),
+        """The escapement as an engine sees it."""
+        path = self.mechanism.path
+        return Scene(
+            # kernels take arrays that they could write to and that have no gaps
+            Path(path.table, np.array(path.numbers), np.array(path.corners)),
+            smooth_intervals(path, self.mechanism.breaks),
             dwell_angle(self.mechanism),
             self.inertia_ratio,
-            self.loss,
+            *self.loss,
             self.load_ratio,
         )
+
+    @cached_property
+    def kept(self) -> dict[str, Any]:
+        """What engines derive from the scene and keep for their next call."""
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Another process derives the scene and what hangs on it anew."""
+        return {key: value for key, value in vars(self).items() if key not in ("scene", "kept")}
 
     @property
     def loss(self) -> tuple[float, float]:

@@ -11,7 +11,6 @@ from escapement import validate
 from escapement.constant_speed.extrema import checked
 from escapement.constant_speed.kernels import tabulate_torque
 from escapement.errors import InvalidValue
-from escapement.mechanisms.table import is_table
 from escapement.model import FloatArray, Mechanism
 
 Load = float | Callable[[FloatArray], ArrayLike]
@@ -45,7 +44,7 @@ class Case:
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
-        if self.friction > 0.0 and is_table(self.mechanism.path):
+        if self.friction > 0.0 and self.mechanism.path.table:
             raise validate.fail(
                 "friction", "0 for a mechanism without a slot", self.friction, "give its efficiency"
             )
@@ -67,7 +66,7 @@ class Case:
         The middle, of a table or where angles are counted from elsewhere.
         """
         entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
-        if entry < 0.0 < exit_ and not is_table(self.mechanism.path):
+        if entry < 0.0 < exit_ and not self.mechanism.path.table:
             return 0.0
         return 0.5 * (entry + exit_)
 

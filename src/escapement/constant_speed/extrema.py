@@ -13,8 +13,8 @@ from escapement.constant_speed import geneva
 from escapement.constant_speed._chebyshev import Function, Piece, extremes, interpolate
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.mechanisms.slotted import jerk, transmission
-from escapement.mechanisms.table import smooth_intervals
 from escapement.model import FloatArray, Mechanism, is_mechanism
+from escapement.scene import smooth_intervals
 
 _CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
@@ -116,7 +116,7 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
 
 def edges(mechanism: Mechanism) -> list[float]:
     """Driver angles between which the transmission is analytic [rad]: of a table, its knots."""
-    return smooth_intervals(mechanism.path, np.array(mechanism.breaks)).tolist()
+    return smooth_intervals(mechanism.path, mechanism.breaks).tolist()
 
 
 def checked(mechanism: Mechanism) -> Mechanism:

@@ -24,8 +24,9 @@ from numpy.typing import ArrayLike
 from escapement import validate
 from escapement.mechanisms._elliptical_gears import EllipticalGears
 from escapement.mechanisms.slotted import Transmission
-from escapement.mechanisms.table import chebyshev_table
+from escapement.mechanisms.table import chebyshev_table, read_table, table_path
 from escapement.model import FloatArray
+from escapement.scene import Path
 
 _MOST_STATIONS = 1000
 _SHRINKING = 20  # halvings of the pieces towards a stop: to a millionth of a cell
@@ -107,8 +108,8 @@ class EllipticalPlanetary(EllipticalGears):
         return float(self.transmission(angle).dg), angle
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the transmission for the kernels: a table.
+    def path(self) -> Path:
+        """A table of the transmission, as kernels evaluate it.
 
         In the outer halves of the cell angles are counted from the stops while it is
         made, and its pieces shrink towards them: so g and g' keep their relative
@@ -123,14 +124,12 @@ class EllipticalPlanetary(EllipticalGears):
             (0.0, lambda x: self.transmission(x).g, np.array([-away[-1], away[-1]])),
             (exit_, lambda x: self._from_stop(x - outside), -away[::-1]),
         )
-        tables = [chebyshev_table(function, edges.tolist()) for _, function, edges in parts]
-        counts = [int(table[1]) for table in tables]
-        starts = [
-            zero + table[3 : 3 + count]
-            for (zero, _, _), table, count in zip(parts, tables, counts, strict=True)
+        tables = [
+            read_table(chebyshev_table(function, edges.tolist())) for _, function, edges in parts
         ]
-        series = [table[4 + count :] for table, count in zip(tables, counts, strict=True)]
-        return np.concatenate([[0.0, sum(counts), tables[0][2]], *starts, [exit_], *series])
+        starts = [zero + edges[:-1] for (zero, _, _), (edges, _) in zip(parts, tables, strict=True)]
+        series = np.concatenate([series for _, series in tables])
+        return table_path(np.concatenate([*starts, [exit_]]), series)
 
     def _from_stop(self, angle: FloatArray) -> FloatArray:
         """Transmission at driver angles from a stop."""

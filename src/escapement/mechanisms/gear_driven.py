@@ -11,6 +11,7 @@ from escapement.errors import InvalidValue
 from escapement.mechanisms._gear_train import GearTrain
 from escapement.mechanisms.slotted import Transmission, jerk, transmission, two_vector_path
 from escapement.model import FloatArray
+from escapement.scene import Path
 
 
 @dataclass(frozen=True)
@@ -108,8 +109,8 @@ class GearDriven(GearTrain):
         return 1.0 if self.turns_with_driver else -1.0
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the pin path for the kernels.
+    def path(self) -> Path:
+        """The pin path, as kernels evaluate it.
 
         Raises
         ------

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from escapement import validate
 from escapement.mechanisms.slotted import Transmission, radius, transmission, two_vector_path
 from escapement.model import FloatArray
+from escapement.scene import Path
 
 MOST_SLOTS = 1_000_000
 
@@ -110,8 +111,8 @@ class Geneva:
         return 2.0 * math.pi / self.slots
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the pin path for the kernels."""
+    def path(self) -> Path:
+        """The pin path, as kernels evaluate it."""
         crank = 1.0 if self.internal else -1.0
         exit_ = self.breaks[-1]
         return two_vector_path(self.centre_distance, 0.0, crank, crank, forward=1.0, rest=exit_)

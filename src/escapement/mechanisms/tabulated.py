@@ -20,6 +20,7 @@ from escapement.mechanisms._rows import check_rows, column, one_cell
 from escapement.mechanisms.slotted import Transmission
 from escapement.mechanisms.table import chebyshev_table
 from escapement.model import FloatArray
+from escapement.scene import Path
 
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
@@ -203,8 +204,8 @@ class Tabulated:
         return self.spline(angles) + self._rows.mean_ratio * (angles - self.theta[0])
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the transmission for the kernels: the spline, piece by piece.
+    def path(self) -> Path:
+        """The spline, piece by piece, as kernels evaluate it.
 
         Raises
         ------

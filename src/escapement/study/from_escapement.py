@@ -57,11 +57,10 @@ def plan_from(
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    from escapement.mechanisms.table import is_table
 
     machine, own = _describe(escapement.mechanism)
     inertia = escapement.inertia
-    loss = "efficiency" if is_table(escapement.mechanism.path) else "friction"
+    loss = "efficiency" if escapement.mechanism.path.table else "friction"
     solver = {"engine": engine, "rtol": rtol, "atol": atol, "method": method, "max_step": max_step}
     configuration = {
         "mechanism": machine,
@@ -86,7 +85,7 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
             return {"kind": name} | _chosen(mechanism, kind), None
     # two that look alike may differ in what their repr leaves out
     cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
-    checksum = zlib.crc32(np.concatenate([mechanism.path, cell]).tobytes())
+    checksum = zlib.crc32(np.concatenate([mechanism.path.numbers, cell]).tobytes())
     # where it is in memory is another place in each process
     text = re.sub(r" at 0x[0-9a-fA-F]+", "", repr(mechanism))
     description = f"{text}, checksum {checksum:08x}"

@@ -43,9 +43,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         _check_keys(configuration, kind)
         machine = {"kind": machine["kind"]} | _options(machine, kind)
     else:
-        from escapement.mechanisms.table import is_table  # compiled: not to read a file
-
-        kind = Kind(factory="", parameters={}, meshed=bool(is_table(mechanism.path)))
+        kind = Kind(factory="", parameters={}, meshed=mechanism.path.table)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     parameters = kind.all_parameters
     axes, forms = _axes(table(configuration, "sweep"), parameters, _homes(kind))
