@@ -11,7 +11,6 @@ import pytest
 
 import escapement
 from escapement import jit
-from escapement.engines.energy import gauss, panels
 
 PACKAGE = Path(escapement.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
@@ -166,6 +165,7 @@ def test_a_kernel_called_by_its_address(tmp_path):
         source = (PACKAGE / name).read_text().replace("escapement.jit", "toy.jit")
         (toy / name).write_text(source)
     (toy / "f.py").write_text("""
+from numba import float64, int64
 from toy.by_address import by_address
 from toy.jit import jit
 
@@ -176,7 +176,7 @@ def weighed(x, factor, count):
         total += 2.0 * x[i]
     return total, factor * total, count + 1
 
-weighed_at, address = by_address(weighed, 1, "(f8[::1], f8, i8)")
+weighed_at, address = by_address(weighed, 1, (float64[::1], float64, int64))
 
 @jit
 def f(calls, x, factor):
@@ -253,7 +253,7 @@ def test_importing_costs_nothing():
 
 def test_building_a_model_compiles_nothing(tmp_path):
     cache = tmp_path / "cache"
-    code = DRIVE + "print(timer.scene[3], timer.mechanism.motion_ratio)"
+    code = DRIVE + "print(timer.scene.rho, timer.mechanism.motion_ratio)"
     assert run(code, NUMBA_CACHE_DIR=str(cache)) == "0.06 1.0"
     assert not list(cache.rglob("*.nb?"))
 
@@ -271,10 +271,3 @@ print(len(motion.handoff_times), "scipy.integrate" in sys.modules)
 """
     )
     assert run(code) == "20 False"
-
-
-def test_a_store_has_room_for_its_panels_and_says_how_many_points_they_have():
-    for most in (1, 2, 3, 100, panels.MAX_PANELS):
-        store = panels.new_store(most)
-        assert store.size >= panels.place_of(most)
-        assert gauss.points_of(store) == gauss.N
