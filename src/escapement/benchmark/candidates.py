@@ -1,80 +1,129 @@
-"""Who takes part: the package's engines, SciPy's methods, and the peers installed here.
+"""The solvers that are measured: the package's two engines and SciPy's solve_ivp.
 
-A contestant turns a problem and a tolerance into a function that runs it once. What a
+A candidate turns a problem and a tolerance into a function that runs it once. What a
 user who repeats runs would pay once (building, compiling) belongs to the preparation and
 the first call; everything else to the run.
+
+solve_ivp gets each smooth piece on its own, up to a terminal event with a direction, so no
+step crosses a kink and no root at the start of a piece fires again. Position and speed at
+an event are those of the dense output, as solve_ivp returns them.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
-from importlib import import_module
-from importlib.util import find_spec
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from escapement.benchmark import own_engines
-from escapement.benchmark.problems import Problem
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from escapement.benchmark import problems
+from escapement.benchmark.problems import Problem, SmoothPiece
 from escapement.model import FloatArray
+from escapement.simulation import simulate
 
 Answer = tuple[FloatArray, FloatArray]
-Prepare = Callable[[Problem, float], Callable[[], Answer]]
+"""Handoff times [s] and handoff velocities [rad/s]."""
+Run = Callable[[], Answer]
 
-ENERGY, IVP = "energy", "ivp"
-HEYOKA, CYRK = "heyoka", "CyRK"
-PEERS = (HEYOKA, CYRK)
-"""Optional: import names of the packages of the `bench` extra."""
+METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+"""Those of solve_ivp."""
 
-_LOOSEST = {"solve_ivp": -3, ENERGY: -4, IVP: -4, HEYOKA: -4, CYRK: -4}
-_TIGHTEST = {"solve_ivp": -13, ENERGY: -13, IVP: -12, HEYOKA: -15, CYRK: -15}
+_EQUATIONS: dict[str, tuple[Any, Any]] = {
+    "Python": (problems.derivative, problems.reversal),
+    "Numba": (problems.compiled_derivative, problems.compiled_reversal),
+}
 
 
-class Contestant(NamedTuple):
-    """A solver with a name.
+class Candidate(NamedTuple):
+    """A solver that can be measured.
 
-    name : unique.
-    family : "energy", "ivp", "solve_ivp", "heyoka" or "CyRK".
+    solver : its name, unique.
+    family : "energy", "ivp", "solve_ivp", or the package it comes from.
     method, language : where a family has several.
+    loosest, tightest : powers of ten of the tolerances it accepts.
     prepare : makes a run of a problem at a tolerance.
     """
 
-    name: str
+    solver: str
     family: str
     method: str
     language: str
-    prepare: Prepare
+    loosest: int
+    tightest: int
+    prepare: Callable[[Problem, float], Run]
 
     @property
     def tolerances(self) -> list[float]:
-        """From loose to tight, as far as the solver accepts them."""
-        return [10.0**k for k in range(_LOOSEST[self.family], _TIGHTEST[self.family] - 1, -1)]
+        """From loose to tight, a decade apart."""
+        return [10.0**k for k in range(self.loosest, self.tightest - 1, -1)]
 
 
-def contestants() -> Iterator[Contestant]:
-    """All that are installed."""
-    for engine in (ENERGY, IVP):
-        prepare = partial(own_engines.prepare, engine=engine)
-        yield Contestant(engine, engine, "", "Numba", prepare)
-    yield from _scipy()
-    if HEYOKA in installed_peers():
-        module = import_module("escapement.benchmark._with_heyoka")
-        yield Contestant(HEYOKA, HEYOKA, "Taylor", "LLVM", module.prepare)
-        name = f"{HEYOKA} over the angle"
-        yield Contestant(name, HEYOKA, "Taylor, angle", "LLVM", module.prepare_angle)
-    if CYRK in installed_peers():
-        module = import_module("escapement.benchmark._with_cyrk")
-        for method in module.METHODS:
-            prepare = partial(module.prepare, method=method)
-            yield Contestant(f"{CYRK} {method}", CYRK, method, "C++", prepare)
-
-
-def installed_peers() -> list[str]:
-    """Those of `PEERS` that can be imported here."""
-    return [name for name in PEERS if find_spec(name) is not None]
-
-
-def _scipy() -> Iterator[Contestant]:
-    module = import_module("escapement.benchmark.scipy_solvers")
-    for method in module.METHODS:
-        for language in ("Python", "Numba"):
-            prepare = partial(module.prepare, method=method, language=language)
+def candidates() -> Iterator[Candidate]:
+    """Both engines, and each method of solve_ivp with the equation in each language."""
+    for engine, tightest in (("energy", -13), ("ivp", -12)):
+        prepare: Callable[[Problem, float], Run] = partial(_prepare_engine, engine=engine)
+        yield Candidate(engine, engine, "", "Numba", -4, tightest, prepare)
+    for method in METHODS:
+        for language in _EQUATIONS:
+            prepare = partial(_prepare_solve_ivp, method=method, language=language)
             name = f"solve_ivp {method} {language}"
-            yield Contestant(name, "solve_ivp", method, language, prepare)
+            yield Candidate(name, "solve_ivp", method, language, -3, -13, prepare)
+
+
+def _prepare_engine(problem: Problem, rtol: float, engine: str) -> Run:
+    """A run by one of the package's engines, called as a user calls it."""
+    escapement, engagements = problem.escapement, problem.engagements
+
+    def run() -> Answer:
+        motion = simulate(escapement, engagements, engine=engine, rtol=rtol)
+        return motion.handoff_times, motion.handoff_velocities
+
+    return run
+
+
+def _prepare_solve_ivp(problem: Problem, rtol: float, method: str, language: str) -> Run:
+    """A run by a method of solve_ivp, with the equation in a language."""
+    derivative, reversal = _EQUATIONS[language]
+    pieces = [(piece, _event(piece, reversal)) for piece in problems.pieces_of(problem)]
+    options = {"method": method, "rtol": rtol, "atol": rtol}
+
+    def run() -> Answer:
+        x, theta, speed = 0.0, 0.0, 0.0
+        times, speeds = [], []
+        for _ in range(problem.engagements):
+            for piece, event in pieces:
+                start = theta if piece.start is None else piece.start
+                solved = solve_ivp(
+                    derivative,
+                    (x, math.inf),
+                    (start, speed),
+                    events=event,
+                    args=piece.parameters,
+                    **options,
+                )
+                if solved.status != 1:
+                    raise ArithmeticError(solved.message)
+                x = solved.t_events[0][0]
+                theta, speed = solved.y_events[0][0]
+            times.append(x)
+            speeds.append(speed)
+        return np.array(times) * problem.clock, np.array(speeds) / problem.clock
+
+    return run
+
+
+def _event(piece: SmoothPiece, reversal: Any) -> Any:
+    """The terminal event that ends a piece."""
+    end = piece.end
+
+    def arrive(t: float, y: FloatArray, *_: float) -> Any:
+        return y[0] - end
+
+    def reverse(t: float, y: FloatArray, *parameters: float) -> Any:
+        return reversal(t, y, *parameters)
+
+    event: Any = reverse if end is None else arrive
+    event.terminal = True
+    event.direction = -1.0 if end is None else 1.0
+    return event

@@ -14,8 +14,7 @@ import numba
 import numpy as np
 from CyRK import cyjit, nbsolve2_ivp
 
-from escapement.benchmark.equations import acceleration, contact, pieces_of
-from escapement.benchmark.problems import Problem
+from escapement.benchmark.problems import Problem, acceleration, contact, pieces_of
 from escapement.model import FloatArray
 
 METHODS = ("DOP853", "Vern8")
