@@ -12,7 +12,7 @@ import escapement as esc
 from escapement.errors import InvalidValue
 from escapement.plots import planetary
 from escapement.sources import prikhodko
-from escapement.sources.prikhodko import figures as figures
+from escapement.sources.prikhodko import figures
 from escapement.study.parse import parse_plan
 from escapement.units import INCH
 from figure_tools import by_id

@@ -13,14 +13,13 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 
 from escapement.mechanisms import GearDriven
-from escapement.sources.digits import Digits, digits
-from escapement.sources.errata import PrintedNumber, as_errata
+from escapement.sources.printed import Digits, PrintedNumber, as_errata, digits
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and what a table calls them; alpha in degrees."""
 
 
-class PrintedFigure(NamedTuple):
+class Caption(NamedTuple):
     """The caption of one figure; proportions as text."""
 
     figure: int
@@ -48,13 +47,13 @@ class Proportion(PrintedNumber):
 
 
 @cache
-def printed_figures() -> tuple[PrintedFigure, ...]:
+def printed_figures() -> tuple[Caption, ...]:
     """The captions of figures 6 to 9."""
     table = files("escapement.sources.dijksman") / "figures.csv"
     lines = csv.reader(table.read_text(encoding="utf-8").splitlines()[1:])
     found = []
     for number, curve, n, m, k, slots, *text in lines:
-        found.append(PrintedFigure(int(number), curve, int(n), int(m), int(k), int(slots), *text))
+        found.append(Caption(int(number), curve, int(n), int(m), int(k), int(slots), *text))
     return tuple(found)
 
 
@@ -106,7 +105,7 @@ def _digits(text: str) -> Digits:
     return digits(text) if "'" in text else digits(text.removesuffix("°"))
 
 
-def _compare(figure: PrintedFigure, column: str) -> Proportion:
+def _compare(figure: Caption, column: str) -> Proportion:
     mechanism = figure.mechanism
     value, text = right_values(mechanism)[column], getattr(figure, column)
     if text == "M0M":  # a length by its name
@@ -120,7 +119,7 @@ def _compare(figure: PrintedFigure, column: str) -> Proportion:
     return Proportion(column, text, right.text + mark, value, agrees, reason, figure.figure)
 
 
-def _why(figure: PrintedFigure, column: str, printed: Digits) -> str:
+def _why(figure: Caption, column: str, printed: Digits) -> str:
     """The rule that gives the printed number, in a sentence."""
     mechanism = figure.mechanism
     for places in (len(figure.V.partition(".")[2]), 4):

@@ -16,7 +16,7 @@ from escapement.constant_speed import geneva, reversal_study
 from escapement.constant_speed.kernels import derivatives_at
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
-from escapement.sources.errata import EquationErratum, Slip
+from escapement.sources.printed import EquationErratum, FormulaErratum
 
 Formula = Callable[[FloatArray, FloatArray], Any]
 """From c and beta, arrays of one shape, to the values of an equation."""
@@ -26,8 +26,8 @@ _SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # of bet
 
 
 @dataclass(frozen=True)
-class _Slip(Slip):
-    """A slip, with what its formulas should give.
+class _GridErratum(FormulaErratum):
+    """A slip with what its formulas should give.
 
     truth : from the pin's path.
     angles : attribute of the grid, where the formulas are tried.
@@ -119,7 +119,7 @@ def _cubic(shift: float, sign: float, third: float, cube: float) -> Formula:
 
 
 _SLIPS = (
-    _Slip(
+    _GridErratum(
         "before (3)",
         "epsilon_0 = omega_0^2 d^2 alpha/d beta^2",
         "epsilon_0 = omega_2^2 d^2 alpha/d beta^2",
@@ -127,7 +127,7 @@ _SLIPS = (
         _rate,
         lambda grid: grid.dg,
     ),
-    _Slip(
+    _GridErratum(
         "d^3 alpha/d beta^3, before (5)",
         "2c cos^2(beta) + (1 - c^2) cos(beta) - 4c",
         "2c cos^2(beta) + (1 + c^2) cos(beta) - 4c",
@@ -135,18 +135,18 @@ _SLIPS = (
         _jerk(1.0),
         lambda grid: grid.ddg,
     ),
-    _Slip(
+    _GridErratum(
         "after (5)",
         "through the portion 0 to -beta_0 the same magnitudes but with negative signs",
         "through the portion 0 to +beta_0",
     ),
-    _Slip("before (6)", "M_2 = Theta_0 omega_2^2/M_e", "F = Theta_0 omega_2^2/M_e"),
-    _Slip(
+    _GridErratum("before (6)", "M_2 = Theta_0 omega_2^2/M_e", "F = Theta_0 omega_2^2/M_e"),
+    _GridErratum(
         "(1) and (6)",
         "M_2 = i_omega (M_e + Theta_0 epsilon_0)/eta at every angle",
         "multiplied by eta, not divided, where M_2 < 0: there the follower drives",
     ),
-    _Slip(
+    _GridErratum(
         "(7)",
         "denominator c (1 - c^2 sin(beta))",
         "denominator c (1 - c^2) sin(beta)",
@@ -154,7 +154,7 @@ _SLIPS = (
         lambda c, b: _length(c, b) ** 2 / (c * (1.0 - c * c) * np.sin(b)),
         lambda grid: -1.0 / grid.dg,
     ),
-    _Slip(
+    _GridErratum(
         "cos(beta) under dF/d beta",
         "-(1 - c^2)/(4c) + sqrt(((1 - c^2)/(4c))^2 + 2)",
         "-(1 + c^2)/(4c) + sqrt(((1 + c^2)/(4c))^2 + 2), as in (5)",
@@ -163,7 +163,7 @@ _SLIPS = (
         lambda grid: np.cos(grid.steepest),
         "steepest",
     ),
-    _Slip(
+    _GridErratum(
         "(9)",
         "F23 = -1/tan(alpha_0) = tan(beta_0)",
         "F23 = 1/tan(alpha_0) = tan(beta_0)",
@@ -172,7 +172,7 @@ _SLIPS = (
         lambda grid: np.tan(grid.exit),
         "exit",
     ),
-    _Slip(
+    _GridErratum(
         "dM_2/d beta, after Fig. 16",
         "second denominator (1 - 2c cos(beta) + c^2)^3",
         "second denominator (1 - 2c cos(beta) + c^2)^4",
@@ -180,8 +180,8 @@ _SLIPS = (
         _torque_slope(4),
         lambda grid: grid.dg + grid.dg**2 + grid.g * grid.ddg,
     ),
-    _Slip("F for dM_2/d beta = 0", "(14)", "(11), as the text that follows calls it"),
-    _Slip(
+    _GridErratum("F for dM_2/d beta = 0", "(14)", "(11), as the text that follows calls it"),
+    _GridErratum(
         "(12)",
         "unknown cos(beta*), constant 0.074 a^3 - 0.333 b a + d",
         "unknown cos(beta*) + a/3, constant 2 a^3/27 + a b/3 + d",

@@ -15,7 +15,7 @@ import numpy as np
 
 from escapement.measurement import sturges
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.sources.digits import digits
+from escapement.sources.printed import Erratum, digits
 
 if TYPE_CHECKING:
     from escapement.measurement import Measurement
@@ -48,15 +48,6 @@ class PrintedValue:
     def agrees(self) -> bool:
         """Whether the printed number is right to its last digit, or cannot be judged."""
         return self.right is None or digits(self.right).value == digits(self.printed).value
-
-
-@dataclass(frozen=True)
-class Erratum:
-    """A slip in an equation or in the text: place, what it says, what it must say."""
-
-    place: str
-    printed: str
-    right: str
 
 
 ERRATA = (
