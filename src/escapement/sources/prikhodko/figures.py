@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.model import FloatArray
+from escapement.outlines.elliptical import EllipticalOutline
 from escapement.plots import style
 from escapement.plots.planetary import draw_planetary
 
@@ -98,7 +99,8 @@ def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
 
 
 def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
-    _axis, rolling, shaft, contact = draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
+    draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
+    _, rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
     # speeds over omega_1 are lengths; to the left is forwards
     spin = 1.0 + mechanism.ratio
     at_contact = spin * (contact - rolling)
