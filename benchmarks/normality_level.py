@@ -24,7 +24,7 @@ from escapement.measurement import (
     histogram,
     published_chi_squared,
 )
-from escapement.measurement.classes import counts
+from escapement.measurement.normality import counts
 from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]

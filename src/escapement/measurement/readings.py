@@ -35,7 +35,7 @@ class Readings:
     synthetic : bool
         Whether the readings were computed and not measured.
     remark : str
-        What whoever reads the figures must know of them.
+        A sentence that a reader of the figures must know.
 
     Raises
     ------

@@ -126,7 +126,7 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
     turns, values, top = _bounded(turns, values, highest)
     span = float(np.ptp(turns))
     top = max(top, 1.0 / span)
-    sums = _Sums(turns, values - values.mean(), top, span)
+    sums = _FourierSums(turns, values - values.mean(), top, span)
     power, amplitude = sums.power()
     width = top * math.sqrt(4.0 * math.pi * float(turns.var()))
     return Periodogram(sums.frequency, power, amplitude, values.size, span, width)
@@ -146,7 +146,7 @@ def _row(name: str, values: ArrayLike) -> FloatArray:
     return row
 
 
-class _Sums:
+class _FourierSums:
     """Means of w, w e^{i a}, y e^{i a} and e^{2 i a} at all frequencies, by FFT."""
 
     def __init__(self, turns: FloatArray, values: FloatArray, highest: float, span: float) -> None:

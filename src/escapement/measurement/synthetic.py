@@ -3,9 +3,8 @@
 import numpy as np
 
 from escapement import validate
-from escapement.measurement._checks import check_drive, checked_zero
-from escapement.measurement._position import position
-from escapement.measurement.encoder import Encoder
+from escapement.measurement.encoder import Encoder, check_drive, checked_zero
+from escapement.measurement.fit import position
 from escapement.measurement.readings import LEAST_SAMPLES, TURN, Readings
 from escapement.model import FloatArray, Mechanism
 
