@@ -29,7 +29,9 @@ def main() -> None:
     args = parser.parse_args()
     for peer in set(peers.PEERS) - set(peers.installed_peers()):
         print(f"{peer} is not installed and is not measured; it is in the extra 'bench'")
-    further = [each for each in peers.candidates() if not args.quick or each.solver == peers.HEYOKA]
+    further = [
+        each for each in peers.peer_solvers() if not args.quick or each.solver == peers.HEYOKA
+    ]
     results = suite.run(
         quick=args.quick, further=further, note=lambda text: print(text, file=sys.stderr)
     )

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from escapement.benchmark import suite
-from escapement.benchmark.candidates import Candidate, candidates
 from escapement.benchmark.measuring import write_csv
 from escapement.benchmark.problems import PROBLEMS, REFERENCE
+from escapement.benchmark.solvers import MeasuredSolver, own_solvers
 from escapement.benchmark.work_precision import Point, standings, time_at
 from escapement.cli import main
 from escapement.errors import StorageError
@@ -28,15 +28,15 @@ sys.path.insert(0, str(BENCHMARKS))
 import peers  # noqa: E402
 
 MEYER = PROBLEMS[0]
-OWN = list(candidates())
-ALL = [*OWN, *peers.candidates()]
+OWN = list(own_solvers())
+ALL = [*OWN, *peers.peer_solvers()]
 RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8, "CyRK": 1e-8}
 
 PAIRS = [
-    (candidate, problem)
-    for candidate in ALL
+    (solver, problem)
+    for solver in ALL
     for problem in PROBLEMS
-    if problem is MEYER or candidate.family != "solve_ivp"
+    if problem is MEYER or solver.family != "solve_ivp"
 ]
 
 each_problem = pytest.mark.parametrize("problem", PROBLEMS, ids=lambda problem: problem.name)
@@ -84,32 +84,32 @@ def test_error_is_the_largest_relative_one():
 
 
 @pytest.mark.parametrize(
-    ("candidate", "problem"), PAIRS, ids=[f"{c.solver}, {p.name}" for c, p in PAIRS]
+    ("solver", "problem"), PAIRS, ids=[f"{c.solver}, {p.name}" for c, p in PAIRS]
 )
-def test_candidates_solve_the_problem(candidate, problem):
-    rtol = RTOL.get(candidate.family, 1e-4)
-    run = candidate.prepare(problem, rtol)
+def test_solvers_solve_the_problem(solver, problem):
+    rtol = RTOL.get(solver.family, 1e-4)
+    run = solver.prepare(problem, rtol)
     error = problem.error(*run())
     assert error < 100 * rtol
-    if candidate.family in peers.PEERS:
+    if solver.family in peers.PEERS:
         assert problem.error(*run()) == error  # a reset leaves nothing behind
 
 
 def test_the_package_measures_its_engines_and_scipy_alone():
-    assert {candidate.family for candidate in OWN} == {"energy", "ivp", "solve_ivp"}
+    assert {solver.family for solver in OWN} == {"energy", "ivp", "solve_ivp"}
 
 
 def test_peers_are_added_where_they_are_installed():
     here = [name for name in peers.PEERS if find_spec(name) is not None]
     assert peers.installed_peers() == here
-    assert {candidate.family for candidate in peers.candidates()} == set(here)
-    assert len({candidate.solver for candidate in ALL}) == len(ALL)
+    assert {solver.family for solver in peers.peer_solvers()} == set(here)
+    assert len({solver.solver for solver in ALL}) == len(ALL)
 
 
-def test_a_further_candidate_stands_in_every_table(tmp_path, monkeypatch):
+def test_a_further_solver_stands_in_every_table(tmp_path, monkeypatch):
     small = suite.Effort([MEYER], 5, 0.0, 1, (1,), (1, 4), ("energy",))
     monkeypatch.setattr(suite, "QUICK", small)
-    further = Candidate("heyoka", "heyoka", "Taylor", "LLVM", -6, -6, OWN[0].prepare)
+    further = MeasuredSolver("heyoka", "heyoka", "Taylor", "LLVM", -6, -6, OWN[0].prepare)
     results = suite.run(quick=True, further=[further])
     assert {row.solver for row in results.standings} == {"energy", "heyoka"}
     written = {path.name for path in suite.write(results, tmp_path)}

@@ -1,4 +1,4 @@
-"""Solvers of other packages, as candidates for the package's benchmark.
+"""Solvers of other packages, for the package's benchmark.
 
 They are optional: `pip install -e ".[bench]"` brings heyoka and CyRK.
 """
@@ -8,7 +8,7 @@ from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 
-from escapement.benchmark.candidates import Candidate
+from escapement.benchmark.solvers import MeasuredSolver
 
 HEYOKA, CYRK = "heyoka", "CyRK"
 PEERS = (HEYOKA, CYRK)
@@ -20,15 +20,15 @@ def installed_peers() -> list[str]:
     return [name for name in PEERS if find_spec(name) is not None]
 
 
-def candidates() -> Iterator[Candidate]:
+def peer_solvers() -> Iterator[MeasuredSolver]:
     """The solvers of all peers that are installed."""
     if HEYOKA in installed_peers():
         module = import_module("peers.with_heyoka")
-        yield Candidate(HEYOKA, HEYOKA, "Taylor", "LLVM", -4, -15, module.prepare)
+        yield MeasuredSolver(HEYOKA, HEYOKA, "Taylor", "LLVM", -4, -15, module.prepare)
         name = f"{HEYOKA} over the angle"
-        yield Candidate(name, HEYOKA, "Taylor, angle", "LLVM", -4, -15, module.prepare_angle)
+        yield MeasuredSolver(name, HEYOKA, "Taylor, angle", "LLVM", -4, -15, module.prepare_angle)
     if CYRK in installed_peers():
         module = import_module("peers.with_cyrk")
         for method in module.METHODS:
             prepare = partial(module.prepare, method=method)
-            yield Candidate(f"{CYRK} {method}", CYRK, method, "C++", -4, -15, prepare)
+            yield MeasuredSolver(f"{CYRK} {method}", CYRK, method, "C++", -4, -15, prepare)

@@ -15,8 +15,8 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from escapement.benchmark.candidates import Run
 from escapement.benchmark.problems import Problem, pieces_of
+from escapement.benchmark.solvers import Run
 from escapement.model import FloatArray
 
 _FOREVER = 1e6  # natural units; an event ends the run

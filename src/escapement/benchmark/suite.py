@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from escapement.benchmark import costs, figures
-from escapement.benchmark.candidates import Candidate, candidates
 from escapement.benchmark.measuring import describe_machine, write_csv
 from escapement.benchmark.problems import PROBLEMS, Problem
+from escapement.benchmark.solvers import MeasuredSolver, own_solvers
 from escapement.benchmark.work_precision import Point, Standing, standings, sweep_tolerances
 from escapement.files.whole import replace_whole
 from escapement.plots import save
@@ -75,7 +75,7 @@ class Results:
 def run(
     *,
     quick: bool = False,
-    further: Sequence[Candidate] = (),
+    further: Sequence[MeasuredSolver] = (),
     note: Callable[[str], object] | None = None,
 ) -> Results:
     """Measure everything.
@@ -84,7 +84,7 @@ def run(
     ----------
     quick : bool
         A version of about twenty seconds instead of many minutes.
-    further : sequence of Candidate
+    further : sequence of MeasuredSolver
         Solvers to measure beside the package's engines and SciPy's; their families name
         the packages they come from.
     note : callable, optional
@@ -93,7 +93,11 @@ def run(
     effort, say = (QUICK if quick else FULL), note or (lambda text: None)
     machine = describe_machine(list(dict.fromkeys(each.family for each in further)))
     chosen = [
-        *(each for each in candidates() if effort.solvers is None or each.solver in effort.solvers),
+        *(
+            each
+            for each in own_solvers()
+            if effort.solvers is None or each.solver in effort.solvers
+        ),
         *further,
     ]
     points: list[Point] = []

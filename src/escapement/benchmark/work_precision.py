@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from escapement.benchmark.candidates import Candidate, Run
 from escapement.benchmark.measuring import shortest, timed
 from escapement.benchmark.problems import Problem
+from escapement.benchmark.solvers import MeasuredSolver, Run
 from escapement.solver import DEFAULT_RTOL
 
 COMPARED_AT = 1e-10
@@ -37,19 +37,19 @@ class Point(NamedTuple):
 
 def sweep_tolerances(
     problem: Problem,
-    candidates: Sequence[Candidate],
+    solvers: Sequence[MeasuredSolver],
     *,
     decades: int,
     longest: float,
     rounds: int,
 ) -> list[Point]:
-    """Points of all candidates on one problem.
+    """Points of all solvers on one problem.
 
     Parameters
     ----------
     problem : Problem
         What they solve.
-    candidates : sequence of Candidate
+    solvers : sequence of MeasuredSolver
         The solvers to measure.
     decades : int
         Tolerances are this many powers of ten apart.
@@ -60,9 +60,9 @@ def sweep_tolerances(
     """
     points: list[Point] = []
     runs: list[Run] = []
-    for candidate in candidates:
-        for rtol in candidate.tolerances[::decades]:
-            point, run = _try(candidate, problem, rtol)
+    for solver in solvers:
+        for rtol in solver.tolerances[::decades]:
+            point, run = _try(solver, problem, rtol)
             if run is None:
                 continue
             points.append(point)
@@ -73,11 +73,11 @@ def sweep_tolerances(
     return [point._replace(time=time) for point, time in zip(points, times, strict=True)]
 
 
-def _try(candidate: Candidate, problem: Problem, rtol: float) -> tuple[Point, Run | None]:
+def _try(solver: MeasuredSolver, problem: Problem, rtol: float) -> tuple[Point, Run | None]:
     """A point timed roughly, and its run; None for a run that fails."""
-    point = Point(problem.name, *candidate[:4], rtol, math.nan, math.nan, math.nan)
+    point = Point(problem.name, *solver[:4], rtol, math.nan, math.nan, math.nan)
     try:
-        preparing, run = timed(lambda: candidate.prepare(problem, rtol))
+        preparing, run = timed(lambda: solver.prepare(problem, rtol))
         first, answer = timed(run)
     except (ArithmeticError, ValueError):
         return point, None

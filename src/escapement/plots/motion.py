@@ -1,10 +1,11 @@
-"""Figures of a motion: velocities, phase portrait, contact moment."""
+"""Figures of a motion: velocities, phase portrait, contact moment, or all on one sheet."""
 
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from escapement.errors import InvalidValue
@@ -191,3 +192,24 @@ def _degrees(span: float) -> MultipleLocator:
     """Ticks at round angles, for a span in degrees."""
     steps = [step for step in (5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0) if span / step <= 8.0]
     return MultipleLocator(steps[0] if steps else 90.0)
+
+
+def plot_motion(motion: Motion) -> Figure:
+    """Velocities and contact moment against time, and the phase portrait.
+
+    Parameters
+    ----------
+    motion : Motion
+        What `escapement.simulate` returns.
+
+    Raises
+    ------
+    InvalidValue
+        For a motion without length.
+    """
+    figure = style.new_figure(style.TWO_COLUMN, 8.2)
+    velocities, moment, phase = (style.dress(ax) for ax in figure.subplots(3, 1))
+    plot_velocities(motion, velocities)
+    plot_contact_moment(motion, moment)
+    plot_phase_portrait(motion, phase)
+    return figure

@@ -14,9 +14,9 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots._quantiles import QUANTILES, counted, missing, quantile, ran
-from escapement.plots._table import NoResult, Study, printed_name, single_case
 from escapement.plots.labels import label, number, print_unit, scaled, superscript
+from escapement.plots.spread import QUANTILES, counted, missing, quantile, ran
+from escapement.plots.study_table import NoResult, StudyData, printed_name, single_case
 
 _RESULTS = ("period", "velocity_max", "rise_time")
 _MOST_PANELS = 3  # parameters beside one another
@@ -30,7 +30,7 @@ _LONGER: dict[str, Any] = {"marker": "^", "color": style.PURPLE, "ms": 3.5, "mew
 _APART = 0.06  # least distance of two numbers, of a panel's height
 
 
-def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
+def plot_sample(study: StudyData, results: Sequence[str] = _RESULTS) -> Figure:
     """Results against each sampled parameter, and how they are distributed.
 
     Parameters
@@ -96,7 +96,7 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
 
 
 @dataclass(frozen=True)
-class _Flat:
+class _FlatSample:
     """A sample as columns of shape (n,).
 
     results : infinite where a case that has an answer lacks one, NaN where it has none.
@@ -108,7 +108,7 @@ class _Flat:
     failed: np.ndarray
 
 
-def _flat(study: Study) -> _Flat:
+def _flat(study: StudyData) -> _FlatSample:
     varied = [name for name, values in study.axes.items() if np.size(values) > 1]
     if not study.sampled or len(varied) > 1:
         raise InvalidValue(
@@ -118,10 +118,10 @@ def _flat(study: Study) -> _Flat:
     results = {name: np.ravel(counted(study, name)) for name in study.results}
     failed = ~np.ravel(ran(study))
     parameters = {name: np.asarray(v, dtype=float) for name, v in study.sampled.items()}
-    return _Flat(parameters, results, failed)
+    return _FlatSample(parameters, results, failed)
 
 
-def _foremost(flat: _Flat, result: str) -> list[str]:
+def _foremost(flat: _FlatSample, result: str) -> list[str]:
     """At most three parameters that vary: those with most effect on the result."""
     varied = [name for name, values in flat.parameters.items() if np.ptp(values) > 0.0]
     if len(varied) > _MOST_PANELS:
@@ -189,7 +189,7 @@ def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
             )  # fmt: skip
 
 
-def _dress_parameter(ax: Axes, study: Study, name: str) -> None:
+def _dress_parameter(ax: Axes, study: StudyData, name: str) -> None:
     """Ticks and label of a narrow panel: a power of ten goes into the unit."""
     values = np.abs(np.asarray(study.sampled[name], dtype=float))
     power = 3 * int(np.floor(np.log10(values.max()) / 3.0)) if values.max() > 0.0 else 0
@@ -210,7 +210,7 @@ def _wrapped(name: str, unit: str) -> str:
     return label(name, unit, _LINE)
 
 
-def _explain(figure: Figure, flat: _Flat, names: Sequence[str], rows: Sequence[str]) -> None:
+def _explain(figure: Figure, flat: _FlatSample, names: Sequence[str], rows: Sequence[str]) -> None:
     """What points, lines, crosses and triangles are, over the figure."""
     size, lost = flat.failed.size, int(flat.failed.sum())
     points = f"case ({min(size, _MOST_POINTS)} of {size})" if size > _MOST_POINTS else "case"

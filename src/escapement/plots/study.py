@@ -8,7 +8,10 @@ from matplotlib.lines import Line2D
 
 from escapement.errors import InvalidValue
 from escapement.plots import style
-from escapement.plots._panels import (
+from escapement.plots.labels import label, scaled
+from escapement.plots.sample import plot_sample
+from escapement.plots.spread import plot_spread
+from escapement.plots.study_panels import (
     draw_line,
     draw_lines,
     draw_map,
@@ -17,10 +20,7 @@ from escapement.plots._panels import (
     legend_title,
     whole,
 )
-from escapement.plots._table import NoResult, Study, Table, available, tabulate
-from escapement.plots.labels import label, scaled
-from escapement.plots.sample import plot_sample
-from escapement.plots.spread import plot_spread
+from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate
 
 _ENOUGH = 5  # points on either axis that make a contour map worth while
 _TIMES = ("rise_time", "settling_time")
@@ -28,7 +28,7 @@ _VELOCITIES = ("velocity_max", "velocity_mean", "velocity_min")
 _MAPS = ("period", "velocity_mean", "rise_time")
 
 
-def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
+def plot_lines(study: StudyData, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
     """One result against one parameter, a line for each value of another.
 
     Parameters
@@ -66,7 +66,7 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
     return ax
 
 
-def plot_rise_and_terminal(study: Study) -> Figure:
+def plot_rise_and_terminal(study: StudyData) -> Figure:
     """Rise time above mean terminal velocity, against one parameter.
 
     Parameters
@@ -86,7 +86,7 @@ def plot_rise_and_terminal(study: Study) -> Figure:
     return figure
 
 
-def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
+def plot_map(study: StudyData, result: str, ax: Axes | None = None) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
     Contours, but cells of one colour each for times that jump by an engagement, and
@@ -122,7 +122,7 @@ def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_study(study: Study) -> Figure:
+def plot_study(study: StudyData) -> Figure:
     """The figure that suits a study.
 
     Parameters
@@ -157,7 +157,7 @@ def plot_study(study: Study) -> Figure:
     return _plot_double(study, names, table)
 
 
-def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
+def _plot_double(study: StudyData, names: Sequence[str], table: StudyTable) -> Figure:
     """Lines above maps."""
     figure = style.new_figure(style.TWO_COLUMN, 6.3)
     rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
@@ -180,7 +180,7 @@ def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
     return figure
 
 
-def _plot_single(study: Study, table: Table) -> Figure:
+def _plot_single(study: StudyData, table: StudyTable) -> Figure:
     """Times above velocities, against the only varied parameter."""
     groups = {"time": _present(study, _TIMES), "driver velocity": _present(study, _VELOCITIES)}
     groups = {name: members for name, members in groups.items() if members}
@@ -201,7 +201,7 @@ def _plot_single(study: Study, table: Table) -> Figure:
     return figure
 
 
-def _present(study: Study, names: Sequence[str]) -> list[str]:
+def _present(study: StudyData, names: Sequence[str]) -> list[str]:
     try:
         return available(study, names)
     except NoResult:
@@ -214,7 +214,9 @@ def _panels(figure: Figure | SubFigure, rows: int, columns: int) -> list[Axes]:
     return [style.dress(ax) for ax in axes.ravel()]
 
 
-def _fill(panels: list[Axes], study: Study, names: Sequence[str]) -> tuple[list[Line2D], Table]:
+def _fill(
+    panels: list[Axes], study: StudyData, names: Sequence[str]
+) -> tuple[list[Line2D], StudyTable]:
     """Lines of one result in each panel; returns those of the last."""
     for ax, name in zip(panels, names, strict=True):
         table = tabulate(study, name)
@@ -224,7 +226,7 @@ def _fill(panels: list[Axes], study: Study, names: Sequence[str]) -> tuple[list[
     return lines, table
 
 
-def _title(figure: Figure | SubFigure, table: Table) -> None:
+def _title(figure: Figure | SubFigure, table: StudyTable) -> None:
     """Say over the figure which axes were fixed, and where."""
     if table.note:
         figure.suptitle(table.note, fontsize=style.SMALL_SIZE)

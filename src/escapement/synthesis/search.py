@@ -9,7 +9,7 @@ from escapement import validate
 from escapement.curves import CURVES
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
-from escapement.synthesis.peaks import MotionPeaks, motion_peaks
+from escapement.synthesis.motion import MotionPeaks, motion_peaks
 
 _MOST = 100_000
 _EDGE = 1e-12  # what is exactly on a limit keeps it, however its digits are rounded

@@ -32,7 +32,7 @@ _HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # characters of a long name that still make an axis label
 
 
-class Study(Protocol):
+class StudyData(Protocol):
     """What a figure needs of a study: a grid of results over named axes.
 
     `axes` in the order of the results' dimensions; `units` (UDUNITS spelling)
@@ -61,7 +61,7 @@ class Study(Protocol):
 
 
 @dataclass(frozen=True)
-class Table:
+class StudyTable:
     """One result over at most two axes, ready to draw.
 
     x, lines : names of the axes along the first and second dimension of
@@ -79,7 +79,7 @@ class Table:
     note: str
 
 
-def tabulate(study: Study, result: str, x: str | None = None) -> Table:
+def tabulate(study: StudyData, result: str, x: str | None = None) -> StudyTable:
     """Choose the axes of a figure, and fix every other one at its middle.
 
     Parameters
@@ -130,7 +130,7 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
     fixed = [_fixed(study, name, i) for name, i in middle.items()]
     where = ", ".join(fixed)
     notes = [where[:1].upper() + where[1:], _unanswered(study, index)]
-    return Table(
+    return StudyTable(
         x,
         lines,
         x_values[rows],
@@ -140,7 +140,7 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
     )
 
 
-def available(study: Study, names: Sequence[str]) -> list[str]:
+def available(study: StudyData, names: Sequence[str]) -> list[str]:
     """Those of the named results that a figure can show.
 
     Raises
@@ -165,14 +165,14 @@ class NoResult(InvalidValue):
     """Every case that would be drawn lacks the result."""
 
 
-def printed_name(study: Study, name: str) -> str:
+def printed_name(study: StudyData, name: str) -> str:
     """Name of an axis or result, short enough for a label."""
     words = name.replace("_", " ")
     long = study.long_names.get(name) or words
     return _SHORT.get(name) or (long if len(long) <= _LONGEST else words)
 
 
-def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
+def _unanswered(study: StudyData, index: tuple[Any, ...]) -> str:
     """How many of the cases shown have no number, and why; "" for none."""
     status = np.asarray(study.results.get("status", 0))
     shown = status[index] if status.ndim else status
@@ -185,7 +185,7 @@ def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
     return f"{lost} of {shown.size} cases {gaps}: {', '.join(reasons)}"
 
 
-def _fixed(study: Study, name: str, index: int) -> str:
+def _fixed(study: StudyData, name: str, index: int) -> str:
     values = study.axes[name]
     text = quantity(printed_name(study, name), values[index], study.units.get(name, ""))
     return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)})"

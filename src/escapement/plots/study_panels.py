@@ -21,8 +21,8 @@ from matplotlib.ticker import (
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots._table import Study, Table, printed_name
 from escapement.plots.labels import label, number, print_unit, scaled
+from escapement.plots.study_table import StudyData, StudyTable, printed_name
 
 _FEW = 15  # points of a line that are marked one by one
 _LEVELS = 7  # contours of a map, about
@@ -36,7 +36,7 @@ _POWER = 8  # of them that a power of ten beside the label takes
 _STEPPED = ("rise_time", "settling_time")  # jump by an engagement: no contour joins them
 
 
-def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D]:
+def draw_lines(ax: Axes, study: StudyData, result: str, table: StudyTable) -> list[Line2D]:
     """A line for each value of the second axis, six at most; returns them."""
     x, joined = table.x_values, not whole(study, table.x)
     factor, unit = scaled(study.units.get(result, ""), table.values)
@@ -64,7 +64,9 @@ def draw_line(
     return line
 
 
-def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str = "") -> None:
+def legend(
+    ax: Axes, study: StudyData, table: StudyTable, lines: list[Line2D], note: str = ""
+) -> None:
     """What the lines stand for, over a panel in one column."""
     if table.lines is not None:
         title = "\n".join(text for text in (note, legend_title(study, table)) if text)
@@ -72,7 +74,7 @@ def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str 
         style.legend_above(ax, columns, title, handles=lines, handlelength=style.HANDLE)
 
 
-def legend_title(study: Study, table: Table) -> str:
+def legend_title(study: StudyData, table: StudyTable) -> str:
     """What the lines are: "Driving torque (in·lbf)"; "" for a single line."""
     if table.lines is None:
         return ""
@@ -83,7 +85,7 @@ def legend_title(study: Study, table: Table) -> str:
 
 
 def draw_map(
-    ax: Axes, study: Study, result: str, table: Table, bar: Literal["right", "top"]
+    ax: Axes, study: StudyData, result: str, table: StudyTable, bar: Literal["right", "top"]
 ) -> list[Patch]:
     """Colours over both axes, named by a bar; hatched where there is no result.
 
@@ -160,13 +162,13 @@ def _edges(values: FloatArray) -> FloatArray:
     return np.exp(middles) if _logarithmic(values) else middles
 
 
-def whole(study: Study, name: str) -> bool:
+def whole(study: StudyData, name: str) -> bool:
     """Whether a parameter takes whole numbers only, with nothing between them."""
     return bool(np.issubdtype(np.asarray(study.axes[name]).dtype, np.integer))
 
 
 def dress_axis(
-    ax: Axes, which: Literal["x", "y"], study: Study, name: str, *, narrow: bool = False
+    ax: Axes, which: Literal["x", "y"], study: StudyData, name: str, *, narrow: bool = False
 ) -> None:
     """Label, scale and ticks of an axis that a parameter runs along.
 

@@ -1,6 +1,6 @@
 """The solvers that are measured: the package's two engines and SciPy's solve_ivp.
 
-A candidate turns a problem and a tolerance into a function that runs it once. What a
+Each turns a problem and a tolerance into a function that runs it once. What a
 user who repeats runs would pay once (building, compiling) belongs to the preparation and
 the first call; everything else to the run.
 
@@ -35,7 +35,7 @@ _EQUATIONS: dict[str, tuple[Any, Any]] = {
 }
 
 
-class Candidate(NamedTuple):
+class MeasuredSolver(NamedTuple):
     """A solver that can be measured.
 
     solver : its name, unique.
@@ -59,16 +59,16 @@ class Candidate(NamedTuple):
         return [10.0**k for k in range(self.loosest, self.tightest - 1, -1)]
 
 
-def candidates() -> Iterator[Candidate]:
+def own_solvers() -> Iterator[MeasuredSolver]:
     """Both engines, and each method of solve_ivp with the equation in each language."""
     for engine, tightest in (("energy", -13), ("ivp", -12)):
         prepare: Callable[[Problem, float], Run] = partial(_prepare_engine, engine=engine)
-        yield Candidate(engine, engine, "", "Numba", -4, tightest, prepare)
+        yield MeasuredSolver(engine, engine, "", "Numba", -4, tightest, prepare)
     for method in METHODS:
         for language in _EQUATIONS:
             prepare = partial(_prepare_solve_ivp, method=method, language=language)
             name = f"solve_ivp {method} {language}"
-            yield Candidate(name, "solve_ivp", method, language, -3, -13, prepare)
+            yield MeasuredSolver(name, "solve_ivp", method, language, -3, -13, prepare)
 
 
 def _prepare_engine(problem: Problem, rtol: float, engine: str) -> Run:
