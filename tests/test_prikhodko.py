@@ -10,6 +10,7 @@ from scipy.special import gammaincc
 
 import escapement as esc
 from escapement.errors import InvalidValue
+from escapement.measurement import sturges
 from escapement.outlines.elliptical import EllipticalOutline
 from escapement.plots import planetary
 from escapement.sources import prikhodko
@@ -50,7 +51,7 @@ def test_statistics_by_other_means():
     assert rows["significance"] == pytest.approx(100.0 * by_hand, rel=1e-12)
     assert math.erf(rows["quantile"] / math.sqrt(2.0)) == pytest.approx(0.99, abs=1e-14)
     assert rows["half_width"] == pytest.approx(3.33586, abs=1e-12)
-    assert prikhodko.sturges(148) == pytest.approx(3.32 * math.log10(148) + 1.0)
+    assert sturges(148) == pytest.approx(3.32 * math.log10(148) + 1.0)
     assert rows["degrees_of_freedom"] == 6.0
 
 

@@ -142,7 +142,7 @@ def pieces_of(problem: Problem) -> tuple[SmoothPiece, SmoothPiece, SmoothPiece]:
     )
 
 
-def acceleration(theta: float, speed: float, a: float, rho: float, kappa: float) -> float:
+def driver_acceleration(theta: float, speed: float, a: float, rho: float, kappa: float) -> float:
     """Driver acceleration."""
     n = a * math.cos(theta) - 1.0
     q = a * a - 1.0
@@ -153,7 +153,7 @@ def acceleration(theta: float, speed: float, a: float, rho: float, kappa: float)
     return (square * length + q * p * slide * speed * speed) / (length * (rho * square + n * p))
 
 
-def contact(theta: float, speed: float, a: float, rho: float) -> float:
+def contact_function(theta: float, speed: float, a: float, rho: float) -> float:
     """A function that falls through zero at the pin reversal."""
     n = a * math.cos(theta) - 1.0
     q = a * a - 1.0
@@ -162,16 +162,16 @@ def contact(theta: float, speed: float, a: float, rho: float) -> float:
 
 def derivative(t: float, y: State, a: float, rho: float, kappa: float) -> list[float]:
     """Right-hand side for y = (theta, theta_dot) in plain Python."""
-    return [y[1], acceleration(y[0], y[1], a, rho, kappa)]
+    return [y[1], driver_acceleration(y[0], y[1], a, rho, kappa)]
 
 
 def reversal(t: float, y: State, a: float, rho: float, kappa: float) -> float:
     """Event of the reversal in plain Python."""
-    return contact(y[0], y[1], a, rho)
+    return contact_function(y[0], y[1], a, rho)
 
 
-compiled_acceleration = jit(acceleration)
-compiled_contact = jit(contact)
+compiled_acceleration = jit(driver_acceleration)
+compiled_contact = jit(contact_function)
 
 
 @jit(allocates=True)
@@ -186,4 +186,5 @@ def compiled_derivative(t: float, y: FloatArray, a: float, rho: float, kappa: fl
 @jit
 def compiled_reversal(t: float, y: FloatArray, a: float, rho: float, kappa: float) -> float:
     """Event of the reversal, compiled."""
-    return compiled_contact(y[0], y[1], a, rho)
+    value: float = compiled_contact(y[0], y[1], a, rho)
+    return value

@@ -151,7 +151,7 @@ def time_at(points: Sequence[Point], error: float) -> float:
     for loose, tight in pairwise(best):
         if tight.error <= error:
             share = math.log(loose.error / error) / math.log(loose.error / tight.error)
-            return loose.time * (tight.time / loose.time) ** share
+            return loose.time * math.pow(tight.time / loose.time, share)
     raise AssertionError("the front falls below the error and never crosses it")
 
 

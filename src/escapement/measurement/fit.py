@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement.readings import TURN, spread
+from escapement.measurement.readings import TURN, spread_samples
 from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
@@ -156,7 +156,7 @@ def fit(
     """
     task = _FitTask(mechanism, angle, output, wraps)
     if zeros is None:
-        some = spread(angle.size, _START_SAMPLES)
+        some = spread_samples(angle.size, _START_SAMPLES)
         few = _FitTask(mechanism, angle[some], output[some], wraps)
         start = min(_improved(few, zeros) for zeros in _starts(few))
         best = _reduced(task, _improved(task, task.centred(*start[1:])))

@@ -234,4 +234,5 @@ def _compared(statistic: FloatArray, degrees_of_freedom: int) -> NormalityTest:
 
 def _standardised(values: FloatArray, ddof: int) -> FloatArray:
     centred = values - values.mean(axis=-1, keepdims=True)
-    return centred / values.std(axis=-1, ddof=ddof, keepdims=True)
+    scaled: FloatArray = centred / values.std(axis=-1, ddof=ddof, keepdims=True)
+    return scaled

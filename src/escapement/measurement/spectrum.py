@@ -58,7 +58,8 @@ class Periodogram:
             * (1.0 - height) ** ((self.samples - 4) / 2.0)
             * np.sqrt(0.5 * (self.samples - 1) * height)
         )  # fmt: skip
-        return -np.expm1(-many) + one * np.exp(-many)
+        bound: FloatArray = -np.expm1(-many) + one * np.exp(-many)
+        return bound
 
     def level(self, probability: float) -> float:
         """Power that white noise exceeds anywhere with a probability in (0, 1)."""

@@ -104,10 +104,11 @@ def _shaft(
     weights = [random.standard_normal(2) for _ in _HARMONICS]
 
     def bent(at: FloatArray) -> FloatArray:
-        return sum(
+        waves = [
             a * np.cos(k * at) + b * np.sin(k * at)
             for k, (a, b) in zip(_HARMONICS, weights, strict=True)
-        )
+        ]
+        return np.asarray(sum(waves))
 
     greatest = float(np.abs(bent(np.linspace(0.0, TURN, 3600))).max())
     return eccentricity * np.sin(angle + start) + deviation / greatest * bent(angle)

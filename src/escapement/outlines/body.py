@@ -45,9 +45,10 @@ class Body:
         return Body(self.name, tuple(about + edge * turn for edge in self.edges))
 
 
-def circle(radius: float) -> ComplexArray:
+def circle_edge(radius: float) -> ComplexArray:
     """A circle about the origin, clockwise."""
-    return radius * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361))
+    edge: ComplexArray = radius * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361))
+    return edge
 
 
 def locked_angle(mechanism: Geneva | GearDriven, theta: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from escapement.mechanisms import GearDriven
 from escapement.model import FloatArray
-from escapement.outlines.body import Body, ComplexArray, Disc, circle, locked_angle
+from escapement.outlines.body import Body, ComplexArray, Disc, circle_edge, locked_angle
 
 _FINE = 181
 
@@ -100,7 +100,7 @@ class GearDrivenOutline:
         if self.mouth == 0.0:  # slots right across, through the centre
             slot = self._stadium()
             return [
-                circle(self.rim_radius),
+                circle_edge(self.rim_radius),
                 *(slot * turn for turn in turns[: max(1, len(turns) // 2)]),
             ]
         edge = self.rim_radius if self.inward else math.sqrt(self.mouth**2 - self.half_slot**2)
@@ -112,7 +112,7 @@ class GearDrivenOutline:
         arc = np.linspace(aside, 2.0 * np.pi / self.mechanism.slots - aside, 31)
         tooth = np.concatenate([slot, edge * np.exp(1j * arc)])
         body = np.concatenate([tooth * turn for turn in turns])
-        return [body] if self.inward else [body, circle(self.rim_radius)]
+        return [body] if self.inward else [body, circle_edge(self.rim_radius)]
 
     def relief_edges(self) -> list[ComplexArray]:
         """Closed edges of the room that unused lobes need in the locked wheel, at zero."""
@@ -155,7 +155,9 @@ class GearDrivenOutline:
         first, _, second, rate = self.mechanism.arms
         phase = 2.0 * np.pi * number / self.mechanism.pins * np.sign(1.0 - rate)
         angles = np.asarray(theta, dtype=float)
-        return first * np.exp(1j * angles) + second * np.exp(1j * (rate * angles + phase))
+        arm = second * np.exp(1j * (rate * angles + phase))
+        place: ComplexArray = first * np.exp(1j * angles) + arm
+        return place
 
     def carrier_end(self, theta: float) -> complex:
         """The planet's axis at a carrier angle."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
-from escapement.outlines.body import Body, ComplexArray, Disc, circle, locked_angle
+from escapement.outlines.body import Body, ComplexArray, Disc, circle_edge, locked_angle
 
 _RAYS = 720  # of the locking disc; twice a multiple of every possible number of pins
 _POSITIONS = {False: 361, True: 721}  # more for an internal wheel, whose corners sweep further
@@ -98,7 +98,7 @@ class GenevaOutline:
         there; "locking-disc" only with a dwell, "follower-shaft" only of an external wheel.
         """
         mechanism, centre = self.mechanism, self.mechanism.centre_distance
-        outside = (circle(self.follower_radius),) if mechanism.internal else ()
+        outside = (circle_edge(self.follower_radius),) if mechanism.internal else ()
         found: list[Body | Disc] = [
             Body("follower", (self.follower_edge, *outside)).turned(locked_angle(mechanism, theta)),
             Disc("crank-disc", centre, self.crank_disc_radius),
@@ -129,7 +129,8 @@ class GenevaOutline:
         corner = math.asin(self.half_slot / self.rim_radius)
         if not self.locks:
             sweep = np.linspace(corner, 2.0 * middle - corner, 61)[1:-1]
-            return self.rim_radius * np.exp(1j * sweep)
+            rim_alone: ComplexArray = self.rim_radius * np.exp(1j * sweep)
+            return rim_alone
         axis = self.mechanism.centre_distance
         rim = self.rim_radius
         cosine = (rim**2 + axis**2 - self.lock_radius**2) / (2.0 * rim * axis)
@@ -152,7 +153,7 @@ class GenevaOutline:
         nearest = np.minimum(x, self.slot_end) if self.side > 0 else np.maximum(x, self.slot_end)
         slot = self.half_slot - np.hypot(x - nearest, y)
         rim = -self.side * (np.abs(folded) - self.rim_radius)
-        outside = np.maximum(slot, rim)
+        outside: FloatArray = np.maximum(slot, rim)
         if self.locks:
             centre = self.mechanism.centre_distance * np.exp(1j * step / 2.0)
             outside = np.maximum(outside, self.lock_radius - np.abs(x + 1j * y - centre))

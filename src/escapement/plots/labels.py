@@ -75,7 +75,7 @@ def superscript(power: int) -> str:
     return str(power).translate(_SUPERSCRIPTS)
 
 
-def number(value: float) -> str:
+def number_text(value: float) -> str:
     """A number to four figures, its power of ten written out."""
     mantissa, _, power = f"{value:.4g}".partition("e")
     return f"{mantissa}×10{superscript(int(power))}" if power else mantissa
@@ -84,4 +84,4 @@ def number(value: float) -> str:
 def quantity(name: str, value: float, unit: str) -> str:
     """A parameter and its value in running text: "torque = 0.1 in·lbf"."""
     printed = print_unit(unit)
-    return f"{name} = {number(value)}" + (f" {printed}" if printed else "")
+    return f"{name} = {number_text(value)}" + (f" {printed}" if printed else "")

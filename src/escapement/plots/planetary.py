@@ -86,8 +86,8 @@ def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None
     shaft = distance * np.exp(1j * theta)
     # letters to the right of the carrier, arrows to its left and behind it
     aside = 10.0 * np.exp(1j * (theta - 0.5 * np.pi))
-    style.write(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
-    style.write(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
+    style.annotate(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
+    style.annotate(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
     # the carrier turns counter-clockwise, the output the other way
     for arc in (
         distance * np.exp(1j * (theta + np.linspace(0.1, 0.4, 21))),

@@ -14,7 +14,7 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label, number, print_unit, scaled, superscript
+from escapement.plots.labels import label, number_text, print_unit, scaled, superscript
 from escapement.plots.spread import QUANTILES, counted, missing, quantile, ran
 from escapement.plots.study_table import NoResult, StudyData, printed_name, single_case
 
@@ -184,7 +184,7 @@ def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
         if all(abs(value - other) > _APART * (high - low) for other in placed):
             placed.append(value)
             row[-1].annotate(
-                number(value), (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
+                number_text(value), (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
                 textcoords="offset points", va=_BESIDE[share], fontsize=style.SMALL_SIZE,
             )  # fmt: skip
 

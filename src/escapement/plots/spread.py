@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from escapement.model import FloatArray
 from escapement.plots import style
 from escapement.plots.labels import scaled
-from escapement.plots.study_panels import draw_lines, legend, spread, whole
-from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate
+from escapement.plots.study_panels import draw_lines, is_whole, legend, lines_drawn
+from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate_study
 
 QUANTILES = (0.05, 0.5, 0.95)
 _RESULTS = ("rise_time", "velocity_mean")
@@ -23,7 +23,8 @@ _RESULTS = ("rise_time", "velocity_mean")
 
 def ran(study: StudyData) -> np.ndarray:
     """Which cases have an answer, shape of the results."""
-    return np.isfinite(np.asarray(study.results["velocity_mean"], dtype=float))
+    answered: np.ndarray = np.isfinite(np.asarray(study.results["velocity_mean"], dtype=float))
+    return answered
 
 
 def counted(study: StudyData, result: str) -> FloatArray:
@@ -89,14 +90,14 @@ def plot_spread(study: StudyData) -> Figure:
     figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(names))
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
     for ax, name in zip(panels, names, strict=True):
-        table = tabulate(middle, name)
+        table = tabulate_study(middle, name)
         lines = draw_lines(style.dress(ax), middle, name, table)
         factor, _ = scaled(study.units.get(name, ""), table.values)
         ends = [_values(side, name, table) * factor for side in (low, high)]
-        for line, column in zip(lines, spread(table.values.shape[1]), strict=True):
+        for line, column in zip(lines, lines_drawn(table.values.shape[1]), strict=True):
             below, above = (end[:, column] for end in ends)
             look: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "lw": 0.0}
-            if whole(study, table.x):
+            if is_whole(study, table.x):
                 ax.vlines(table.x_values, below, above, **(look | {"lw": 4.0}))
             else:
                 ax.fill_between(table.x_values, below, above, **look)
@@ -128,7 +129,7 @@ def _present(study: StudyData) -> list[str]:
 def _values(side: _QuantileGrid, name: str, middle: StudyTable) -> FloatArray:
     """A quantile beside the median, NaN all over where it falls on no number anywhere."""
     try:
-        return tabulate(side, name).values
+        return tabulate_study(side, name).values
     except NoResult:
         return np.full_like(middle.values, np.nan)
 

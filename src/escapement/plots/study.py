@@ -16,11 +16,11 @@ from escapement.plots.study_panels import (
     draw_lines,
     draw_map,
     dress_axis,
+    is_whole,
     legend,
     legend_title,
-    whole,
 )
-from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate
+from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate_study
 
 _ENOUGH = 5  # points on either axis that make a contour map worth while
 _TIMES = ("rise_time", "settling_time")
@@ -57,7 +57,7 @@ def plot_lines(study: StudyData, result: str, x: str | None = None, ax: Axes | N
 
     Source: the figures are Meyer (1973), figures 9-11.
     """
-    table = tabulate(study, result, x)
+    table = tabulate_study(study, result, x)
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.1)
     lines = draw_lines(ax, study, result, table)
     legend(ax, study, table, lines, table.note)
@@ -107,7 +107,7 @@ def plot_map(study: StudyData, result: str, ax: Axes | None = None) -> Axes:
     InvalidValue
         For an unknown or empty result, or fewer than two varied axes.
     """
-    table = tabulate(study, result)
+    table = tabulate_study(study, result)
     if table.lines is None:
         raise InvalidValue(
             f"study must vary two parameters for a map, got one ({table.x}); use plot_lines"
@@ -149,7 +149,7 @@ def plot_study(study: StudyData) -> Figure:
         beside = [*study.axes.values()][:-1]
         return (plot_spread if max(map(len, beside), default=1) > 1 else plot_sample)(study)
     names = available(study, ("rise_time", "velocity_mean"))
-    table = tabulate(study, names[0])
+    table = tabulate_study(study, names[0])
     if table.lines is None:
         return _plot_single(study, table)
     if min(table.values.shape) < _ENOUGH:
@@ -170,7 +170,7 @@ def _plot_double(study: StudyData, names: Sequence[str], table: StudyTable) -> F
     maps = available(study, _MAPS)
     holes = []
     for ax, name in zip(_panels(lower, 1, len(maps)), maps, strict=True):
-        holes += draw_map(ax, study, name, tabulate(study, name), bar="top")
+        holes += draw_map(ax, study, name, tabulate_study(study, name), bar="top")
         ax.label_outer()
     if holes:
         style.add_legend(
@@ -187,11 +187,11 @@ def _plot_single(study: StudyData, table: StudyTable) -> Figure:
     figure = style.new_figure(style.ONE_COLUMN, 0.4 + 2.2 * len(groups))
     panels = _panels(figure, len(groups), 1)
     for ax, (name, members) in zip(panels, groups.items(), strict=True):
-        values = {member: tabulate(study, member).values[:, 0] for member in members}
+        values = {member: tabulate_study(study, member).values[:, 0] for member in members}
         factor, unit = scaled(study.units.get(members[0], ""), list(values.values()))
         for look, (member, y) in zip(style.LOOKS, values.items(), strict=False):
             entry = member.removeprefix("velocity_").replace("_", " ")
-            joined = not whole(study, table.x)
+            joined = not is_whole(study, table.x)
             draw_line(ax, table.x_values, y * factor, look, entry, joined)
         dress_axis(ax, "x", study, table.x)
         ax.set_ylabel(label(name, unit))
@@ -219,7 +219,7 @@ def _fill(
 ) -> tuple[list[Line2D], StudyTable]:
     """Lines of one result in each panel; returns those of the last."""
     for ax, name in zip(panels, names, strict=True):
-        table = tabulate(study, name)
+        table = tabulate_study(study, name)
         lines = draw_lines(ax, study, name, table)
         if len(panels[0].get_shared_x_axes().get_siblings(ax)) > 1:
             ax.label_outer()

@@ -21,7 +21,7 @@ from matplotlib.ticker import (
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label, number, print_unit, scaled
+from escapement.plots.labels import label, number_text, print_unit, scaled
 from escapement.plots.study_table import StudyData, StudyTable, printed_name
 
 _FEW = 15  # points of a line that are marked one by one
@@ -38,11 +38,11 @@ _STEPPED = ("rise_time", "settling_time")  # jump by an engagement: no contour j
 
 def draw_lines(ax: Axes, study: StudyData, result: str, table: StudyTable) -> list[Line2D]:
     """A line for each value of the second axis, six at most; returns them."""
-    x, joined = table.x_values, not whole(study, table.x)
+    x, joined = table.x_values, not is_whole(study, table.x)
     factor, unit = scaled(study.units.get(result, ""), table.values)
     drawn = []
-    for look, column in zip(style.LOOKS, spread(table.values.shape[1]), strict=False):
-        name = "" if table.lines is None else number(table.line_values[column])
+    for look, column in zip(style.LOOKS, lines_drawn(table.values.shape[1]), strict=False):
+        name = "" if table.lines is None else number_text(table.line_values[column])
         drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name, joined))
     dress_axis(ax, "x", study, table.x)
     ax.set_ylabel(label(printed_name(study, result), unit))
@@ -80,7 +80,7 @@ def legend_title(study: StudyData, table: StudyTable) -> str:
         return ""
     text = label(printed_name(study, table.lines), print_unit(study.units.get(table.lines, "")))
     count = table.values.shape[1]
-    shown = len(spread(count))
+    shown = len(lines_drawn(count))
     return text if shown == count else f"{text}, {shown} of {count} values"
 
 
@@ -97,7 +97,7 @@ def draw_map(
     x, y = table.x_values, table.line_values
     factor, unit = scaled(study.units.get(result, ""), table.values)
     z = np.ma.masked_invalid(table.values.T * factor)
-    cells = result in _STEPPED or whole(study, table.x) or whole(study, str(table.lines))
+    cells = result in _STEPPED or is_whole(study, table.x) or is_whole(study, str(table.lines))
     count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black on 0.6 can be read
     levels = np.asarray(MaxNLocator(count).tick_values(float(z.min()), float(z.max())))
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
@@ -109,9 +109,9 @@ def draw_map(
     if cells:
         norm = BoundaryNorm(levels, colours.N)
         filled = ax.pcolormesh(_edges(x), _edges(y), z, cmap=colours, norm=norm, rasterized=True)
-        if not whole(study, table.x):
+        if not is_whole(study, table.x):
             ax.set_xlim(x[0], x[-1])
-        if not whole(study, str(table.lines)):
+        if not is_whole(study, str(table.lines)):
             ax.set_ylim(y[0], y[-1])
     else:
         filled = ax.contourf(x, y, z, levels, cmap=colours)
@@ -159,10 +159,11 @@ def _edges(values: FloatArray) -> FloatArray:
     even = np.log(values) if _logarithmic(values) else values
     ends = np.concatenate([[2.0 * even[0] - even[1]], even, [2.0 * even[-1] - even[-2]]])
     middles = 0.5 * (ends[:-1] + ends[1:])
-    return np.exp(middles) if _logarithmic(values) else middles
+    edges: FloatArray = np.exp(middles) if _logarithmic(values) else middles
+    return edges
 
 
-def whole(study: StudyData, name: str) -> bool:
+def is_whole(study: StudyData, name: str) -> bool:
     """Whether a parameter takes whole numbers only, with nothing between them."""
     return bool(np.issubdtype(np.asarray(study.axes[name]).dtype, np.integer))
 
@@ -182,7 +183,7 @@ def dress_axis(
         line -= _POWER
     unit = print_unit(study.units.get(name, ""))
     axis.set_label_text(label(printed_name(study, name), unit, line))
-    if whole(study, name):
+    if is_whole(study, name):
         few = np.unique(values).size <= _MOST_TICKS
         many = MaxNLocator(_MOST_TICKS, steps=[1, 2, 5, 10], integer=True)
         axis.set_major_locator(FixedLocator(np.unique(values).tolist()) if few else many)
@@ -205,7 +206,7 @@ def _logarithmic(values: FloatArray) -> bool:
     return bool(np.allclose(steps, steps[0], rtol=1e-6))
 
 
-def spread(count: int) -> list[int]:
+def lines_drawn(count: int) -> list[int]:
     """Indices of the lines drawn, of so many: evenly spread, ends included."""
     most = len(style.LOOKS)
     if count <= most:

@@ -79,7 +79,7 @@ class StudyTable:
     note: str
 
 
-def tabulate(study: StudyData, result: str, x: str | None = None) -> StudyTable:
+def tabulate_study(study: StudyData, result: str, x: str | None = None) -> StudyTable:
     """Choose the axes of a figure, and fix every other one at its middle.
 
     Parameters
@@ -152,7 +152,7 @@ def available(study: StudyData, names: Sequence[str]) -> list[str]:
     for name in names:
         if name in study.results:
             try:
-                tabulate(study, name)
+                tabulate_study(study, name)
             except NoResult:
                 continue
             found.append(name)

@@ -103,7 +103,7 @@ def add_legend(
     legend.get_title().set(fontsize=SMALL_SIZE, multialignment="center")
 
 
-def write(
+def annotate(
     ax: Axes,
     text: str,
     place: tuple[float, float],

@@ -87,7 +87,7 @@ def plot_nomogram(sheet: Nomogram) -> Figure:
     for n, line in zip(sheet.slots, lines, strict=True):
         left.plot(ratio, line, color=style.BLUE, lw=1.2)
         i = int(0.06 * _POINTS)
-        style.write(left, f"n = {n}", (float(ratio[i]), float(line[i])))
+        style.annotate(left, f"n = {n}", (float(ratio[i]), float(line[i])))
     _draw_loads(right, low, high)
     _scale(left, "x", *sheet.ratios)
     _scale(left, "y", low, high)
@@ -117,7 +117,7 @@ def _draw_loads(ax: Axes, low: float, high: float) -> None:
     factor = np.array([low, high])
     for load in LOADS:
         ax.plot(load * factor, factor, color=style.BLUE, lw=1.2)
-        style.write(ax, f"{load:g}", (load * high, high), (0.0, 7.0))
+        style.annotate(ax, f"{load:g}", (load * high, high), (0.0, 7.0))
     ax.text(
         10.0**0.5 * high, 1.0, r"$M_e/\eta$" + "\n", ha="center", va="bottom",
         transform=ax.get_xaxis_transform(), fontsize=style.TICK_SIZE,

@@ -82,7 +82,8 @@ def _jerk(sign: float) -> Formula:
     def formula(c: FloatArray, b: FloatArray) -> FloatArray:
         x = np.cos(b)
         top = 2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c
-        return -c * (1.0 - c * c) * top / _length(c, b) ** 3
+        found: FloatArray = -c * (1.0 - c * c) * top / _length(c, b) ** 3
+        return found
 
     return formula
 
@@ -101,7 +102,8 @@ def _torque_slope(power: int) -> Formula:
     def formula(c: FloatArray, b: FloatArray) -> FloatArray:
         x = np.cos(b)
         top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
-        return _rate(c, b) - c * c * (1.0 - c * c) * top / _length(c, b) ** power
+        found: FloatArray = _rate(c, b) - c * c * (1.0 - c * c) * top / _length(c, b) ** power
+        return found
 
     return formula
 

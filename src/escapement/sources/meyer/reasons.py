@@ -7,7 +7,8 @@ figure better than the one that lacks it; no list of rows is kept.
 import math
 from collections.abc import Mapping, Sequence
 
-from escapement.sources.meyer.program import ROW, program_1973, read_printout, stretches
+from escapement.sources.meyer.listing import ROW
+from escapement.sources.meyer.program import program_1973, read_printout, stretches
 
 RunFigures = Mapping[str, float | None]
 """velocity_max, velocity_min [rad/s], rise_time and period [s]; None for none."""

@@ -51,7 +51,7 @@ def plot_position_function(mechanism: EllipticalPlanetary, ax: Axes | None = Non
     heights = np.degrees(-mechanism.follower_angle(marks))
     ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
     for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
-        style.write(ax, letter, (x, y), (8.0, 8.0))
+        style.annotate(ax, letter, (x, y), (8.0, 8.0))
     between = f"{math.degrees(cell):g}° between stops, output {-_degrees(mechanism):g}°"
     ax.set_title(between.replace("-", "−"), fontsize=style.TICK_SIZE)
     ax.set(xlabel="Input angle φ₁ (°)", ylabel="Output angle φ₃ (°)")
@@ -70,7 +70,7 @@ def plot_velocity_analogue(mechanism: EllipticalPlanetary, ax: Axes | None = Non
     heights = -mechanism.transmission(marks).g
     ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
     for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
-        style.write(ax, letter, (x, y), (0.0, 9.0) if letter == "c" else (9.0, -7.0))
+        style.annotate(ax, letter, (x, y), (0.0, 9.0) if letter == "c" else (9.0, -7.0))
     ax.set(xlabel="Input angle φ₁ (°)", ylabel="Velocity analogue φ₃′")
     ax.set_xlim(0.0, math.degrees(_CELLS * cell))
     return ax
@@ -122,7 +122,7 @@ def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     else:
         marks += [("B, D", 0.0, rolling, (14, -1))]
     for letters, speed, height, offset in marks:
-        style.write(ax, letters, (-_LENGTH * speed, height), offset)
+        style.annotate(ax, letters, (-_LENGTH * speed, height), offset)
     for height, speed in ((shaft, shaft), (contact, at_contact)):
         if abs(speed) > 1e-9 * shaft:
             ax.annotate("", (-_LENGTH * speed, height), (0.0, height), zorder=7, arrowprops=_ARROW)
