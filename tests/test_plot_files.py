@@ -11,7 +11,7 @@ import pytest
 from escapement import plots
 from escapement.errors import CannotCreate, InvalidValue, StorageError
 from escapement.plots import style
-from escapement.plots.labels import label, number_text, print_unit, scaled
+from escapement.plots.style import label, number_text, print_unit, scaled
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ from escapement.motion import Motion
 from escapement.plots import style
 from escapement.plots.gear_driven import plot_gear_driven
 from escapement.plots.geneva import plot_mechanism
-from escapement.plots.labels import scaled
 from escapement.plots.motion import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
+from escapement.plots.style import scaled
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation

@@ -11,7 +11,7 @@ from matplotlib.patheffects import withStroke
 from escapement import validate
 from escapement.constant_speed import DriveTorque
 from escapement.plots import style
-from escapement.plots.labels import label, number_text, scaled
+from escapement.plots.style import label, number_text, scaled
 from escapement.units import SYSTEMS, factor, unit_name
 
 

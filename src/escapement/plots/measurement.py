@@ -10,7 +10,7 @@ from escapement.measurement.encoder import sensor_uncertainty
 from escapement.measurement.readings import spread_samples
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label
+from escapement.plots.style import label
 
 _MOST_POINTS = 4000  # more than a print can tell apart
 _CURVE = 400

@@ -12,7 +12,7 @@ from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.plots import style
-from escapement.plots.labels import label, scaled
+from escapement.plots.style import label, scaled
 
 _CROWDED = 30  # handoffs beyond which full-height lines would grey the figure
 _REPEATS = 0.01  # two handoff speeds this close, relatively: the cycle is terminal

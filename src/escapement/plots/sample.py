@@ -14,9 +14,9 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label, number_text, print_unit, scaled, superscript
 from escapement.plots.spread import QUANTILES, counted, missing, quantile, ran
 from escapement.plots.study_table import NoResult, StudyData, printed_name, single_case
+from escapement.plots.style import label, number_text, print_unit, scaled, superscript
 
 _RESULTS = ("period", "velocity_max", "rise_time")
 _MOST_PANELS = 3  # parameters beside one another

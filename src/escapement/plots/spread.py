@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import scaled
 from escapement.plots.study_panels import draw_lines, is_whole, legend, lines_drawn
 from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate_study
+from escapement.plots.style import scaled
 
 QUANTILES = (0.05, 0.5, 0.95)
 _RESULTS = ("rise_time", "velocity_mean")

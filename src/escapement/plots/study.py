@@ -8,7 +8,6 @@ from matplotlib.lines import Line2D
 
 from escapement.errors import InvalidValue
 from escapement.plots import style
-from escapement.plots.labels import label, scaled
 from escapement.plots.sample import plot_sample
 from escapement.plots.spread import plot_spread
 from escapement.plots.study_panels import (
@@ -21,6 +20,7 @@ from escapement.plots.study_panels import (
     legend_title,
 )
 from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate_study
+from escapement.plots.style import label, scaled
 
 _ENOUGH = 5  # points on either axis that make a contour map worth while
 _TIMES = ("rise_time", "settling_time")

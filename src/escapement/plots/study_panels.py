@@ -21,8 +21,8 @@ from matplotlib.ticker import (
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label, number_text, print_unit, scaled
 from escapement.plots.study_table import StudyData, StudyTable, printed_name
+from escapement.plots.style import label, number_text, print_unit, scaled
 
 _FEW = 15  # points of a line that are marked one by one
 _LEVELS = 7  # contours of a map, about

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots.labels import quantity
+from escapement.plots.style import parameter_text
 from escapement.status import Status
 
 _SHORT = {
@@ -187,7 +187,7 @@ def _unanswered(study: StudyData, index: tuple[Any, ...]) -> str:
 
 def _fixed(study: StudyData, name: str, index: int) -> str:
     values = study.axes[name]
-    text = quantity(printed_name(study, name), values[index], study.units.get(name, ""))
+    text = parameter_text(printed_name(study, name), values[index], study.units.get(name, ""))
     return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)})"
 
 

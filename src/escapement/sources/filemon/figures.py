@@ -17,7 +17,7 @@ from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import Transmission
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label
+from escapement.plots.style import label
 
 SLOTS = tuple(range(3, 11))
 """Numbers of slots of the families of curves."""
