@@ -27,7 +27,7 @@ from escapement.plots.style import (
     new_figure,
 )
 
-# heyoka and CyRK are measured by `benchmarks/standings.py` only.
+# The package itself does not measure heyoka and CyRK; `benchmarks/standings.py` does.
 _COLORS = {
     "energy": BLACK,
     "ivp": GREY,

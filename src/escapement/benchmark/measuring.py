@@ -26,7 +26,7 @@ Clock = Callable[[], float]
 
 processor, wall = time.process_time, time.perf_counter
 
-_SAMPLE = 5e-3  # s: long against the clock's grain, short against most disturbances
+_SAMPLE = 5e-3  # [s] is long against the clock's grain and short against most disturbances
 _PACKAGES = ("numpy", "scipy", "numba")
 _OTHER_FACTS = ("processor", "cores", "load", "system", "escapement", "quick")
 
@@ -94,7 +94,7 @@ def _short(value: Any) -> Any:
 
 def _repeats(call: Call) -> int:
     """How many calls fill a sample."""
-    # the first call of all loads what it needs
+    # the very first call also loads what it needs, so the second counts
     once = min(timed(call)[0], timed(call)[0])
     if once < _SAMPLE:
         once = min(once, timed(call)[0])

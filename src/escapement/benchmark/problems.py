@@ -108,7 +108,7 @@ class Problem:
 
 PROBLEMS = (
     Problem("meyer", r"four slots, $\mu$ = 0.35", 0.35),
-    # the Painleve limit is 0.406079: the reduced inertia falls to a hundredth
+    # the Painleve limit is 0.406079, so the reduced inertia falls to a hundredth
     Problem("near-limit", r"$\mu$ = 0.402, 99 % of the Painlevé limit", 0.402),
 )
 

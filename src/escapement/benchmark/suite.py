@@ -130,7 +130,7 @@ def _growth(effort: Effort, cores: int) -> list[costs.Cost]:
     return [
         *costs.against_engagements(problem, effort.engagements, effort.longest, effort.rounds),
         *costs.against_cases(problem, effort.cases, effort.rounds),
-        # many blocks for each worker, or the last one's solo counts
+        # each worker needs many blocks, or the time in which the last works alone counts
         *costs.against_workers(problem, range(1, cores + 1), 4 * most, min(effort.rounds, 3)),
     ]
 

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 _SURE = 1e-3
 """A p-value below it is told to the reader."""
-_ALIKE = 0.05  # less correlation spoils no p-value
-_TELLING = 3.0  # standard errors of an amplitude; one in a thousand by chance has 3.7
-_LEAST = 5e-324  # a p-value too small for a double
+_ALIKE = 0.05  # a smaller correlation spoils no p-value
+_TELLING = 3.0  # an amplitude of fewer standard errors is all but hidden
+_LEAST = 5e-324  # it stands for a p-value that is too small for a double
 _CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 
 
@@ -64,7 +64,7 @@ def _on_the_fit(result: "Measurement") -> Iterator[str]:
 def _on_independence(result: "Measurement") -> Iterator[str]:
     least = max(3.3 / math.sqrt(result.errors.size), _ALIKE)
     alike, rest = result.autocorrelation, result.rest_autocorrelation
-    # a wave that is found makes neighbours alike, and spoils no test for waves
+    # a wave that is found makes neighbours alike, but spoils no test for waves
     if rest > least:
         spoilt = "all tests, false alarms, standard errors and intervals of the mean"
     else:
@@ -92,8 +92,8 @@ def _on_shafts(result: "Measurement") -> Iterator[str]:
 
 def _on_shaft(error: "ShaftError", correlation: float) -> str:
     """What comes back, with reserve where correlated noise may look the same."""
-    # n such errors are worth n (1 - r)/(1 + r) independent ones to a slow wave, and of an F
-    # test with two degrees of freedom that share is the exponent of p
+    # To a slow wave n errors of correlation r are worth n (1 - r)/(1 + r) independent ones.
+    # In an F test with two degrees of freedom p is then raised to that share.
     worth = (1.0 - correlation) / (1.0 + correlation) if correlation > 0.0 else 1.0
     sure = max(error.p_value, _LEAST) ** worth < _SURE
     where = "cell" if error.shaft == "cell" else f"turn of the {error.shaft}"

@@ -33,7 +33,7 @@ from escapement.measurement.shafts import ShaftError, shaft_errors
 from escapement.measurement.spectrum import Periodogram, periodogram
 from escapement.model import FloatArray, Mechanism
 
-_EXPECTED = 5  # errors in a class, on average, for the chi-squared law to hold
+_EXPECTED = 5  # the chi-squared law needs so many errors in a class on average
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,18 +216,18 @@ def measure(
             "readings", "Readings or a path", readings, "give Readings(input, output) in rad"
         )
     taken = readings if isinstance(readings, Readings) else read_readings(readings)
-    # turns are counted before samples without an output are left out: their input tells
+    # the input of samples without an output helps to count turns, so they are left out last
     angle, output = taken.counted_input[taken.complete], taken.output[taken.complete]
     found = fit(mechanism, angle, output, wraps(output), known)
     first = np.flatnonzero(np.isfinite(taken.input))[0]
     turns = round(float(taken.input[first] - taken.counted_input[first]) / TURN)
     if known is not None and turns != 0:
-        # a first reading of nearly a turn may be jitter below zero, or just that
+        # a first reading of nearly a turn may be one a little below zero; the better fit decides
         other = angle + turns * TURN
         standing = fit(mechanism, other, output, wraps(output), known)
         if standing.errors @ standing.errors < found.errors @ found.errors:
             angle, found = other, standing
-    # rounding alone is no measurement
+    # errors that rounding alone makes are no measurement
     if not np.ptp(found.errors) > 1e-13 * max(1.0, float(np.abs(output).max())):
         raise InvalidValue(
             "readings must differ from theory in some way, got theory itself; give measured ones"

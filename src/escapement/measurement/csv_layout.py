@@ -58,7 +58,7 @@ def _cut(data: bytes) -> tuple[bytes, bytes, bytes]:
     """Split data into what is before the last line end, that end, and what follows."""
     if b"\n" in data:
         return data.rpartition(b"\n")
-    # the last byte may be half of a line end
+    # the last byte may be the first half of a line end
     whole, end, rest = data[:-1].rpartition(b"\r")
     return whole, end, rest + data[-1:]
 

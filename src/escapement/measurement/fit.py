@@ -54,7 +54,7 @@ def slope(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
 
     Zero in the dwell.
     """
-    # not from the path where it can be helped: of a follower that turns back there is none
+    # a follower that turns back has no path, only a transmission of its own
     read = getattr(mechanism, "transmission", None) or partial(transmission, mechanism.path)
     g, exit_ = np.empty_like(theta), mechanism.breaks[-1]
     for part in blocks(theta.size):
@@ -198,7 +198,7 @@ def _improved(task: _FitTask, zeros: _Zeros) -> _Zeros:
         spread = float(g @ g)
         step = float(g @ task.residual(*zeros[1:])) / spread
         step = math.copysign(min(abs(step), longest), step)
-        # a thousandth of the standard error is near enough
+        # a step below a thousandth of the standard error changes nothing that matters
         if abs(step) < max(1e-3 * math.sqrt(zeros.squares / spread / g.size), 1e-14):
             break
         for _ in range(_HALVINGS):

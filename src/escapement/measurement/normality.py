@@ -146,7 +146,7 @@ def published_chi_squared(classes: Histogram) -> NormalityTest:
     Source: Prikhodko (2020), eqs. 15 and 16.
     """
     observed, expected = classes.observed, classes.expected
-    with np.errstate(all="ignore"):  # classes in which nothing is expected
+    with np.errstate(all="ignore"):  # nothing may be expected in a class
         terms = (observed - expected) ** 2 / expected
     statistic = np.where(observed == expected, 0.0, terms).sum(axis=-1)
     return _compared(statistic, classes.observed.shape[-1] - 3)
@@ -180,7 +180,7 @@ def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
     deviation = (observed - expected) / np.sqrt(expected)
     inner = ndtri(np.arange(1, bins) / bins)
     density = np.exp(-0.5 * inner**2) / np.sqrt(2.0 * np.pi)
-    # rates of the classes' probabilities by mean and deviation, in deviations
+    # how fast the classes' probabilities change with mean and deviation, in units of the latter
     rates = np.diff([density, inner * density], prepend=0.0, append=0.0, axis=-1)
     rates *= -np.sqrt(bins)
     information = np.diag([1.0, 2.0]) - rates @ rates.T

@@ -13,7 +13,7 @@ ORDERS = (1, 2)
 """Cycles a turn: 1 an eccentric disc, 2 a tilted or an oval one."""
 _SURE = 1e-3
 """Chance of taking any wave for real that is none."""
-_COLLINEAR = 1e-9  # share of a wave's squares that others leave: rounding is far below
+_COLLINEAR = 1e-9  # a wave of which others leave less is not told from them; rounding is far below
 _UNKNOWN = (math.nan, math.nan, math.nan)
 
 
@@ -188,7 +188,7 @@ def _normal_equations(
                 columns += [effect * wave.real, effect * wave.imag]
         table = np.array([*columns, errors[part]])
         gram += table @ table.T
-        # without the few pairs that a block's end parts
+        # the few pairs that the end of a block separates are left out
         following += table[:, 1:] @ table[:, :-1].T
     return _NormalEquations(
         gram[:-1, :-1], gram[:-1, -1], float(gram[-1, -1]), following, errors.size

@@ -8,7 +8,7 @@ from escapement.measurement.fit import position
 from escapement.measurement.readings import LEAST_SAMPLES, TURN, Readings
 from escapement.model import FloatArray, Mechanism
 
-_HARMONICS = range(2, 6)  # once a turn is eccentricity's own
+_HARMONICS = range(2, 6)  # an error once a turn is that of eccentricity
 
 
 def synthetic_readings(

@@ -97,7 +97,8 @@ class GearDrivenOutline:
     def wheel_edges(self) -> list[ComplexArray]:
         """Closed edges of the wheel at zero: its body with the slots cut out."""
         turns = np.exp(2j * np.pi * np.arange(self.mechanism.slots) / self.mechanism.slots)
-        if self.mouth == 0.0:  # slots right across, through the centre
+        if self.mouth == 0.0:
+            # the slots run right across the wheel, through its centre
             slot = self._stadium()
             return [
                 circle_edge(self.rim_radius),
@@ -121,7 +122,7 @@ class GearDrivenOutline:
         along = self.pin_at(theta, 0)
         outside = np.gradient(along)
         outside *= 1j * self.half_slot / np.abs(outside)
-        deeper = outside[30].real < 0.0  # at dead centre, on the real axis
+        deeper = outside[30].real < 0.0  # the middle point is dead centre, on the real axis
         lobe = along + (outside if deeper == self.inward else -outside)
         back = np.linspace(np.angle(lobe[-1]), np.angle(lobe[0]), 31)
         beyond = self.mouth * (1.1 if self.inward else 0.9)
@@ -129,7 +130,7 @@ class GearDrivenOutline:
         sense = 1.0 if mechanism.turns_with_driver else -1.0
         lobe_turn = 2.0 * np.pi / (mechanism.pins * abs(float(mechanism.gear_ratio)))
         places = [
-            # the lobe's direction from a wheel that is half a step beyond dead centre
+            # the wheel is locked half a step beyond dead centre while this lobe passes
             lobe * lobe_turn
             - 0.5 * sense * mechanism.follower_step
             + 2.0 * np.pi * slot / mechanism.slots

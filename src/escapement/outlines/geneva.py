@@ -16,8 +16,10 @@ from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
 from escapement.outlines.body import Body, ComplexArray, Disc, circle_edge, locked_angle
 
-_RAYS = 720  # of the locking disc; twice a multiple of every possible number of pins
-_POSITIONS = {False: 361, True: 721}  # more for an internal wheel, whose corners sweep further
+# Rays of the locking disc; the number is twice a multiple of every possible number of pins.
+_RAYS = 720
+# Positions of the wheel; an internal one needs more, because its corners sweep further.
+_POSITIONS = {False: 361, True: 721}
 _MARCHES = 40
 _SETTLED = 1e-5
 

@@ -102,7 +102,7 @@ def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
         text = f"{place:.2f}°"
         half = _half_width(ax, text)
         free = [side for side, end in ends.items() if place - half > end]
-        if free:  # above, else below, else there is no room
+        if free:  # the number goes above the axis or below it, or is left out
             _write(ax, text, (place, 0.0), (0.0, free[0]))
             ends[free[0]] = place + half
 

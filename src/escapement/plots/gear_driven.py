@@ -109,7 +109,7 @@ def _draw_wheel(ax: Axes, outline: GearDrivenOutline, theta: float) -> None:
         zorder=1, joinstyle="round",
     )  # fmt: skip
     for relief in outline.reliefs(theta):
-        # fills hide the inner half of all edges, and what one relief cuts off another
+        # the white fill hides the inner half of an edge, and where reliefs overlap
         look: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 1.6, "zorder": 1.1}
         draw_body(ax, relief, fill=False, **look).set_clip_path(wheel)
         draw_body(ax, relief, color="white", linewidth=0, zorder=1.2)

@@ -14,7 +14,7 @@ from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import style
 from escapement.plots.bodies import draw_arrow, draw_body, draw_length
 
-# the crank disc lies behind the follower, the locking disc in its plane, pins in front
+# The crank disc lies behind the follower, the locking disc in its plane, pins lie in front.
 _LOOKS: dict[str, dict[str, Any]] = {
     "crank-disc": {"facecolor": "#dcebf7", "zorder": 1},
     "follower": {"facecolor": "#f6d9a8", "zorder": 2, "joinstyle": "round"},
@@ -24,8 +24,8 @@ _LOOKS: dict[str, dict[str, Any]] = {
 }
 _PIN: dict[str, Any] = {"color": "#00466f", "linewidth": 0, "zorder": 3}
 _CHAIN = (0, (9, 2, 2, 2))
-_MARGIN = 0.30  # room for arrows, in crank radii
-_LARGE = 5.0  # follower radius beyond which the room grows and lines get thinner
+_MARGIN = 0.30  # arrows take so much room, in crank radii
+_LARGE = 5.0  # around a larger follower the room grows, and its lines get thinner
 _CONTINUOUS = (3, 4, 6)
 
 

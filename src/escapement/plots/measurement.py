@@ -12,7 +12,7 @@ from escapement.model import FloatArray
 from escapement.plots import style
 from escapement.plots.style import label
 
-_MOST_POINTS = 4000  # more than a print can tell apart
+_MOST_POINTS = 4000  # a print cannot show more points apart
 _CURVE = 400
 _FALSE_ALARM = 0.01
 

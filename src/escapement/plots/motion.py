@@ -14,8 +14,8 @@ from escapement.motion import Motion
 from escapement.plots import style
 from escapement.plots.style import label, scaled
 
-_CROWDED = 30  # handoffs beyond which full-height lines would grey the figure
-_REPEATS = 0.01  # two handoff speeds this close, relatively: the cycle is terminal
+_CROWDED = 30  # lines of full height at more handoffs would grey the figure
+_REPEATS = 0.01  # a cycle is terminal when its two handoff speeds agree within this share
 
 
 def plot_velocities(motion: Motion, ax: Axes | None = None) -> Axes:
@@ -174,7 +174,7 @@ def _repeats(motion: Motion) -> bool:
 def _mark_handoffs(ax: Axes, motion: Motion, factor: float) -> None:
     times = motion.handoff_times * factor
     if times.size:
-        # short ones at the top, where no curve of a motion hides them
+        # many handoffs get short lines at the top, where no curve hides them
         bottom, line = (0.0, ":") if times.size <= _CROWDED else (0.97, "-")
         ax.vlines(
             times, bottom, 1.0, transform=ax.get_xaxis_transform(), color=style.LIGHT_GREY,

@@ -14,7 +14,7 @@ from escapement.plots.bodies import draw_arrow, draw_body, draw_length
 _SPUR: dict[str, Any] = {"facecolor": "#e4e4e4", "linewidth": 0.8, "zorder": 1}
 _DRIVEN: dict[str, Any] = {"facecolor": "#f6d9a8", "linewidth": 0.9, "zorder": 2.0, "alpha": 0.85}
 _DRIVING: dict[str, Any] = {"facecolor": "#9cc7e8", "linewidth": 0.9, "zorder": 2.1, "alpha": 0.85}
-_MARGIN = 0.12  # of the centre distance
+_MARGIN = 0.12  # the room around the gears is this share of the centre distance
 
 
 def plot_planetary(
@@ -65,10 +65,11 @@ def draw_planetary(ax: Axes, mechanism: EllipticalPlanetary, theta: float, carri
     sun, planet, driven, driving = outline.bodies(theta, carrier)
     for body, look in ((sun, _SPUR), (planet, _SPUR), (driven, _DRIVEN), (driving, _DRIVING)):
         draw_body(ax, body, edgecolor=style.BLACK, **look)
-    for gear in (sun, planet):  # what the ellipses hide
+    for gear in (sun, planet):  # broken lines show what the ellipses hide
         draw_body(ax, gear, fill=False, ec=style.GREY, lw=0.6, ls=(0, (4, 2.5)), zorder=2.4)
     for ellipse in (driven, driving):
-        ends = ellipse.edges[0][[0, ellipse.edges[0].size // 2]]  # how it is turned
+        # the long axis shows how an ellipse is turned
+        ends = ellipse.edges[0][[0, ellipse.edges[0].size // 2]]
         ax.plot(ends.real, ends.imag, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
     points = outline.line_of_centres(theta)
     along = np.exp(1j * carrier)
@@ -84,11 +85,11 @@ def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None
     """Letters at the pivots, and arrows for carrier and output."""
     distance = 1e3 * mechanism.centre_distance
     shaft = distance * np.exp(1j * theta)
-    # letters to the right of the carrier, arrows to its left and behind it
+    # letters stand to the right of the carrier, arrows to its left and behind it
     aside = 10.0 * np.exp(1j * (theta - 0.5 * np.pi))
     style.annotate(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
     style.annotate(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
-    # the carrier turns counter-clockwise, the output the other way
+    # the carrier turns counter-clockwise and the output the other way
     for arc in (
         distance * np.exp(1j * (theta + np.linspace(0.1, 0.4, 21))),
         0.42e3 * mechanism.sun_radius * np.exp(1j * (theta + np.pi - np.linspace(-0.9, 0.9, 31))),

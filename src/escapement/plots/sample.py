@@ -19,15 +19,15 @@ from escapement.plots.study_table import NoResult, StudyData, printed_name, sing
 from escapement.plots.style import label, number_text, print_unit, scaled, superscript
 
 _RESULTS = ("period", "velocity_max", "rise_time")
-_MOST_PANELS = 3  # parameters beside one another
-_FEW, _MANY = 30, 300  # points that are large, and beyond which they are small
+_MOST_PANELS = 3  # so many parameters have room beside one another
+_FEW, _MANY = 30, 300  # up to the one points are drawn large, beyond the other small
 _MOST_POINTS = 1500
 _BINS = (8, 40)
-_LINE = 20  # characters of a label beside a panel
+_LINE = 20  # so many characters of a label fit beside a panel
 _BESIDE = dict(zip(QUANTILES, ("top", "center", "bottom"), strict=True))
 _LOST: dict[str, Any] = {"marker": "x", "color": style.VERMILLION, "ms": 3.5, "mew": 0.8}
 _LONGER: dict[str, Any] = {"marker": "^", "color": style.PURPLE, "ms": 3.5, "mew": 0.0}
-_APART = 0.06  # least distance of two numbers, of a panel's height
+_APART = 0.06  # numbers closer than this share of a panel's height would overlap
 
 
 def plot_sample(study: StudyData, results: Sequence[str] = _RESULTS) -> Figure:

@@ -46,13 +46,13 @@ def quantile(values: FloatArray, share: float) -> FloatArray:
 
     values : shape (..., n), NaN where a case does not count.
     """
-    ordered = np.sort(values, axis=-1)  # NaN last
+    ordered = np.sort(values, axis=-1)  # this puts NaN last
     last = np.count_nonzero(~np.isnan(values), axis=-1, keepdims=True) - 1
     place = share * np.maximum(last, 0)
     below, above = (
         np.take_along_axis(ordered, end(place).astype(int), axis=-1) for end in (np.floor, np.ceil)
     )
-    with np.errstate(invalid="ignore"):  # of two infinities
+    with np.errstate(invalid="ignore"):  # two infinities have no difference
         between = below + (above - below) * (place - np.floor(place))
     return np.where(np.isfinite(above), between, np.nan)[..., 0]
 

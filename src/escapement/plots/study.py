@@ -22,7 +22,7 @@ from escapement.plots.study_panels import (
 from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate_study
 from escapement.plots.style import label, scaled
 
-_ENOUGH = 5  # points on either axis that make a contour map worth while
+_ENOUGH = 5  # a contour map needs so many points on either axis
 _TIMES = ("rise_time", "settling_time")
 _VELOCITIES = ("velocity_max", "velocity_mean", "velocity_min")
 _MAPS = ("period", "velocity_mean", "rise_time")

@@ -24,16 +24,16 @@ from escapement.plots import style
 from escapement.plots.study_table import StudyData, StudyTable, printed_name
 from escapement.plots.style import label, number_text, print_unit, scaled
 
-_FEW = 15  # points of a line that are marked one by one
-_LEVELS = 7  # contours of a map, about
-_EDGE = 0.06  # part of a map beside its frame that is too narrow for a number
-_APART = 0.1  # least distance of two numbers on a map, of its size
-_PLAIN = (1e-3, 1e4)  # numbers printed without a power of ten
-_DECADE = 8.0  # an axis spanning this factor in even ratios is logarithmic
-_MOST_TICKS = 10  # whole numbers along an axis that each get a tick with its number
-_WIDE, _NARROW = 34, 24  # characters of a label below half of a page, below a third
-_POWER = 8  # of them that a power of ten beside the label takes
-_STEPPED = ("rise_time", "settling_time")  # jump by an engagement: no contour joins them
+_FEW = 15  # a line of at most so many points has each of them marked
+_LEVELS = 7  # a map has about so many contours
+_EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
+_APART = 0.1  # numbers closer than this share of the map would overlap
+_PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
+_DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
+_MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
+_WIDE, _NARROW = 34, 24  # characters of a label that fit below half and a third of a page
+_POWER = 8  # a power of ten beside the label takes so many of them
+_STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so have no contours
 
 
 def draw_lines(ax: Axes, study: StudyData, result: str, table: StudyTable) -> list[Line2D]:
@@ -98,7 +98,7 @@ def draw_map(
     factor, unit = scaled(study.units.get(result, ""), table.values)
     z = np.ma.masked_invalid(table.values.T * factor)
     cells = result in _STEPPED or is_whole(study, table.x) or is_whole(study, str(table.lines))
-    count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black on 0.6 can be read
+    count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black can be read on 0.6
     levels = np.asarray(MaxNLocator(count).tick_values(float(z.min()), float(z.max())))
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
@@ -119,7 +119,7 @@ def draw_map(
         if inside.size:
             lines = ax.contour(x, y, z, inside, colors=style.BLACK, linewidths=0.6)
             _label_contours(ax, lines)
-    every = 1 + levels.size // _LEVELS  # numbers where colours change, as many as have room
+    every = 1 + levels.size // _LEVELS  # as many numbers as have room
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(label(printed_name(study, result), unit), size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)

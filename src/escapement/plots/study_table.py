@@ -27,9 +27,9 @@ _REASONS = {
     Status.NOT_CONVERGED: "not converged",
     Status.INVALID: "invalid",
 }
-_WIDEST = 56  # characters of a note over one column
+_WIDEST = 56  # so many characters of a note fit over one column
 _HARD = "\N{NO-BREAK SPACE}"
-_LONGEST = 28  # characters of a long name that still make an axis label
+_LONGEST = 28  # a longer name makes no axis label
 
 
 class StudyData(Protocol):

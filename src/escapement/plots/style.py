@@ -34,10 +34,10 @@ TWO_COLUMN = 7.2
 LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 """Font sizes [pt]; the smallest is 4 pt at half size."""
 
-_MOST_DRAWN = 200  # slots or lobes
+_MOST_DRAWN = 200  # more slots or lobes could not be told apart
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
-_LINE = 34  # characters of a label that fit beside one panel
+_LINE = 34  # so many characters of a label fit beside one panel
 
 HANDLE = 4.2
 """Length of a handle, in font sizes, that shows two dashes of any of `LOOKS` without marker."""

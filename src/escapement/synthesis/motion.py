@@ -125,7 +125,7 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
             "mechanism", "a slotted wheel", mechanism, "give a Geneva or a GearDriven"
         )
     path = mechanism.path
-    first, second = circle(path)  # g at dead centre, and where u vanishes again
+    first, second = circle(path)  # u vanishes at these g, the first of which is dead centre
     g = Polynomial([0.0, 1.0])
     slope, product = path[6] - 2.0 * g, (first - g) * (g - second)
     squared = product * slope**2

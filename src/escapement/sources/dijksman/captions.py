@@ -108,7 +108,7 @@ def _digits(text: str) -> Digits:
 def _compare(figure: Caption, column: str) -> Proportion:
     mechanism = figure.mechanism
     value, text = right_values(mechanism)[column], getattr(figure, column)
-    if text == "M0M":  # a length by its name
+    if text == "M0M":  # the caption gives the name of a length, not its value
         agrees = math.isclose(value, mechanism.carrier_over_fixed, rel_tol=1e-14)
         return Proportion(column, text, f"{value:g}", value, agrees, "", figure.figure)
     printed = _digits(text)

@@ -42,7 +42,7 @@ class Nomogram:
     read: Callable[[int, FloatArray], FloatArray]
     slots: tuple[int, ...]
     ratios: tuple[float, float]
-    example: tuple[float, int, float]  # F, n and load
+    example: tuple[float, int, float]  # its F, n and load
 
 
 def _mean(slots: int, ratio: FloatArray) -> FloatArray:

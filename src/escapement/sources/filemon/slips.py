@@ -22,7 +22,7 @@ Formula = Callable[[FloatArray, FloatArray], Any]
 """From c and beta, arrays of one shape, to the values of an equation."""
 
 SLOTS = tuple(range(3, 11))
-_SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # of beta_0
+_SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # places as shares of beta_0
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class _Grid:
         self.places = np.tile(_SHARES, len(SLOTS)) * geneva.engagement_half(n)
         self.exit = geneva.engagement_half(n)
         self.steepest = geneva.acceleration_max_angle(n)
-        self.highest = reversal_study(n, 1e15).torque_max_angle  # F beyond all bounds
+        self.highest = reversal_study(n, 1e15).torque_max_angle  # F is as good as infinite
         values = [
             derivatives_at(Geneva(int(k), pins=1).path, angle)
             for k, angle in zip(n, self.places, strict=True)

@@ -17,9 +17,13 @@ RunArguments = tuple[int, float, float, float, float]
 
 HALF_DIGIT = {"velocity_max": 0.5, "velocity_min": 0.5, "rise_time": 5e-4, "period": 5e-4}
 """Half a unit of the last printed digit [rad/s] and [s]."""
-_CYCLE = ("velocity_max", "velocity_min", "period")  # a rise time read by eye proves nothing
+_CYCLE = (
+    "velocity_max",
+    "velocity_min",
+    "period",
+)  # rise times were read by eye
 _SHOWN = {"velocity_max": "{:.1f} rad/s", "velocity_min": "{:.1f} rad/s", "period": "{:.4f} s"}
-_FINE = 50  # rows per printed row that show a peak before it is cut
+_FINE = 50  # so many rows for each printed one show a peak before sampling cuts it
 
 
 def distance(first: RunFigures, second: RunFigures, name: str) -> float:
@@ -54,7 +58,7 @@ def why_cell(
         for name in _CYCLE
         if distance(printed, true, name) > 1.0
         and distance(printed, exact, name) < distance(printed, true, name)
-        and distance(exact, true, name) > 1.0  # solver noise decides nothing
+        and distance(exact, true, name) > 1.0  # the solver's noise must not decide
     ]
     if not names:
         return []

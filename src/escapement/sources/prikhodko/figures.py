@@ -16,7 +16,7 @@ from escapement.plots.planetary import draw_planetary
 LETTERS = "abcde"
 _CELLS = 2
 _POINTS = 721
-_LENGTH = 0.75  # of the vector of a point that moves 1 mm per radian of the input [mm]
+_LENGTH = 0.75  # a vector of 1 mm per radian of the input is drawn so long [mm]
 _PLAN = {
     "carrier, A C′": style.LOOKS[5],
     "planet, B C′": style.LOOKS[0],
@@ -101,7 +101,7 @@ def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
 def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
     _, rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
-    # speeds over omega_1 are lengths; to the left is forwards
+    # speeds over omega_1 are lengths, and are drawn to the left
     spin = 1.0 + mechanism.ratio
     at_contact = spin * (contact - rolling)
     lowest = min(contact, rolling)

@@ -162,7 +162,7 @@ def _recomputed() -> dict[str, float]:
     mechanism, given = drive(), {name: float(text) for name, text in printed().items()}
     quantile = float(norm.ppf(0.5 * (1.0 + CONFIDENCE)))
     lengths = ("semi_major_axis", "semi_minor_axis", "focal_distance")
-    # the mean and the deviation of the sample were estimated from it, hence two fewer
+    # two degrees are lost, because mean and deviation were estimated from the sample
     return {
         **{name: 1e3 * getattr(mechanism, name) for name in lengths},
         "eccentricity": mechanism.eccentricity,
