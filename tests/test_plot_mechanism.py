@@ -11,6 +11,7 @@ import escapement as esc
 from escapement import plots
 from escapement.errors import InvalidValue
 from escapement.outlines.body import Body, locked_angle
+from escapement.outlines.elliptical import EllipticalOutline
 from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline, locking_disc
 from figure_tools import by_id
@@ -173,6 +174,7 @@ def test_other_drives_are_sent_to_their_drawing(name):
         GearDrivenOutline(esc.GearDriven(12, 3, "hypocycloid")),
         GearDrivenOutline(esc.GearDriven(4, 1, "epicycloid")),
         GearDrivenOutline(esc.GearDriven(4, 0, "hypocycloid")),
+        EllipticalOutline(esc.EllipticalPlanetary(0.016, 0.009)),
     ],
     ids=lambda outline: repr(outline.mechanism),
 )

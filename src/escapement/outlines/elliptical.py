@@ -42,15 +42,15 @@ class EllipticalOutline:
         """Pitch radius of the spur gear that rolls on it."""
         return 1e3 * self.mechanism.planet_radius
 
-    def bodies(self, theta: float, carrier: float) -> tuple[Disc, Disc, Body, Body]:
+    def bodies(self, theta: float, carrier: float | None = None) -> tuple[Disc, Disc, Body, Body]:
         """The two spur gears and the two ellipses.
 
         Parameters
         ----------
         theta : float
             Driver angle from greatest output speed [rad].
-        carrier : float
-            Direction in which the carrier is to point [rad].
+        carrier : float, optional
+            Direction in which the carrier is to point [rad]. Default: `theta`, its true one.
 
         Returns
         -------
@@ -58,13 +58,14 @@ class EllipticalOutline:
             "sun" and "planet", then "driven" and "driving", whose edges start and have their
             middle at the ends of the long axis.
         """
-        shaft = complex(self.line_of_centres(theta).shaft * np.exp(1j * carrier))
+        along = theta if carrier is None else carrier
+        shaft = complex(self.line_of_centres(theta).shaft * np.exp(1j * along))
         driven, driving = self._ellipses(theta)
         return (
             Disc("sun", 0.0, self.sun_radius),
             Disc("planet", shaft, self.planet_radius),
-            Body("driven", (driven,)).turned(carrier),
-            Body("driving", (driving,)).turned(carrier, shaft),
+            Body("driven", (driven,)).turned(along),
+            Body("driving", (driving,)).turned(along, shaft),
         )
 
     def line_of_centres(self, theta: float) -> LineOfCentres:
