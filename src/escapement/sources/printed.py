@@ -4,11 +4,19 @@ A printed number has so many digits and no more, so the right value is rounded t
 before the two are compared.
 """
 
+import csv
 import math
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any
+
+
+def read_table(source: str, name: str) -> list[list[str]]:
+    """Rows of a data file in the folder of a source, without their header."""
+    text = files("escapement.sources").joinpath(source, name).read_text(encoding="utf-8")
+    return list(csv.reader(text.splitlines()[1:]))
 
 
 @dataclass(frozen=True)

@@ -4,16 +4,14 @@ A printed number that is not right to its last digit gets the rule that explains
 found by recomputing it from the rounded ratio of times.
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 from escapement.mechanisms import GearDriven
-from escapement.sources.printed import Digits, PrintedNumber, as_errata, digits
+from escapement.sources.printed import Digits, PrintedNumber, as_errata, digits, read_table
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and what a table calls them; alpha in degrees."""
@@ -49,12 +47,10 @@ class Proportion(PrintedNumber):
 @cache
 def printed_figures() -> tuple[Caption, ...]:
     """The captions of figures 6 to 9."""
-    table = files("escapement.sources.dijksman") / "figures.csv"
-    lines = csv.reader(table.read_text(encoding="utf-8").splitlines()[1:])
-    found = []
-    for number, curve, n, m, k, slots, *text in lines:
-        found.append(Caption(int(number), curve, int(n), int(m), int(k), int(slots), *text))
-    return tuple(found)
+    return tuple(
+        Caption(int(number), curve, int(n), int(m), int(k), int(slots), *text)
+        for number, curve, n, m, k, slots, *text in read_table("dijksman", "figures.csv")
+    )
 
 
 def proportions() -> list[Proportion]:

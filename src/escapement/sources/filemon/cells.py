@@ -5,12 +5,10 @@ is not the right value to its last printed digit gets the rule that explains it,
 found by trying the rules of `reasons` in turn.
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +16,7 @@ import numpy as np
 from escapement.constant_speed import geneva
 from escapement.mechanisms import Geneva
 from escapement.sources.filemon.reasons import why
-from escapement.sources.printed import Digits, PrintedNumber, as_errata, digits
+from escapement.sources.printed import Digits, PrintedNumber, as_errata, digits, read_table
 
 COLUMNS = {
     "ratio_max": "i_omega max",
@@ -55,9 +53,8 @@ class TableCell(PrintedNumber):
 @cache
 def printed_rows() -> tuple[WheelRow, ...]:
     """Table I by number of slots, 3 to 10."""
-    table = files("escapement.sources.filemon") / "table_1.csv"
-    lines = csv.reader(table.read_text(encoding="utf-8").splitlines()[1:])
-    return tuple(WheelRow(int(slots), *rest) for slots, *rest in lines)
+    rows = read_table("filemon", "table_1.csv")
+    return tuple(WheelRow(int(slots), *rest) for slots, *rest in rows)
 
 
 def table_1() -> list[TableCell]:

@@ -9,11 +9,9 @@ recomputations and names, by comparing them, what explains each difference.
 in-lbf-s^2.
 """
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +29,7 @@ from escapement.sources.meyer.reasons import (
     why_inertias,
     why_times,
 )
+from escapement.sources.printed import read_table
 from escapement.units import INCH_POUND, SYSTEMS, factor
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
@@ -66,10 +65,9 @@ class Agreement(NamedTuple):
 @cache
 def printed_rows() -> tuple[PrintedRun, ...]:
     """The 49 rows of Appendix E in printed order."""
-    table = files("escapement.sources.meyer") / "appendix_e.csv"
-    lines = csv.reader(table.read_text(encoding="utf-8").splitlines()[1:])
     return tuple(
-        PrintedRun(int(slots), int(pins), *map(float, rest)) for pins, slots, *rest in lines
+        PrintedRun(int(slots), int(pins), *map(float, rest))
+        for pins, slots, *rest in read_table("meyer", "appendix_e.csv")
     )
 
 
