@@ -90,9 +90,8 @@ def test_a_renamed_kernel_file_counts_too(tmp_path):
 
 
 def test_nobody_compiles_but_the_decorator():
-    """A benchmark's peers apart, which want functions compiled their own way."""
     for path in SOURCES:
-        if path.name != "jit.py" and path.parent.name != "benchmark":
+        if path.name != "jit.py":
             source = path.read_text(encoding="utf-8")
             assert not re.search(r"\b(njit|vectorize|guvectorize|jitclass|cfunc)\b", source), path
             assert "fastmath" not in source, path

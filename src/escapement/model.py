@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from escapement import validate
-from escapement.scene import Path, Scene, smooth_intervals
+from escapement.scene import Path, Scene, smooth_intervals, writeable
 
 FloatArray = NDArray[np.float64]
 
@@ -205,8 +205,7 @@ class Escapement:
         """The escapement as an engine sees it."""
         path = self.mechanism.path
         return Scene(
-            # kernels take arrays that they could write to and that have no gaps
-            Path(path.table, np.array(path.numbers), np.array(path.corners)),
+            writeable(path),
             smooth_intervals(path, self.mechanism.breaks),
             dwell_angle(self.mechanism),
             self.inertia_ratio,

@@ -5,9 +5,9 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 """
 
 from escapement.plots.animation import animate
-from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven
+from escapement.plots.geneva import plot_configurations, plot_mechanism
 from escapement.plots.measurement import (
     plot_error_histogram,
     plot_errors,
