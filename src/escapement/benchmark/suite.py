@@ -10,7 +10,7 @@ from escapement.benchmark import candidates as _contestants
 from escapement.benchmark import figures, headline, machine, scaling, scenes, tables
 from escapement.benchmark.problems import PROBLEMS, Problem
 from escapement.benchmark.work_precision import Point, sweep_tolerances
-from escapement.files.whole import replace_whole
+from escapement.files.atomic import replace_file
 from escapement.plots import save
 
 
@@ -128,7 +128,7 @@ def write(results: Results, folder: Path) -> list[Path]:
     """Tables as CSV, figures and the machine's description into an existing folder."""
     text = json.dumps(results.machine | {"quick": results.quick}, indent=2) + "\n"
     description = folder / "machine.json"
-    replace_whole(description, [text.encode()])
+    replace_file(description, [text.encode()])
     paths = [
         description,
         tables.write_csv(folder / "standings.csv", results.standings),

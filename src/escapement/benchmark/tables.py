@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from escapement.files.whole import replace_whole
+from escapement.files.atomic import replace_file
 
 Rows = Sequence[Any]
 """Named tuples of one kind."""
@@ -24,7 +24,7 @@ def as_csv(rows: Rows) -> str:
 
 def write_csv(path: Path, rows: Rows) -> Path:
     """Replace `path` by the rows as CSV."""
-    replace_whole(path, [as_csv(rows).encode()])
+    replace_file(path, [as_csv(rows).encode()])
     return path
 
 
