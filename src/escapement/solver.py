@@ -1,10 +1,12 @@
-"""Settings of an engine, checked without loading one."""
+"""Settings of the engines, which are checked here without loading an engine."""
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from escapement import validate
+from escapement.errors import InvalidValue
 
 ENGINES = ("energy", "ivp")
 DEFAULT_ENGINE = "energy"
@@ -43,7 +45,8 @@ class Solver:
         if self.rtol is not None:
             object.__setattr__(self, "rtol", _tolerance(self.rtol))
         if self.atol is None and self.method is None and self.max_step is None:
-            return  # as nearly always: this is part of every simulation's time
+            # every simulation without a Solver of its own makes one: spare it the loop below
+            return
         for name, check in _OF_IVP.items():
             value = getattr(self, name)
             if value is not None:
@@ -52,7 +55,7 @@ class Solver:
                     raise validate.fail(name, rule, value, "or choose engine 'ivp'")
                 object.__setattr__(self, name, check(value))
         if self.max_step is None and self.atol is not None and self.atol > 1.0:
-            # a radian, most of an engagement: nothing would hold the steps
+            # 1 rad is most of an engagement: the error would no longer limit the steps
             rule = "at most 1 unless max_step is given"
             raise validate.fail("atol", rule, self.atol, "leave it out for a fitting one")
 
@@ -63,12 +66,12 @@ class Solver:
 
     @property
     def tolerance(self) -> float:
-        """Relative error asked for, the engine's own where none is given [-]."""
+        """Relative error asked for, by default that of the engine [-]."""
         return DEFAULT_RTOL[self.engine] if self.rtol is None else self.rtol
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """What an engine's functions take, with nothing left open."""
+        """Keyword arguments of an engine's functions, with defaults filled in."""
         if self.engine != "ivp":
             return {"rtol": self.tolerance}
         return {
@@ -87,7 +90,29 @@ def _tolerance(value: Any) -> float:
     return tolerance
 
 
-_OF_IVP = {
+def choose_solver(solver: Solver | None, **separate: Any) -> Solver:
+    """The `solver` that was given, or one of the separate settings that are not None.
+
+    Raises
+    ------
+    InvalidValue
+        When both are given, or a setting breaks its rule.
+    """
+    given = {name: value for name, value in separate.items() if value is not None}
+    if solver is None:
+        return Solver(**given)
+    if not isinstance(solver, Solver):
+        raise validate.fail("solver", "a Solver", solver, "give for example Solver(rtol=1e-10)")
+    if given:
+        settings = ", ".join(f"{name}={value!r}" for name, value in given.items())
+        raise InvalidValue(
+            f"solver must not come with {', '.join(given)}, got {settings} as well; "
+            "make it part of the Solver, or leave solver out"
+        )
+    return solver
+
+
+_OF_IVP: dict[str, Callable[[Any], Any]] = {
     "atol": lambda value: validate.non_negative("atol", value, "leave it out for a fitting one"),
     "method": lambda value: validate.choice("method", value, METHODS),
     "max_step": lambda value: validate.positive("max_step", value, "give the longest step in s"),
