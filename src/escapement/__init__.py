@@ -16,47 +16,29 @@ from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "Escapement": "model",
-    "Inertia": "model",
-    "Geneva": "mechanisms",
-    "GearDriven": "mechanisms",
-    "EllipticalPlanetary": "mechanisms",
-    "Tabulated": "mechanisms",
-    "critical_friction": "dynamics",
-    "Motion": "motion",
-    "Figures": "metrics",
-    "Solver": "solver",
-    "simulate": "simulation",
-    "terminal": "simulation",
-    "drive_torque": "constant_speed",
-    "transmission_extrema": "constant_speed",
-    "reversal_study": "constant_speed",
-    "greatest_speed": "constant_speed",
-    "greatest_follower_inertia": "constant_speed",
-    "least_load_torque": "constant_speed",
-    "fewest_slots": "constant_speed",
-    "sweep": "study.sweep",
-    "Study": "study.result",
-    "load_plan": "study.plan_file",
-    "run_plan": "study.run",
-    "read_study": "study.reader",
-    "write_study": "study.writer",
-    "read_motion": "motion_file",
-    "write_motion": "motion_file",
-    "measure": "measurement",
-    "Encoder": "measurement",
-    "Readings": "measurement",
-    "read_readings": "measurement",
-    "write_readings": "measurement",
-    "synthetic_readings": "measurement",
-    "units": "",
-    "plots": "",
-    "sources": "",
-    "synthesis": "",
+_NAMES = {
+    "model": "Escapement Inertia",
+    "mechanisms": "Geneva GearDriven EllipticalPlanetary Tabulated",
+    "dynamics": "critical_friction",
+    "motion": "Motion",
+    "metrics": "Figures",
+    "solver": "Solver",
+    "simulation": "simulate terminal",
+    "constant_speed": "drive_torque transmission_extrema reversal_study greatest_speed "
+    "greatest_follower_inertia least_load_torque fewest_slots",
+    "study.sweep": "sweep",
+    "study.result": "Study",
+    "study.plan_file": "load_plan",
+    "study.run": "run_plan",
+    "study.reader": "read_study",
+    "study.writer": "write_study",
+    "motion_file": "read_motion write_motion",
+    "measurement": "measure Encoder Readings read_readings write_readings synthetic_readings",
+    "": "units plots sources synthesis",
 }
-"""Module of each public name; the empty one stands for a module of that name itself."""
+"""Public names by the module that has them; those of the empty one are modules themselves."""
 
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 __all__ = sorted([*_HOMES, "__version__"])
 
 # Type checkers and editors read these imports, Python runs the function below. The function is

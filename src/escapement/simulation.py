@@ -70,8 +70,8 @@ def simulate(
     InvalidValue
         When an argument breaks its rule.
     """
-    engine, arguments = _chosen(solver, engine, rtol, atol, method, max_step)
-    settings = _settings(escapement, arguments, initial_speed)
+    solver = _chosen(solver, engine, rtol, atol, method, max_step)
+    engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
             "engagements and duration must not both be given, got "
@@ -108,31 +108,19 @@ def _engine(name: str, task: str) -> Any:
     return getattr(module, task)
 
 
-def _choose(
-    solver: Solver | None, engine: Any, rtol: Any, atol: Any, method: Any, max_step: Any
-) -> tuple[str, dict[str, Any]]:
-    """The engine's name and what its functions take, from a Solver or separate settings."""
-    chosen = choose_solver(
-        solver, engine=engine, rtol=rtol, atol=atol, method=method, max_step=max_step
-    )
-    return chosen.engine, chosen.arguments
+# a setting is checked once: the check takes longer than solving an engagement
+_known = lru_cache(typed=True)(choose_solver)
 
 
-# the same settings are checked once: the check takes longer than solving an engagement
-_known = lru_cache(typed=True)(_choose)
-
-
-def _chosen(*settings: Any) -> tuple[str, dict[str, Any]]:
+def _chosen(*settings: Any) -> Solver:
     try:
         return _known(*settings)
     except TypeError:
-        # an array, or another thing that is no key of the cache, is refused with its name
-        return _choose(*settings)
+        # an array, or another value that is no key of the cache: its check says what is wrong
+        return choose_solver(*settings)
 
 
-def _settings(
-    escapement: Escapement, arguments: dict[str, Any], initial_speed: float
-) -> dict[str, Any]:
+def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> dict[str, Any]:
     """Keyword arguments that both functions of an engine take."""
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
@@ -141,7 +129,7 @@ def _settings(
     if speed * escapement.time_unit > FASTEST:
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
         raise validate.fail("initial_speed", most, initial_speed, remedy)
-    return {**arguments, "initial_speed": speed}
+    return {**solver.arguments, "initial_speed": speed}
 
 
 def terminal(
@@ -171,8 +159,8 @@ def terminal(
         Their `status` is NO_TERMINAL without friction, STALL when the drive cannot
         carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
     """
-    engine, arguments = _chosen(solver, engine, rtol, atol, method, max_step)
-    settings = _settings(escapement, arguments, initial_speed)
+    solver = _chosen(solver, engine, rtol, atol, method, max_step)
+    engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     mechanism = escapement.mechanism
     base = Figures(critical_friction=critical_friction(mechanism, escapement.inertia))
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import Any
 
 from escapement import validate
@@ -69,7 +70,7 @@ class Solver:
         """Relative error asked for, by default that of the engine [-]."""
         return DEFAULT_RTOL[self.engine] if self.rtol is None else self.rtol
 
-    @property
+    @cached_property
     def arguments(self) -> dict[str, Any]:
         """Keyword arguments of an engine's functions, with defaults filled in."""
         if self.engine != "ivp":
@@ -90,7 +91,14 @@ def _tolerance(value: Any) -> float:
     return tolerance
 
 
-def choose_solver(solver: Solver | None, **separate: Any) -> Solver:
+def choose_solver(
+    solver: Solver | None,
+    engine: Any = None,
+    rtol: Any = None,
+    atol: Any = None,
+    method: Any = None,
+    max_step: Any = None,
+) -> Solver:
     """The `solver` that was given, or one of the separate settings that are not None.
 
     Raises
@@ -98,7 +106,8 @@ def choose_solver(solver: Solver | None, **separate: Any) -> Solver:
     InvalidValue
         When both are given, or a setting breaks its rule.
     """
-    given = {name: value for name, value in separate.items() if value is not None}
+    values = {"engine": engine, "rtol": rtol, "atol": atol, "method": method, "max_step": max_step}
+    given = {name: value for name, value in values.items() if value is not None}
     if solver is None:
         return Solver(**given)
     if not isinstance(solver, Solver):

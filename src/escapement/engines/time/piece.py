@@ -37,23 +37,19 @@ class Options(NamedTuple):
     max_step: float
 
 
-class Start(NamedTuple):
-    """Driver angle [rad], speed and side of the slot where a piece begins."""
+class Task(NamedTuple):
+    """Where a piece begins, and how far it may reach.
 
-    theta: float
-    speed: float
-    sign: float
-
-
-class Goal(NamedTuple):
-    """How far a piece may reach.
-
+    theta, speed, sign : driver angle [rad], speed and side of the slot at its start.
     end : driver angle where it ends at the latest [rad].
     anchor : driver angle to count from [rad].
     typical : driver angle at which the friction loss has its usual size [rad].
     time : natural time left.
     """
 
+    theta: float
+    speed: float
+    sign: float
     end: float
     anchor: float
     typical: float
@@ -113,7 +109,7 @@ class _Samples(NamedTuple):
     forces: FloatArray
 
 
-def solve_piece(scene: Scene, start: Start, goal: Goal, options: Options) -> Solution:
+def solve_piece(scene: Scene, task: Task, options: Options) -> Solution:
     """Integrate until the goal, the next pin reversal, a stop or the end of the time.
 
     Raises
@@ -121,12 +117,10 @@ def solve_piece(scene: Scene, start: Start, goal: Goal, options: Options) -> Sol
     NotConverged
         When the solver cannot go on or takes more than `MOST_STEPS`.
     """
-    unit = max(start.speed, np.sqrt(2.0 * np.pi / (scene.rho + 1.0)))
-    atol = _absolute_tolerances(scene, options, unit, start, goal)
-    way = goal.end - goal.anchor
-    problem = _Problem(scene, options, start.sign, goal.anchor, unit, way, atol)
-    y = [start.theta - goal.anchor, start.speed / unit, 0.0]
-    solved = problem.integrate((0.0, goal.time * unit), y, events=problem.events())
+    unit = max(task.speed, np.sqrt(2.0 * np.pi / (scene.rho + 1.0)))
+    problem = _Problem(scene, task, options, unit, _absolute_tolerances(scene, task, options, unit))
+    y = [task.theta - task.anchor, task.speed / unit, 0.0]
+    solved = problem.integrate((0.0, task.time * unit), y, events=problem.events())
     samples = problem.sample(solved)
     end, ending = problem.find_end(solved, samples)
     dense, end = problem.retake_last_step(solved, end, ending)
@@ -136,25 +130,23 @@ def solve_piece(scene: Scene, start: Start, goal: Goal, options: Options) -> Sol
     times, rates = np.append(samples.times[kept], end), np.append(samples.rates[kept], last_rate)
     extrema = find_roots(lambda x: problem.rate(x, dense(x)), times, rates)
     roots = [x / unit for x in extrema]
-    return Solution(dense, goal.anchor, unit, end / unit, ending, roots, float(rates[0]), last_rate)
+    return Solution(dense, task.anchor, unit, end / unit, ending, roots, float(rates[0]), last_rate)
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """A piece in its own units, which are those of `scene.slope`; `way` is the angle to go to."""
+    """A piece in its own units, which are those of `scene.slope`."""
 
     scene: Scene
+    task: Task
     options: Options
-    sign: float
-    anchor: float
     unit: float
-    way: float
     atol: tuple[float, float, float]
 
     @property
     def arguments(self) -> tuple[Any, ...]:
         """What `slope` takes beside x and y."""
-        return (self.anchor, self.unit, self.sign, *self.scene)
+        return (self.task.anchor, self.unit, self.task.sign, *self.scene)
 
     def rate(self, x: float, y: FloatArray) -> float:
         """Acceleration."""
@@ -162,28 +154,28 @@ class _Problem:
 
     def force(self, y: FloatArray) -> float:
         """A number with the sign of the contact force."""
-        return self.scene.force(self.anchor + y[0], (self.unit * y[1]) ** 2)
+        return self.scene.force(self.task.anchor + y[0], (self.unit * y[1]) ** 2)
 
     def events(self) -> Any:
         """Arrival, reversal and stop as events of solve_ivp; the first one counts the steps."""
-        steps = 0
+        steps, way, sign = 0, self.task.end - self.task.anchor, self.task.sign
 
         def arrive(x: float, y: FloatArray, *_: Any) -> float:
             nonlocal steps
             steps += 1
             if steps > MOST_STEPS:
                 raise NotConverged(_too_many_steps(self.options.method))
-            return float(y[0] - self.way)
+            return float(y[0] - way)
 
         def reverse(x: float, y: FloatArray, *_: Any) -> float:
             # at a start on a reversal the force is rounding, and its root would fire again
-            return self.sign if x == 0.0 else self.force(y)
+            return sign if x == 0.0 else self.force(y)
 
         def stop(x: float, y: FloatArray, *_: Any) -> float:
             return float(y[1])
 
         events: Any = (arrive, reverse, stop)
-        for event, direction in zip(events, (1.0, -self.sign, -1.0), strict=True):
+        for event, direction in zip(events, (1.0, -sign, -1.0), strict=True):
             event.terminal = True
             # without a direction the root at the start of a piece would end it at once
             event.direction = direction
@@ -191,32 +183,24 @@ class _Problem:
 
     def integrate(self, span: tuple[float, float], y: Any, **more: Any) -> Any:
         """The result of solve_ivp, with dense output."""
+        method, more["max_step"] = self.options.method, self.options.max_step * self.unit
+        more |= {"rtol": self.options.rtol, "atol": self.atol, "dense_output": True}
         # A trial step may leave the angles at which the transmission is defined. The solver
         # answers the NaN that it gets there with a shorter step.
         with np.errstate(all="ignore"):
-            solved = solve_ivp(
-                slope,
-                span,
-                y,
-                dense_output=True,
-                args=self.arguments,
-                rtol=self.options.rtol,
-                atol=self.atol,
-                method=self.options.method,
-                max_step=self.options.max_step * self.unit,
-                **more,
-            )
+            solved = solve_ivp(slope, span, y, method, args=self.arguments, **more)
         if solved.status < 0:
-            raise NotConverged(f"method {self.options.method!r} gives up: {solved.message}")
+            raise NotConverged(f"method {method!r} gives up: {solved.message}")
         return solved
 
     def sample(self, solved: Any) -> _Samples:
         """Accelerations and forces within every step, from the dense output."""
         times = sample_times(solved.t)
-        angle, pace = solved.sol(times)[:2]
-        rates, forces = self.scene.tabulate(angle + self.anchor, (self.unit * pace) ** 2, self.sign)
+        (angle, pace, _loss), sign = solved.sol(times), self.task.sign
+        w = (self.unit * pace) ** 2
+        rates, forces = self.scene.tabulate(angle + self.task.anchor, w, sign)
         # a start on the reversal itself is not another one
-        forces[0] = self.sign * abs(forces[0])
+        forces[0] = sign * abs(forces[0])
         return _Samples(times, rates, forces)
 
     def find_end(self, solved: Any, samples: _Samples) -> tuple[float, Ending]:
@@ -226,18 +210,18 @@ class _Problem:
         searched again between its steps.
         """
         arrived, reversed_, stopped = (times.size > 0 for times in solved.t_events)
-        last, forces = float(samples.times[-1]), samples.forces
+        last, forces, sign = float(samples.times[-1]), samples.forces, self.task.sign
         if reversed_:
             # the last sample is the root that solve_ivp found: it counts as beyond it
-            forces[-1] = -self.sign * abs(forces[-1])
+            forces[-1] = -sign * abs(forces[-1])
         elif abs(forces[-1]) <= ROUNDING * np.abs(forces).max():
             # the force may vanish at the goal, g = g' = 0, where its sign is rounding
-            forces[-1] = self.sign * abs(forces[-1])
+            forces[-1] = sign * abs(forces[-1])
         turns = find_roots(lambda x: self.force(solved.sol(x)), samples.times, forces)
         if reversed_:
             turns.append(last)
         if turns:
-            beyond = solved.sol(turns[0])[0] >= self.way
+            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor
             return turns[0], Ending.ARRIVED if beyond else Ending.REVERSED
         if arrived:
             return last, Ending.ARRIVED
@@ -258,10 +242,9 @@ class _Problem:
         last = self.integrate((join, end), dense(join), first_step=step).sol
         if ending in (Ending.ARRIVED, Ending.STOPPED):
             # one Newton step brings the angle to the goal, or the speed to zero
-            y = last(end)
+            y, way = last(end), self.task.end - self.task.anchor
             arrived = ending is Ending.ARRIVED
-            late = (self.way - y[0]) / y[1] if arrived else -y[1] / self.rate(end, y)
-            end += float(late)
+            end += float((way - y[0]) / y[1] if arrived else -y[1] / self.rate(end, y))
             # extrapolated, an interpolant is worthless, most of all that of a short step
             step = min(step, end - join)
             last = self.integrate((join, end), dense(join), first_step=step).sol
@@ -277,16 +260,16 @@ def _too_many_steps(method: str) -> str:
 
 
 def _absolute_tolerances(
-    scene: Scene, options: Options, unit: float, start: Start, goal: Goal
+    scene: Scene, task: Task, options: Options, unit: float
 ) -> tuple[float, float, float]:
     """Absolute tolerances of angle, speed and loss in the units of a piece."""
     if options.atol is None:
-        g, u, dg = scene.transmission(goal.typical)
+        g, u, dg = scene.transmission(task.typical)
         # The terminal cycle is where loss and work agree (PHYSICS.md 2), so the loss needs
         # digits of its own, however small it is: mu |u| |N R| at a typical angle.
         moment = (scene.rho * abs(dg) + abs(g) / unit**2) / (scene.rho + g * g)
         small = 1e-2 * options.rtol
-        speed = small * (start.speed / unit if _stops_soon(scene, start, goal) else 1.0)
+        speed = small * (task.speed / unit if _stops_soon(scene, task) else 1.0)
         scales = (small, speed, small * scene.mu[0] * abs(u) * moment)
     else:
         angle, speed, loss = options.atol
@@ -295,10 +278,10 @@ def _absolute_tolerances(
     return first, second, third
 
 
-def _stops_soon(scene: Scene, start: Start, goal: Goal) -> bool:
+def _stops_soon(scene: Scene, task: Task) -> bool:
     """Whether the driver, braked as at the start, would stop early in the piece.
 
     What is left of its speed then decides where it stops.
     """
-    braking = -scene.acceleration(start.theta, start.speed, start.sign)
-    return start.speed > 0.0 and bool(braking * 0.2 * (goal.end - start.theta) > start.speed**2)
+    braking = -scene.acceleration(task.theta, task.speed, task.sign)
+    return task.speed > 0.0 and bool(braking * 0.2 * (task.end - task.theta) > task.speed**2)

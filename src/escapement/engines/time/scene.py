@@ -42,8 +42,8 @@ class Scene(NamedTuple):
 
     def acceleration(self, theta: float, speed: float, sign: float) -> float:
         """Driver acceleration while the side `sign` carries the force."""
-        w = speed**2
-        return float(acceleration(*self.transmission(theta), w, sign, self.rho, self.mu, self.load))
+        state = (*self.transmission(theta), speed**2, sign)
+        return float(acceleration(*state, self.rho, self.mu, self.load))
 
     def force(self, theta: float, w: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal."""
@@ -62,6 +62,7 @@ class Scene(NamedTuple):
         table = np.empty((4, theta.size))
         tabulate(self.path, theta, w, sign, self.rho, self.mu, self.load, table)
         g, dg, rates, _moment = table
+        # N R J_s = rho (g' w + load) + g: neither friction nor s enters (PHYSICS.md 2)
         return rates, self.rho * (dg * w + self.load) + g
 
 

@@ -8,23 +8,14 @@ ledger is an independent check.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from escapement.dynamics import critical_friction
-from escapement.engines.time.piece import (
-    Ending,
-    Goal,
-    NotConverged,
-    Options,
-    Solution,
-    Start,
-    solve_piece,
-)
+from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
 from escapement.engines.time.scene import Scene
-from escapement.model import Escapement, FloatArray, dwell_angle
+from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
 
@@ -91,7 +82,8 @@ class SolvedTrajectory:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
         solution = self.solution[piece]
         time = (t - self.start[piece]) / self.clock
-        # at a handoff the speed of a light driver changes within the rounding of a time
+        # Next to a handoff the speed of a light driver changes within the rounding of a
+        # time, so that the end of a piece is recognised and evaluated as its end.
         at_end = np.abs(time - solution.length) <= _ROUNDING * (t / self.clock)
         theta, speed, _loss = solution.state(np.where(at_end, solution.length, time))
         return theta, speed / self.clock
@@ -102,15 +94,12 @@ class _Simulation:
     """A motion in natural units that is continued piece by piece.
 
     spans : end of each smooth interval, and the one of its ends where the follower is slow [rad].
-    dwell_end : end of the cell where the follower is locked before it [rad], else None.
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
+    mechanism: Mechanism
     scene: Scene
     spans: list[tuple[float, float]]
-    entry: float
-    exit: float
-    dwell_end: float | None
     options: Options
     end_time: float
     speed: float
@@ -131,11 +120,11 @@ class _Simulation:
     def run(self, engagements: int | None) -> None:
         """Continue to the end of the time, to a stop, or for a number of engagements."""
         while self.engagement != engagements:
-            self.theta = self.entry
+            self.theta = entry = self.mechanism.breaks[0]
             for end, slow in self.spans:
                 self._pass_interval(end, slow)
-            if self.dwell_end is not None and not self.over:
-                self._dwell(self.dwell_end)
+            if not self.over and dwell_angle(self.mechanism) > 0.0:
+                self._dwell(entry + self.mechanism.cell_angle)
             if self.over:
                 return
             self.handoffs.append((self.time, self.speed))
@@ -157,11 +146,13 @@ class _Simulation:
 
     def _solve_piece(self, sign: float, end: float, slow: float) -> Ending:
         """Advance by one smooth piece."""
-        # the friction loss next to a stop of a mesh is rounding, so that a table's pieces
-        # take the middle of the whole engagement for an angle with the usual loss
-        first, last = (self.entry, self.exit) if self.scene.is_table else (self.theta, end)
-        goal = Goal(end, slow, 0.5 * (first + last), self.end_time - self.time)
-        solved = solve_piece(self.scene, Start(self.theta, self.speed, sign), goal, self.options)
+        # Next to a stop of a mesh all of the friction loss is rounding. A table's pieces are
+        # short and may lie there, so that the whole engagement says how much is usual.
+        breaks = self.mechanism.breaks
+        first, last = (breaks[0], breaks[-1]) if self.scene.is_table else (self.theta, end)
+        typical, time_left = 0.5 * (first + last), self.end_time - self.time
+        task = Task(self.theta, self.speed, sign, end, slow, typical, time_left)
+        solved = solve_piece(self.scene, task, self.options)
         theta, speed, loss = (float(value) for value in solved.state(solved.length))
         self._note_extrema(solved)
         self._add(sign, loss, solved)
@@ -190,12 +181,12 @@ class _Simulation:
 
     def _note_reversal(self) -> None:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""
+        found = Event(self.engagement, self.time, self.theta, self.speed)
         last = self.reversals[-1] if self.reversals else None
-        same = last is not None and last.engagement == self.engagement
-        if last is not None and same and self.theta - last.theta <= _SAME_PLACE:
+        if last and last.engagement == found.engagement and found.theta - last.theta <= _SAME_PLACE:
             self.reversals.pop()
         else:
-            self.reversals.append(Event(self.engagement, self.time, self.theta, self.speed))
+            self.reversals.append(found)
 
     def _note_extrema(self, solved: Solution) -> None:
         """Note the extrema of the speed within a piece and on the corner at its start."""
@@ -203,11 +194,13 @@ class _Simulation:
         for since in solved.extrema:
             theta, speed, _loss = solved.state(since)
             self._note_extremum(self.time + since, float(theta), float(speed))
+            # after a root of the acceleration the speed has the other trend
             self.trend = -self.trend
         self.trend = np.sign(solved.last_rate) or self.trend
 
     def _note_corner(self, rate: float) -> None:
         """Note an extremum where the acceleration jumps through zero, as at a reversal."""
+        # the sign of the force jumps at a reversal and at a handoff, and J_s with it
         after = np.sign(rate)
         if after * self.trend < 0.0:
             self._note_extremum(self.time, self.theta, self.speed)
@@ -238,7 +231,9 @@ def simulate(
         method,
         max_step / clock,
     )
-    run = _start(escapement, options, duration, initial_speed)
+    scene, end_time = Scene.of(escapement), np.inf if duration is None else duration / clock
+    spans = _smooth_spans(scene, mechanism.breaks)
+    run = _Simulation(mechanism, scene, spans, options, end_time, initial_speed * clock)
     status, message = Status.OK, MESSAGES[Status.OK]
     try:
         run.run(engagements)
@@ -246,6 +241,7 @@ def simulate(
         status, message = Status.NOT_CONVERGED, str(reason)
     if run.stalled:
         status, message = Status.STALL, stall_message(run.theta, run.engagement)
+    # a duration is returned as it was given, without the rounding of the conversion
     end = float(run.time * clock) if duration is None or run.time < run.end_time else duration
     times, speeds = np.array(run.handoffs, dtype=float).reshape(-1, 2).T
     trajectory = _in_si(run, clock, torque, mechanism.cell_angle)
@@ -254,26 +250,14 @@ def simulate(
     )
 
 
-def _start(
-    escapement: Escapement, options: Options, duration: float | None, initial_speed: float
-) -> _Simulation:
-    """A simulation at its first pin entry."""
-    mechanism, clock = escapement.mechanism, escapement.time_unit
-    scene, entry, exit_ = Scene.of(escapement), mechanism.breaks[0], mechanism.breaks[-1]
-    spans = []
-    for start, end in pairwise(scene.smooth_edges(mechanism.breaks)):
-        slow = min(end, start, key=lambda angle: abs(scene.transmission(angle)[0]))
-        spans.append((end, slow))
-    return _Simulation(
-        scene=scene,
-        spans=spans,
-        entry=entry,
-        exit=exit_,
-        dwell_end=entry + mechanism.cell_angle if dwell_angle(mechanism) > 0.0 else None,
-        options=options,
-        end_time=np.inf if duration is None else duration / clock,
-        speed=initial_speed * clock,
-    )
+def _smooth_spans(scene: Scene, breaks: tuple[float, ...]) -> list[tuple[float, float]]:
+    """End of each smooth interval, and the one of its two ends where the follower is slow."""
+    edges = scene.smooth_edges(breaks)
+    ratio = [abs(scene.transmission(angle)[0]) for angle in edges]
+    return [
+        (edges[i + 1], edges[i] if ratio[i] < ratio[i + 1] else edges[i + 1])
+        for i in range(edges.size - 1)
+    ]
 
 
 def _in_si(run: _Simulation, clock: float, torque: float, cell: float) -> SolvedTrajectory:
@@ -285,14 +269,9 @@ def _in_si(run: _Simulation, clock: float, torque: float, cell: float) -> Solved
         numbers = index.astype(int)
         return numbers, time * clock, theta + numbers * cell, speed / clock, maximum.astype(bool)
 
-    pieces = run.pieces
-    return SolvedTrajectory(
-        clock=clock,
-        solution=[piece.solution for piece in pieces],
-        start=np.array([piece.start for piece in pieces], dtype=float) * clock,
-        engagement=np.array([piece.engagement for piece in pieces], dtype=int),
-        sign=np.array([piece.sign for piece in pieces], dtype=float),
-        friction_loss=np.array([piece.friction_loss for piece in pieces], dtype=float) * torque,
-        reversals=Events(*events(run.reversals)[:4]),
-        extrema=Extrema(*events(run.extrema)),
-    )
+    solutions = [piece.solution for piece in run.pieces]
+    rows = np.array([piece[:4] for piece in run.pieces], dtype=float).reshape(-1, 4)
+    start, engagement, sign, loss = np.ascontiguousarray(rows.T)
+    reversals, extrema = Events(*events(run.reversals)[:4]), Extrema(*events(run.extrema))
+    numbers = (start * clock, engagement.astype(int), sign, loss * torque)
+    return SolvedTrajectory(clock, solutions, *numbers, reversals, extrema)

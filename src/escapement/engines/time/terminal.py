@@ -103,13 +103,13 @@ def terminal_cycle(
     first = engage(w)
     if not first.complete:
         return first.motion, math.nan
-    bracket = (
-        _bracket_above(engage, w, first.gain) if first.gain > 0.0 else _bracket_below(engage, w)
-    )
+    grows = first.gain > 0.0
+    bracket = _bracket_above(engage, w, first.gain) if grows else _bracket_below(engage, w)
     if isinstance(bracket, Motion):
         if bracket.status is Status.STALL:
             bracket = _until_stall(escapement, initial_speed=initial_speed, **settings)
         return bracket, math.nan
+    # the relative tolerance alone counts, because w may be of any size
     w = toms748(gain, *bracket, xtol=1e-300, rtol=max(settings["rtol"], 1e-15), k=2)
     # dw_out/dw_in = 1 + d(gain)/dw, by a central difference
     step = 1e-4 * w
@@ -123,11 +123,9 @@ def _gain(motion: Motion, w: float) -> float:
     (I_d + I_f g_out^2) w_out - (I_d + I_f g_in^2) w_in = 2 (work - load - loss), and the
     dwell adds 2 tau/I_d times its angle.
     """
-    escapement, mechanism, scene = (
-        motion.escapement,
-        motion.escapement.mechanism,
-        Scene.of(motion.escapement),
-    )
+    escapement, mechanism = motion.escapement, motion.escapement.mechanism
+    scene = Scene.of(escapement)
+    # Meyer's published cells end with another g than they begin with (PHYSICS.md 3)
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
     at_entry, at_exit = (scene.transmission(angle)[0] ** 2 for angle in (entry, exit_))
     driver, follower = escapement.inertia.driver, escapement.inertia.follower
@@ -146,6 +144,7 @@ def _bracket_above(
     Trajectories do not cross, so that a motion which passes an engagement at one speed
     passes it at any higher one.
     """
+    # from rest the gain is the only scale of w; the factor of 4 doubles the speed
     high = max(4.0 * low, low + 2.0 * gain)
     while True:
         trial = engage(high)
@@ -154,8 +153,7 @@ def _bracket_above(
         if not trial.gain > 0.0:
             return _Bracket(low, high)
         # no speed is terminal where a table's ratio is constant: the gain falls to rounding
-        is_table = Scene.of(trial.motion.escapement).is_table
-        if is_table and trial.gain < BOUNDLESS * high:
+        if Scene.of(trial.motion.escapement).is_table and trial.gain < BOUNDLESS * high:
             status = Status.NO_TERMINAL
             return replace(trial.motion, status=status, message=MESSAGES[status])
         low, high = high, 4.0 * high
@@ -174,8 +172,10 @@ def _bracket_below(engage: Callable[[float], _Engagement], high: float) -> _Brac
         if found.complete and not found.gain < 0.0:
             return _Bracket(trial, high)
         if found.complete:
+            # still a loss: the terminal speed, if there is one, is lower
             high = trial
         elif found.motion.status is Status.STALL:
+            # too slow to pass: the terminal speed, if there is one, is higher
             stops_at, stopped = trial, found.motion
         else:
             return found.motion
