@@ -190,11 +190,8 @@ CALLS = {
 @pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
 def test_a_solver_comes_alone(call):
     for more, said in (({"rtol": 1e-9}, "rtol"), ({"engine": "ivp", "rtol": 1e-9}, "engine, rtol")):
-        with pytest.raises(
-            InvalidValue, match=f"^solver must not come with {said}, got "
-        ) as caught:
+        with pytest.raises(InvalidValue, match=f"^solver must not come with {said}, got both; "):
             call(solver=esc.Solver(), **more)
-        assert "rtol=1e-09" in str(caught.value)
     with pytest.raises(InvalidValue, match="solver must be a Solver, got 'ivp'; give for example"):
         call(solver="ivp")
 

@@ -108,11 +108,12 @@ def _engine(name: str, task: str) -> Any:
     return getattr(module, task)
 
 
-# a setting is checked once: the check takes longer than solving an engagement
+# settings are checked once: the check takes longer than solving an engagement
 _known = lru_cache(typed=True)(choose_solver)
 
 
 def _chosen(*settings: Any) -> Solver:
+    """`choose_solver` of settings that were mostly checked before."""
     try:
         return _known(*settings)
     except TypeError:

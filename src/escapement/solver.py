@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -45,9 +45,6 @@ class Solver:
         validate.choice("engine", self.engine, ENGINES)
         if self.rtol is not None:
             object.__setattr__(self, "rtol", _tolerance(self.rtol))
-        if self.atol is None and self.method is None and self.max_step is None:
-            # every simulation without a Solver of its own makes one: spare it the loop below
-            return
         for name, check in _OF_IVP.items():
             value = getattr(self, name)
             if value is not None:
@@ -91,32 +88,26 @@ def _tolerance(value: Any) -> float:
     return tolerance
 
 
-def choose_solver(
-    solver: Solver | None,
-    engine: Any = None,
-    rtol: Any = None,
-    atol: Any = None,
-    method: Any = None,
-    max_step: Any = None,
-) -> Solver:
-    """The `solver` that was given, or one of the separate settings that are not None.
+def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
+    """The `solver` that was given, or one of separate settings, of which None is not given.
+
+    The separate settings are in the order of the fields of `Solver`.
 
     Raises
     ------
     InvalidValue
         When both are given, or a setting breaks its rule.
     """
-    values = {"engine": engine, "rtol": rtol, "atol": atol, "method": method, "max_step": max_step}
-    given = {name: value for name, value in values.items() if value is not None}
+    pairs = zip(fields(Solver), separate, strict=False)
+    given = {field.name: value for field, value in pairs if value is not None}
     if solver is None:
         return Solver(**given)
     if not isinstance(solver, Solver):
         raise validate.fail("solver", "a Solver", solver, "give for example Solver(rtol=1e-10)")
     if given:
-        settings = ", ".join(f"{name}={value!r}" for name, value in given.items())
         raise InvalidValue(
-            f"solver must not come with {', '.join(given)}, got {settings} as well; "
-            "make it part of the Solver, or leave solver out"
+            f"solver must not come with {', '.join(given)}, got both; "
+            "make all settings part of the Solver, or leave solver out"
         )
     return solver
 

@@ -90,7 +90,7 @@ def sweep(
         axes,
         sample=sample,
         initial_speed=initial_speed,
-        **choose_solver(solver, engine=engine, rtol=rtol).given,
+        **choose_solver(solver, engine, rtol).given,
     )
     return run_plan(
         plan,
