@@ -1,8 +1,8 @@
 """Every root of a smooth function that is sampled at the steps of a solver and between them.
 
 solve_ivp compares the signs of an event function at the ends of a step, so that it misses
-two roots inside one step, and among them the two reversals that a large w brings close
-to dead centre (PHYSICS.md 2).
+two roots inside one step. With a load an engagement may have two pin reversals, as close
+to each other as one likes (PHYSICS.md 2).
 """
 
 from collections.abc import Callable

@@ -245,6 +245,11 @@ class _Problem:
             y, way = last(end), self.task.end - self.task.anchor
             arrived = ending is Ending.ARRIVED
             end += float((way - y[0]) / y[1] if arrived else -y[1] / self.rate(end, y))
+            if not end > join:
+                raise NotConverged(
+                    f"method {self.options.method!r} makes errors greater than a whole step; "
+                    "choose a smaller rtol, a smaller atol or a smaller max_step"
+                )
             # extrapolated, an interpolant is worthless, most of all that of a short step
             step = min(step, end - join)
             last = self.integrate((join, end), dense(join), first_step=step).sol
