@@ -13,7 +13,7 @@ from unittest import mock
 import numpy as np
 
 from escapement.errors import CannotCreate, EscapementError
-from escapement.files import whole
+from escapement.files import atomic
 from escapement.study import lock, owned_file
 from escapement.study.block import blocks_of, encode_block
 from escapement.study.result import RESULTS, Study
@@ -185,7 +185,7 @@ def faults(failing=None, code=None):
             fstat=plan.wrap(os.fstat),
         ),
         mock.patch.object(owned_file, "open", faulty_open, create=True),
-        mock.patch.object(whole, "open", faulty_open, create=True),
+        mock.patch.object(atomic, "open", faulty_open, create=True),
         mock.patch.object(lock.fcntl, "flock", plan.wrap(lock.fcntl.flock)),
     ):
         yield plan

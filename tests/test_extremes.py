@@ -35,6 +35,17 @@ def test_too_many_steps_end_in_a_status(options, monkeypatch):
     assert ivp(**options).status is Status.OK
 
 
+def test_errors_beyond_a_step_end_in_a_status():
+    """An atol that allows any error: the corrected end of a step may lie before its start."""
+    drive = esc.EllipticalPlanetary(0.02, 0.009)
+    mesh = esc.Escapement(drive, esc.Inertia(3e-6, 5e-6), 0.01, load_torque=0.001, efficiency=0.8)
+    loose = {"rtol": 0.9, "atol": 1e6, "max_step": 2e-3, "method": "RK23"}
+    motion = esc.simulate(mesh, 3, engine="ivp", **loose)
+    assert motion.status is Status.NOT_CONVERGED
+    assert "errors greater than a whole step; choose a smaller rtol" in motion.message
+    assert esc.simulate(mesh, 3, engine="ivp", **loose | {"atol": 1e-3}).status is Status.OK
+
+
 @pytest.mark.usefixtures("few_steps")
 def test_too_many_steps_on_the_command_line(command, tmp_path):
     code, _, err = command("run", *MODEL, "--engine", "ivp", "--method", "RK23", "--rtol", "1e-8")

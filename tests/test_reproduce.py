@@ -137,7 +137,7 @@ def test_a_full_disk_leaves_no_new_folder(command, tmp_path, monkeypatch, source
     def full(path, *_, **__):
         raise StorageError(f"writing {path} failed: the disk is full; nothing was left behind")
 
-    monkeypatch.setattr("escapement.cli.reproduce.replace_whole", full)
+    monkeypatch.setattr("escapement.cli.reproduce.replace_file", full)
     monkeypatch.setattr("escapement.cli.reproduce.SOURCES", ("prikhodko",))
     (tmp_path / "mine").mkdir()
     for name in ("new", "mine"):

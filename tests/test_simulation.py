@@ -163,6 +163,39 @@ def test_a_duration_may_end_anywhere(engine):
         assert abs(cut.ledger.residual) <= 10.0 * DEFAULT[engine]
 
 
+@pytest.mark.parametrize("settings", [{"rtol": 1e-7}, {"engine": "ivp", "method": "RK45"}])
+def test_a_solver_stands_for_the_separate_settings(settings):
+    scene, solver = drive(4, mu=0.3), esc.Solver(**settings)
+    apart, together = esc.simulate(scene, 2, **settings), esc.simulate(scene, 2, solver=solver)
+    assert (together.engine, together.rtol) == (apart.engine, apart.rtol)
+    np.testing.assert_array_equal(together.handoff_times, apart.handoff_times)
+    cycle = esc.terminal(scene, solver=solver)
+    assert cycle.period == esc.terminal(scene, **settings).period
+
+
+def test_a_solver_of_a_sweep():
+    scene, solver = drive(4), esc.Solver(engine="ivp", rtol=1e-6, method="RK45")
+    study = esc.sweep(scene, solver=solver, friction=[0.3])
+    assert study.configuration["solver"] == {"engine": "ivp", "rtol": 1e-6, "method": "RK45"}
+    assert study.results["period"] == esc.terminal(drive(4, mu=0.3), solver=solver).period
+
+
+CALLS = {
+    "simulate": lambda **settings: esc.simulate(drive(4), 1, **settings),
+    "terminal": lambda **settings: esc.terminal(drive(4), **settings),
+    "sweep": lambda **settings: esc.sweep(drive(4), friction=[0.3], **settings),
+}
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
+def test_a_solver_comes_alone(call):
+    for more, said in (({"rtol": 1e-9}, "rtol"), ({"engine": "ivp", "rtol": 1e-9}, "engine, rtol")):
+        with pytest.raises(InvalidValue, match=f"^solver must not come with {said}, got both; "):
+            call(solver=esc.Solver(), **more)
+    with pytest.raises(InvalidValue, match="solver must be a Solver, got 'ivp'; give for example"):
+        call(solver="ivp")
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_of_solve_ivp_serves(method):
     rtol = 1e-7 if method in ("DOP853", "LSODA", "RK45") else 1e-4

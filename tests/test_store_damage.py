@@ -9,7 +9,7 @@ import h5py
 import pytest
 
 from escapement.errors import InputFileError, MissingInput, StorageError
-from escapement.files import whole
+from escapement.files import atomic
 from escapement.study import image
 from escapement.study.reader import read_study
 from escapement.study.result import SCHEMA_VERSION
@@ -47,7 +47,7 @@ class FailingFile:
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
     """Message of the storage error, None where nothing failed."""
 
-    class Failing(whole.PendingFile):
+    class Failing(atomic.PendingFile):
         def __init__(self, *arguments):
             super().__init__(*arguments)
             self.handle = FailingFile(self.handle, failing_call, code)

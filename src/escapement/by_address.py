@@ -1,7 +1,8 @@
-"""Long kernels that many others call, compiled once.
+"""Calls of a kernel by its address, for long kernels that many others call.
 
-A kernel's machine code holds all it calls, compiled anew in every caller and in the callers
-of that. Of a call by address it holds the call alone.
+The machine code of a kernel contains that of every kernel it calls, which Numba compiles
+anew for each caller, and for the callers of those. With a call by address the caller
+contains only the call, and the long kernel is compiled once.
 """
 
 from collections.abc import Callable
@@ -16,23 +17,23 @@ from numba.extending import intrinsic
 def by_address(
     kernel: Any, place: int, arguments: tuple[Any, ...]
 ) -> tuple[Any, Callable[[], int]]:
-    """A call of a kernel whose address comes in a tuple of such.
+    """Make a call of a kernel whose address is handed over in a tuple of addresses.
 
     Parameters
     ----------
     kernel : dispatcher
-        Made by `jit`. It must neither raise nor make arrays.
+        A kernel made by `jit` that neither raises nor allocates arrays.
     place : int
-        Where in the tuple its address stands.
+        Index of its address in the tuple.
     arguments : tuple of Numba types
-        Of its arguments; a caller whose own differ does not compile.
+        Types of its arguments. A caller with other types does not compile.
 
     Returns
     -------
     call
-        For kernels: call(addresses, ...) is kernel(...).
+        For use in kernels: call(addresses, ...) gives what kernel(...) gives.
     address
-        The kernel's in this process; it is compiled, or loaded, when first asked for.
+        Returns the kernel's address in this process; the first call compiles or loads it.
     """
     config: Any = numba.config
     if config.DISABLE_JIT:

@@ -25,6 +25,14 @@ import numpy as np
 
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
+from escapement.scene import Path, Scene
+
+
+@jit(allocates=True, inlined=True)
+def scene_of(plain):
+    """Scene of plain tuples, as `scene.plain` makes them."""
+    path, edges, dwell, rho, mu_plus, mu_minus, load = plain
+    return Scene(Path(path[0], path[1], path[2]), edges, dwell, rho, mu_plus, mu_minus, load)
 
 
 @inner_jit

@@ -1,14 +1,18 @@
-"""What can go wrong for a user, each with the exit code the shell sees."""
+"""The errors that a user can cause, each with its exit code in the shell."""
 
 
 class EscapementError(Exception):
-    """Base of every error this package raises on purpose.
+    """Base of every error that this package raises on purpose.
 
-    The message is one line naming the argument, the rule, the value received
-    and the remedy. `exit_code` is what the command line returns.
+    The message is one line that names the argument, the rule, the value received
+    and the remedy. The command line returns `exit_code`.
     """
 
     exit_code = 2
+
+    def __str__(self) -> str:
+        # OSError, a base of some of them, would compose its text from several arguments
+        return str(self.args[0]) if self.args else ""
 
 
 class InvalidValue(EscapementError, ValueError):
@@ -26,23 +30,14 @@ class MissingInput(EscapementError, FileNotFoundError):
 
     exit_code = 66
 
-    def __str__(self) -> str:
-        return str(self.args[0])
-
 
 class CannotCreate(EscapementError, OSError):
     """An output cannot be created where it was asked for."""
 
     exit_code = 73
 
-    def __str__(self) -> str:
-        return str(self.args[0])
-
 
 class StorageError(EscapementError, OSError):
-    """Reading or writing failed half-way: disk full, device lost."""
+    """Reading or writing failed after it had begun: the disk is full, or a device was lost."""
 
     exit_code = 74
-
-    def __str__(self) -> str:
-        return str(self.args[0])

@@ -1,8 +1,8 @@
 """The one decorator that compiles kernels.
 
-Numba keys its disk cache on the source file of the kernel alone, so a changed
-callee in another file would leave a stale copy behind. The cache therefore
-lives in a directory named after a digest of every kernel source of the package.
+Numba keys its disk cache on the source file of the kernel alone. After a change of
+a callee in another file it would therefore load a stale copy. Here the cache lies in
+a directory named after a digest of every kernel source of the package instead.
 """
 
 import contextlib
@@ -29,7 +29,7 @@ def kernel_digest(package: Path) -> str:
     Returns
     -------
     str
-        16 hexadecimal digits; differs whenever any kernel source differs.
+        16 hexadecimal digits, which differ whenever any kernel source differs.
     """
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
@@ -49,7 +49,7 @@ def _user_cache() -> Path:
 
 @cache
 def _cache_directory() -> str | None:
-    """Folder for compiled kernels, or None where nothing can be written."""
+    """Folder of compiled kernels, or None where no folder can be written."""
     try:
         folder = _user_cache() / "escapement" / kernel_digest(Path(__file__).parent)
         folder.mkdir(parents=True, exist_ok=True)
@@ -61,8 +61,9 @@ def _cache_directory() -> str | None:
 
 @cache
 def _say_that_it_compiles() -> None:
-    """Tell who sits at a terminal why nothing happens, once a process."""
-    with contextlib.suppress(AttributeError, OSError, ValueError):  # no stderr, or a closed one
+    """Explain the wait to a user at a terminal, once in a process."""
+    # standard error may be None, or closed
+    with contextlib.suppress(AttributeError, OSError, ValueError):
         if sys.stderr.isatty():
             print(
                 "escapement: compiling for this machine, once; it takes up to a minute",
@@ -71,10 +72,11 @@ def _say_that_it_compiles() -> None:
 
 
 def _watch_cache(dispatcher: Any) -> None:
-    """Say that a kernel has to be compiled; keep it in memory when no copy can be saved.
+    """Announce that a kernel has to be compiled, and survive a cache that cannot be written.
 
-    `load_overload` would import all that compiling takes, SciPy's linear algebra included, a
-    third of the time to a first result. Machine code needs the runtime that makes arrays alone.
+    Numba's own `load_overload` imports everything that compiling needs, such as SciPy's
+    linear algebra, which is a third of the time to a first result. Code that is loaded
+    needs only the runtime that allocates arrays.
     """
     store = dispatcher._cache
     load, save = store._load_overload, store.save_overload
@@ -82,7 +84,7 @@ def _watch_cache(dispatcher: Any) -> None:
     def load_or_say(signature: Any, context: Any) -> Any:
         rtsys.initialize(context)
         found = None
-        # another process may be writing it, or a disk fail: then it is compiled
+        # where another process is writing the file, or a disk fails, the kernel is compiled
         with contextlib.suppress(OSError):
             found = load(signature, context)
         if found is None:
@@ -90,7 +92,7 @@ def _watch_cache(dispatcher: Any) -> None:
         return found
 
     def save_or_skip(signature: Any, data: Any) -> None:
-        # a cache is a convenience: the kernel itself is ready
+        # the kernel itself is ready, so that it works without a copy on disk
         with contextlib.suppress(OSError):
             save(signature, data)
 
@@ -106,17 +108,18 @@ def jit(
     inlined: bool = False,
     inner: bool = False,
 ) -> Any:
-    """Compile on first call, cached on disk, GIL released.
+    """Compile on the first call, keep the code on disk, and release the GIL while it runs.
 
-    A kernel that makes or returns arrays must say that it `allocates`. All others are
-    spared the counting of references: two atomic operations for every array of every
-    call, as much as the work of a short kernel. No arithmetic is changed, but for a
-    kernel that says that it `reorders` its sums: they become vector code. A kernel that is
-    `inlined` costs no call where it is called, and as much compiling again. One that is
-    `inner` is called by kernels alone and has no entrance for Python, whose compiling takes
-    a fifth of all.
+    allocates : the kernel makes or returns arrays. In all others references are not
+        counted, which would cost two atomic operations for every array of every call,
+        as much as the work of a short kernel.
+    reorders : the kernel's sums may be reordered, so that they become vector code. No
+        other arithmetic is ever changed.
+    inlined : its code is put into every caller, which saves the call.
+    inner : only kernels call it, so it gets no entrance for Python; compiling those would
+        take a fifth of all time.
 
-    Division by zero follows IEEE 754 (`error_model="numpy"`): kernels report
+    Division by zero follows IEEE 754 (`error_model="numpy"`), since kernels report
     through a status code and never raise.
     """
     if function is None:

@@ -1,6 +1,6 @@
-"""Figures of merit: what a designer reads off a motion.
+"""Figures of merit: the numbers that a designer reads off a motion.
 
-The terminal figures belong to the cycle that repeats itself. Rise and settling
+The terminal figures are those of the cycle that repeats itself. Rise and settling
 time compare the extrema of the motion from its start with that cycle.
 """
 
@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from escapement.model import FloatArray
 from escapement.motion import Extrema, Motion
-from escapement.peaks import peaks
 from escapement.status import MESSAGES, Status
 
 RISE_BAND = 0.02
@@ -22,17 +22,20 @@ SETTLING_BAND = 0.01
 MAX_ENGAGEMENTS = 1_000_000
 """A rise or settling time beyond this many engagements is not given."""
 BOUNDLESS = 1e-12
-"""A gain over w below which a ratio that no loss outweighs is constant to rounding [-]."""
+"""Of w: a table's ratio is constant to rounding where an engagement gains less than this [-].
+Its mesh then loses nothing that grows with the speed, and no speed is terminal."""
 
-NAN = math.nan
+_NAN = math.nan
+_NEAREST = 1e-9
+"""Of a piece: the search for a peak begins this close to its ends."""
 
 
-@dataclass(frozen=True, eq=False)  # NaN, and what is not worked out yet, would not compare
+@dataclass(frozen=True, eq=False)  # NaN is not equal to itself, so two would never compare equal
 class Figures:
     """Figures of merit of an escapement; NaN where there is none.
 
-    What the terminal engagement's motion has to be sampled for is worked out when first
-    asked for: acceleration_max to reversal_angles.
+    Those from acceleration_max to reversal_angles need samples of the terminal
+    engagement and are computed when they are first asked for.
 
     velocity_max, velocity_min : extremes of the terminal driver speed [rad/s].
     velocity_mean : cell angle over period [rad/s].
@@ -53,30 +56,30 @@ class Figures:
     reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
     critical_friction : Painleve limit [-].
     motion : one engagement of the terminal cycle, None where there is none.
-    status, message : outcome, and why in a sentence.
+    status, message : outcome, and its reason in a sentence.
     """
 
-    velocity_max: float = NAN
-    velocity_min: float = NAN
-    velocity_mean: float = NAN
-    period: float = NAN
-    rise_time: float = NAN
-    settling_time: float = NAN
-    handoff_velocity: float = NAN
-    contraction: float = NAN
-    critical_friction: float = NAN
+    velocity_max: float = _NAN
+    velocity_min: float = _NAN
+    velocity_mean: float = _NAN
+    period: float = _NAN
+    rise_time: float = _NAN
+    settling_time: float = _NAN
+    handoff_velocity: float = _NAN
+    contraction: float = _NAN
+    critical_friction: float = _NAN
     motion: Motion | None = field(default=None, repr=False)
     status: Status = Status.OK
     message: str = MESSAGES[Status.OK]
 
     @property
     def velocity_average_published(self) -> float:
-        """(max + min)/2, the thesis' average terminal velocity [rad/s]."""
+        """(max + min)/2, the average terminal velocity of Meyer's thesis [rad/s]."""
         return (self.velocity_max + self.velocity_min) / 2.0
 
     @cached_property
     def _peaks(self) -> list[float]:
-        return [NAN] * 4 if self.motion is None else peaks(self.motion)
+        return [_NAN] * 4 if self.motion is None else _find_peaks(self.motion)
 
     @property
     def acceleration_max(self) -> float:
@@ -101,7 +104,7 @@ class Figures:
     @property
     def energy_residual(self) -> float:
         """Energy unaccounted for, of the work done [-]."""
-        return NAN if self.motion is None else self.motion.ledger.residual
+        return _NAN if self.motion is None else self.motion.ledger.residual
 
     @property
     def reversal_angles(self) -> tuple[float, ...]:
@@ -141,26 +144,26 @@ def read_cycle(cycle: Motion, base: Figures) -> Figures:
 def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
     """Rise and settling time [s] of a motion that has reached its terminal cycle.
 
-    NaN for a time the motion is too short to show.
+    A time is NaN where the motion is too short to show it.
     """
     extrema = motion.extrema
     terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
     error = np.abs(extrema.theta_dot / terminal - 1.0)
     risen = np.nonzero(error <= RISE_BAND)[0]
-    leading = _leading(extrema)
-    unsettled = np.nonzero(error[leading] > SETTLING_BAND)[0]
-    later = leading[unsettled[-1] + 1 :] if unsettled.size else leading
+    extremes = _extremes(extrema)
+    unsettled = np.nonzero(error[extremes] > SETTLING_BAND)[0]
+    settled = extremes[unsettled[-1] + 1 :] if unsettled.size else extremes
     return (
-        float(extrema.time[risen[0]]) if risen.size else NAN,
-        float(extrema.time[later[0]]) if later.size else NAN,
+        float(extrema.time[risen[0]]) if risen.size else _NAN,
+        float(extrema.time[settled[0]]) if settled.size else _NAN,
     )
 
 
-def _leading(extrema: Extrema) -> np.ndarray:
-    """Indices of extrema that are the greatest or least of their engagement.
+def _extremes(extrema: Extrema) -> np.ndarray:
+    """Indices of the extrema that are the greatest or the least of their engagement.
 
-    A lesser hump tends to its own limit, not to the terminal extreme. An
-    extremum on a handoff belongs to the engagement that begins there.
+    Other extrema tend to limits of their own and say nothing of the terminal
+    extremes. An extremum on a handoff belongs to the engagement that begins there.
     """
     chosen: list[int] = []
     for engagement in np.unique(extrema.engagement):
@@ -169,3 +172,62 @@ def _leading(extrema: Extrema) -> np.ndarray:
             if same.size:
                 chosen.append(int(same[best(extrema.theta_dot[same])]))
     return np.array(sorted(chosen), dtype=int)
+
+
+def _find_peaks(motion: Motion) -> list[float]:
+    """Greatest accelerations of driver and follower, contact moment and force of a motion.
+
+    These are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
+    without a crank radius.
+    """
+    names = ["theta_ddot", "phi_ddot", "contact_moment"]
+    if getattr(motion.escapement.mechanism, "crank_radius", None) is not None:
+        names.append("contact_force")
+    bounds = np.append(motion.trajectory.start, motion.end_time)
+    pieces = np.arange(bounds.size - 1)[:, None]
+    # The first grid serves all quantities. Each later one is the quantity's own and lies
+    # between the neighbours of the greatest value so far, down to 1e-6 of a piece.
+    grid = _first_grid(motion, pieces, bounds)[None]
+    for size in (33, 33, 33, 0):
+        state = motion.within(pieces, grid)
+        columns = [getattr(state, name) for name in names]
+        values = np.abs([column[min(row, grid.shape[0] - 1)] for row, column in enumerate(columns)])
+        best = values.argmax(axis=-1, keepdims=True)
+        grid = np.broadcast_to(grid, values.shape)
+        low = np.take_along_axis(grid, np.maximum(best - 1, 0), axis=-1)[..., 0]
+        high = np.take_along_axis(grid, np.minimum(best + 1, grid.shape[-1] - 1), axis=-1)[..., 0]
+        if size:
+            grid = np.linspace(low, high, size, axis=-1)
+    tops = [
+        max(_vertex(line[max(i - 1, 0) : i + 2]) for line, (i,) in zip(lines, places, strict=True))
+        for lines, places in zip(values, best, strict=True)
+    ]
+    return tops if len(tops) == 4 else [*tops, _NAN]
+
+
+def _first_grid(motion: Motion, pieces: np.ndarray, bounds: np.ndarray) -> FloatArray:
+    """Times within each piece between which no peak is missed; one row a piece.
+
+    A light driver's acceleration peaks within an angle of sqrt(rho) of the ends of a
+    piece, and a slow driver passes much of the angle in little of the time. Hence the
+    times are even in time and in angle, and ever closer towards both ends.
+    """
+    ends = np.geomspace(_NEAREST, 0.25, 48)
+    shares = np.unique(np.concatenate([np.linspace(0.0, 1.0, 129), ends, 1.0 - ends]))
+    low, high = bounds[:-1, None], bounds[1:, None]
+    by_time = low + (high - low) * shares
+    theta = motion.within(pieces, by_time).theta
+    angles = theta[:, :1] + (theta[:, -1:] - theta[:, :1]) * shares
+    by_angle = np.array(list(map(np.interp, angles, theta, by_time)))
+    return np.sort(np.concatenate([by_time, by_angle], axis=1), axis=1)
+
+
+def _vertex(values: np.ndarray) -> float:
+    """Height of the parabola through three even samples, the middle one the greatest."""
+    top = float(values.max())
+    if values.size < 3:
+        return top
+    bend = 2.0 * values[1] - values[0] - values[2]
+    rise = values[2] - values[0]
+    # rise^2 / (8 bend), but the square of a great force would overflow
+    return top + float(rise * (rise / (8.0 * bend))) if bend > 0.0 else top

@@ -1,9 +1,9 @@
 """A motion as a piecewise solution, whichever engine computed it.
 
 Within a piece one side of the slot carries the force and the transmission is
-analytic. The engine supplies position and speed; acceleration, follower motion
-and contact moment follow from the equation of motion, so nothing is sampled or
-stored before it is asked for.
+analytic. The engine supplies position and speed. Acceleration, follower motion
+and contact moment follow from the equation of motion (PHYSICS.md 2), so they are
+computed when they are asked for.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from escapement.mechanisms.slotted import radius
 from escapement.model import Escapement, FloatArray
 from escapement.painleve import painleve_message
 from escapement.status import Status
-from escapement.trajectory import Events, Extrema, Nothing, Trajectory
+from escapement.trajectory import Events, Extrema, NoTrajectory, Trajectory
 from escapement.validate import fail
 
 __all__ = [
@@ -33,7 +33,7 @@ __all__ = [
     "stall_message",
 ]
 
-_SAMPLES = 100  # per engagement on the default grid: smooth to the eye at full page width
+_SAMPLES = 100  # per engagement on the default grid: a curve over a full page looks smooth
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class State:
 class Ledger:
     """Where the work of the drive went over a motion [J].
 
-    work = kinetic + load + friction up to `residual`, a share of the work (or,
-    where that is less, of the kinetic energy at the start).
+    work = kinetic + load + friction, up to `residual`, which is a share of the work or
+    of the kinetic energy at the start, whichever is greater.
     """
 
     work: float
@@ -72,14 +72,14 @@ class Ledger:
 
 
 def stall_message(angle: float, engagement: int) -> str:
-    """What is said of a motion that stops at `angle` [rad] of an engagement (from 0)."""
+    """Message of a motion that stops at `angle` [rad] of an engagement, counted from 0."""
     return (
         f"the mechanism stalls {np.degrees(angle):.3f} degrees from dead centre of engagement "
         f"{engagement + 1}: the drive cannot carry the load torque"
     )
 
 
-@dataclass(eq=False)  # not frozen, which would take longer to fill than an engagement to solve
+@dataclass(eq=False)  # a frozen one takes longer to make than an engagement takes to solve
 class Motion:
     """Motion of an escapement, exact between its handoffs and reversals.
 
@@ -88,7 +88,7 @@ class Motion:
     escapement : Escapement
         What was simulated.
     engine, rtol : str, float
-        How, and the relative error asked for.
+        The engine, and the relative error asked for.
     trajectory : Trajectory
         The engine's piecewise solution.
     end_time : float
@@ -96,7 +96,7 @@ class Motion:
     handoff_times, handoff_velocities : ndarray, shape (engagements,)
         End of each completed engagement [s] and the driver speed there [rad/s].
     status, message : Status, str
-        How it ended, and why in a sentence.
+        How it ended, and the reason in a sentence.
     """
 
     escapement: Escapement
@@ -170,19 +170,19 @@ class Motion:
 
     def _state(self, pieces: np.ndarray, times: FloatArray) -> State:
         """State at `times`, each within the piece of that index."""
-        scene, clock = self.escapement, self.escapement.time_unit
-        mechanism, owners = scene.mechanism, pieces.reshape(-1)
+        escapement, clock = self.escapement, self.escapement.time_unit
+        mechanism, owners = escapement.mechanism, pieces.reshape(-1)
         theta, speed = self._driver(owners, times.reshape(-1))
         engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
-        # a locked follower takes no part, g = g' = 0, and the driver turns free
+        # in a dwell (sign 0) g = g' = 0: I_d theta_ddot = tau
         g, dg, moment = np.zeros((3, theta.size))
-        rate = np.full(theta.size, scene.torque / scene.inertia.driver)
+        rate = np.full(theta.size, escapement.torque / escapement.inertia.driver)
         for side in (1.0, -1.0):
             held = sign == side
             angles = theta[held]
             table = np.empty((4, angles.size))
-            tabulate(scene.scene, angles, (speed[held] * clock) ** 2, side, table)
-            g[held], dg[held], moment[held] = table[0], table[1], table[3] * scene.torque
+            tabulate(escapement.scene, angles, (speed[held] * clock) ** 2, side, table)
+            g[held], dg[held], moment[held] = table[0], table[1], table[3] * escapement.torque
             rate[held] = table[2] / clock**2
         engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)
         crank = getattr(mechanism, "crank_radius", None)
@@ -203,6 +203,7 @@ class Motion:
     def _driver(self, pieces: np.ndarray, t: FloatArray) -> FloatArray:
         """Driver angle in the cell [rad] and speed [rad/s]; shape (2, t)."""
         found = np.empty((2, t.size))
+        # the trajectory is asked once for all times within a piece
         order = np.argsort(pieces, kind="stable")
         firsts = np.flatnonzero(np.diff(pieces[order], prepend=-1))
         for first, last in pairwise([*firsts.tolist(), t.size]):
@@ -214,8 +215,8 @@ class Motion:
     def t(self) -> FloatArray:
         """Default grid of times [s]: a hundred even ones an engagement, and all events.
 
-        Handoffs, reversals and extrema of the driver speed are among them at their
-        exact times, so that no peak of `theta_dot` is cut.
+        The exact times of handoffs, reversals and extrema of the driver speed are among
+        them, so that the samples show every peak of `theta_dot` in full.
         """
         ends = np.concatenate([[0.0], self.handoff_times, [self.end_time]])
         even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
@@ -269,16 +270,15 @@ class Motion:
 
     @cached_property
     def ledger(self) -> Ledger:
-        """Energy balance from start to end; it closes to the engine's error."""
-        scene = self.escapement
+        """Energy balance from start to end; it closes up to the engine's error."""
+        escapement = self.escapement
         if self.trajectory.start.size == 0:
             return Ledger(0.0, 0.0, 0.0, 0.0, 0.0)
         ends = self.at([0.0, self.end_time])
-        energies = (
-            scene.inertia.driver * ends.theta_dot**2 + scene.inertia.follower * ends.phi_dot**2
-        ) / 2.0
-        work = scene.torque * (ends.theta[1] - ends.theta[0])
-        load = scene.load_torque * (ends.phi[1] - ends.phi[0])
+        driver, follower = escapement.inertia.driver, escapement.inertia.follower
+        energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
+        work = escapement.torque * (ends.theta[1] - ends.theta[0])
+        load = escapement.load_torque * (ends.phi[1] - ends.phi[0])
         friction = float(self.trajectory.friction_loss.sum())
         kinetic = float(energies[1] - energies[0])
         scale = max(work, float(energies[0]))
@@ -287,7 +287,7 @@ class Motion:
 
 
 def _force(moment: FloatArray, crank: float, radius: FloatArray) -> FloatArray:
-    """Force of the pin [N] whose moment [N m] it has at `radius` cranks from the axis."""
+    """Force of the pin [N] from its moment [N m], at `radius` crank lengths from the axis."""
     with np.errstate(over="ignore"):
         force = moment / (crank * radius)
     if not np.isfinite(force).all():
@@ -298,7 +298,7 @@ def _force(moment: FloatArray, crank: float, radius: FloatArray) -> FloatArray:
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float) -> Motion:
-    """What is returned at or above the Painleve limit."""
+    """The result at or above the Painleve limit: a motion without pieces, and the reason."""
     message = painleve_message(escapement.mechanism, escapement.inertia, escapement.friction)
     none, status = np.empty(0), Status.PAINLEVE
-    return Motion(escapement, engine, rtol, Nothing(), 0.0, none, none, status, message or "")
+    return Motion(escapement, engine, rtol, NoTrajectory(), 0.0, none, none, status, message or "")

@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal, now and then a line elsewhere."""
+"""Progress of long work: a bar on a terminal, a line every half minute elsewhere."""
 
 import math
 import shutil
@@ -15,7 +15,7 @@ _BAR = 24  # characters
 class Progress:
     """Shows how many cases are done, failed and still to come.
 
-    Call it with the numbers as they grow; leave its `with` block for the last line.
+    Call it with the numbers as they grow. The end of its `with` block shows the last line.
 
     Parameters
     ----------
@@ -24,11 +24,11 @@ class Progress:
     quiet : bool
         Show nothing.
     before : int
-        Cases that were done already: the rate leaves them out.
+        Cases that were done already; they do not count in the rate.
     what : str
-        What is counted.
+        Plural of what is counted.
     clock : callable
-        Seconds that only grow.
+        A clock in seconds that never goes back.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class Progress:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
-        # Python has None for a standard error that was closed before it began
+        # sys.stderr is None where standard error was closed before Python started
         closed = getattr(self._stream, "closed", self._stream is None)
         self._terminal = not closed and self._stream.isatty()
         self._quiet, self._before = quiet or closed, before
@@ -52,7 +52,7 @@ class Progress:
         self._width = 0
 
     def __call__(self, done: int, total: int, failed: int) -> None:
-        """Take note of cases done, of all, and failed so far; show them if it is time."""
+        """Note the cases done, their total and those failed; show them if it is time."""
         self._counts = (done, total, failed)
         interval = _REDRAW if self._terminal else _LINE
         now = self._clock()
@@ -86,13 +86,14 @@ class Progress:
             self._stream.write(text)
             self._stream.flush()
         except (OSError, ValueError):
-            self._quiet = True  # nobody is listening any more: the work goes on
+            # the stream was closed; the work goes on without showing its progress
+            self._quiet = True
 
 
 def describe(
     done: int, total: int, failed: int, elapsed: float, before: int = 0, what: str = "cases"
 ) -> str:
-    """One line: share done, counts, rate, time left or taken, failures."""
+    """One line with the share done, counts, rate, time left or taken, and failures."""
     rate = (done - before) / elapsed if elapsed > 0.0 else 0.0
     if done >= total:
         time_text = f"took {duration(elapsed)}"
@@ -106,7 +107,7 @@ def describe(
 
 
 def duration(seconds: float) -> str:
-    """Seconds as people say them: 8.3 s, 4 min 05 s, 2 h 10 min."""
+    """A time for people to read: 8.3 s, 4 min 05 s, 2 h 10 min."""
     if seconds < 9.95:
         return f"{seconds:.1f} s"
     whole = round(seconds)

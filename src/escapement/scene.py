@@ -7,7 +7,7 @@ alike but for their clocks.
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,3 +67,13 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
 def writeable(path: Path) -> Path:
     """A path in arrays of its own: kernels take none that are read-only or have gaps."""
     return Path(path.table, np.array(path.numbers), np.array(path.corners))
+
+
+def plain(scene: Scene) -> tuple[Any, ...]:
+    """A scene in plain tuples, of which `dynamics.scene_of` makes it again in a kernel.
+
+    To find out the type of a named tuple takes Numba half a microsecond, a twentieth of a
+    simulation, so kernels that Python calls often take plain ones.
+    """
+    path, *rest = scene
+    return tuple(path), *rest

@@ -1,4 +1,4 @@
-"""The two functions a user calls: a motion, and the terminal cycle's figures."""
+"""`simulate` gives a motion, `terminal` the figures of merit of its terminal cycle."""
 
 from dataclasses import replace
 from functools import cache, lru_cache
@@ -13,13 +13,14 @@ from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.motion import Motion
 from escapement.painleve import critical_friction, painleve_message
-from escapement.solver import DEFAULT_ENGINE, Solver
+from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver
 from escapement.status import MESSAGES, Status
 
 DEFAULT_ENGAGEMENTS = 20
 LONGEST = {"energy": 10_000_000, "ivp": 10_000}
-"""Engagements of one motion: what fits into a gigabyte, in seconds or a minute."""
-FASTEST = 1e100  # initial speed in units of sqrt(torque / I_f): its square stays a double
+"""Engagements of one motion: they take up to a gigabyte, and seconds or, with "ivp", a minute."""
+FASTEST = 1e100
+"""Greatest initial speed in units of sqrt(torque / I_f): a double holds its square."""
 
 
 def simulate(
@@ -27,12 +28,13 @@ def simulate(
     engagements: int | None = None,
     *,
     duration: float | None = None,
-    engine: str = DEFAULT_ENGINE,
+    engine: str | None = None,
     initial_speed: float = 0.0,
     rtol: float | None = None,
     atol: float | None = None,
     method: str | None = None,
     max_step: float | None = None,
+    solver: Solver | None = None,
 ) -> Motion:
     """Simulate an escapement from pin entry.
 
@@ -45,8 +47,8 @@ def simulate(
         Default 20, unless a duration is given.
     duration : float, optional
         Time to run instead [s], > 0 and of no more engagements than that.
-    engine : str
-        "energy" (driver-angle domain, fast) or "ivp" (SciPy's solve_ivp in the
+    engine : str, optional
+        "energy" (default: driver-angle domain, fast) or "ivp" (SciPy's solve_ivp in the
         time domain, the reference).
     initial_speed : float
         Driver speed at pin entry [rad/s], >= 0.
@@ -56,6 +58,8 @@ def simulate(
     atol, method, max_step : optional
         For "ivp" only, as in solve_ivp: absolute tolerance [rad, rad/s, J], method
         (default "DOP853") and longest step [s].
+    solver : Solver, optional
+        Engine and tolerances as one value, in place of `engine` to `max_step`.
 
     Returns
     -------
@@ -67,8 +71,8 @@ def simulate(
     InvalidValue
         When an argument breaks its rule.
     """
-    arguments = _arguments(engine, rtol, atol, method, max_step)
-    settings = _settings(escapement, arguments, initial_speed)
+    solver = _chosen(solver, engine, rtol, atol, method, max_step)
+    engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
             "engagements and duration must not both be given, got "
@@ -81,7 +85,7 @@ def simulate(
     else:
         duration = validate.positive("duration", duration, "give the time to run in s")
         if engine != DEFAULT_ENGINE:
-            # the fast engine goes ahead: it refuses in a moment what would take days
+            # the fast engine refuses too long a duration in a moment, the other after hours
             _engine(DEFAULT_ENGINE, "simulate")(
                 escapement,
                 engagements=None,
@@ -91,7 +95,8 @@ def simulate(
                 longest=LONGEST[engine],
             )
     run = _engine(engine, "simulate")
-    return run(escapement, engagements=engagements, duration=duration, **settings)
+    motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
+    return motion
 
 
 _FOLDERS = {"energy": "energy", "ivp": "time"}
@@ -99,28 +104,26 @@ _FOLDERS = {"energy": "energy", "ivp": "time"}
 
 @cache
 def _engine(name: str, task: str) -> Any:
-    """An engine's function "simulate" or "terminal", loaded when first asked for."""
+    """Function "simulate" or "terminal" of an engine, which is imported on first use."""
     module = import_module(f"escapement.engines.{_FOLDERS[name]}.{task}")
     return getattr(module, task)
 
 
-@lru_cache(typed=True)
-def _known(*settings: Any) -> dict[str, Any]:
-    return Solver(*settings).arguments
+# settings are checked once: the check takes longer than solving an engagement
+_known = lru_cache(typed=True)(choose_solver)
 
 
-def _arguments(*settings: Any) -> dict[str, Any]:
-    """What an engine takes of the settings of a `Solver`, checked once and for all."""
+def _chosen(*settings: Any) -> Solver:
+    """`choose_solver` of settings that were mostly checked before."""
     try:
         return _known(*settings)
-    except TypeError:  # not hashable, such as an array
-        return Solver(*settings).arguments
+    except TypeError:
+        # an array, or another value that is no key of the cache: its check says what is wrong
+        return choose_solver(*settings)
 
 
-def _settings(
-    escapement: Escapement, arguments: dict[str, Any], initial_speed: float
-) -> dict[str, Any]:
-    """What both functions of an engine take beside the escapement."""
+def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> dict[str, Any]:
+    """Keyword arguments that both functions of an engine take."""
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     remedy = "give the driver speed at pin entry in rad/s"
@@ -128,24 +131,25 @@ def _settings(
     if speed * escapement.time_unit > FASTEST:
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
         raise validate.fail("initial_speed", most, initial_speed, remedy)
-    return {**arguments, "initial_speed": speed}
+    return {**solver.arguments, "initial_speed": speed}
 
 
 def terminal(
     escapement: Escapement,
     *,
-    engine: str = DEFAULT_ENGINE,
+    engine: str | None = None,
     initial_speed: float = 0.0,
     rtol: float | None = None,
     atol: float | None = None,
     method: str | None = None,
     max_step: float | None = None,
+    solver: Solver | None = None,
 ) -> Figures:
     """Figures of merit: the terminal cycle, and how the motion gets there.
 
     Parameters
     ----------
-    escapement, engine, rtol, atol, method, max_step :
+    escapement, engine, rtol, atol, method, max_step, solver :
         As for `simulate`.
     initial_speed : float
         Driver speed at the first pin entry [rad/s]: rise and settling time depend on it,
@@ -154,11 +158,11 @@ def terminal(
     Returns
     -------
     Figures
-        With `status` NO_TERMINAL without friction, STALL when the drive cannot
+        Their `status` is NO_TERMINAL without friction, STALL when the drive cannot
         carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
     """
-    arguments = _arguments(engine, rtol, atol, method, max_step)
-    settings = _settings(escapement, arguments, initial_speed)
+    solver = _chosen(solver, engine, rtol, atol, method, max_step)
+    engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     mechanism = escapement.mechanism
     base = Figures(critical_friction=critical_friction(mechanism, escapement.inertia))
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)
@@ -167,10 +171,12 @@ def terminal(
     if escapement.loss[0] == 0.0 and _ends_alike(escapement):
         status, message = _without_friction(escapement, engine, settings)
         return replace(base, status=status, message=message)
-    return _engine(engine, "terminal")(escapement, base, **settings)
+    figures: Figures = _engine(engine, "terminal")(escapement, base, **settings)
+    return figures
 
 
 def _ends_alike(escapement: Escapement) -> bool:
+    """Whether the reduced inertia is the same at pin entry and exit."""
     path, breaks = escapement.mechanism.path, escapement.mechanism.breaks
     entry, exit_ = (transmission_at(path, angle)[0] for angle in (breaks[0], breaks[-1]))
     return bool(ends_alike(entry, exit_, escapement.inertia_ratio))
@@ -179,7 +185,7 @@ def _ends_alike(escapement: Escapement) -> bool:
 def _without_friction(
     escapement: Escapement, engine: str, settings: dict[str, Any]
 ) -> tuple[Status, str]:
-    """Outcome where every engagement gains the same: stopped by its load, or never steady."""
+    """Outcome where every engagement gains the same energy: it stops, or is never steady."""
     first = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)
     if first.status is not Status.OK:
         return first.status, first.message

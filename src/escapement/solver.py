@@ -1,10 +1,13 @@
-"""Settings of an engine, checked without loading one."""
+"""Settings of the engines, which are checked here without loading an engine."""
 
 import math
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from typing import Any
 
 from escapement import validate
+from escapement.errors import InvalidValue
 
 ENGINES = ("energy", "ivp")
 DEFAULT_ENGINE = "energy"
@@ -42,8 +45,6 @@ class Solver:
         validate.choice("engine", self.engine, ENGINES)
         if self.rtol is not None:
             object.__setattr__(self, "rtol", _tolerance(self.rtol))
-        if self.atol is None and self.method is None and self.max_step is None:
-            return  # as nearly always: this is part of every simulation's time
         for name, check in _OF_IVP.items():
             value = getattr(self, name)
             if value is not None:
@@ -52,7 +53,7 @@ class Solver:
                     raise validate.fail(name, rule, value, "or choose engine 'ivp'")
                 object.__setattr__(self, name, check(value))
         if self.max_step is None and self.atol is not None and self.atol > 1.0:
-            # a radian, most of an engagement: nothing would hold the steps
+            # 1 rad is most of an engagement: the error would no longer limit the steps
             rule = "at most 1 unless max_step is given"
             raise validate.fail("atol", rule, self.atol, "leave it out for a fitting one")
 
@@ -63,12 +64,12 @@ class Solver:
 
     @property
     def tolerance(self) -> float:
-        """Relative error asked for, the engine's own where none is given [-]."""
+        """Relative error asked for, by default that of the engine [-]."""
         return DEFAULT_RTOL[self.engine] if self.rtol is None else self.rtol
 
-    @property
+    @cached_property
     def arguments(self) -> dict[str, Any]:
-        """What an engine's functions take, with nothing left open."""
+        """Keyword arguments of an engine's functions, with defaults filled in."""
         if self.engine != "ivp":
             return {"rtol": self.tolerance}
         return {
@@ -87,7 +88,31 @@ def _tolerance(value: Any) -> float:
     return tolerance
 
 
-_OF_IVP = {
+def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
+    """The `solver` that was given, or one of separate settings, of which None is not given.
+
+    The separate settings are in the order of the fields of `Solver`.
+
+    Raises
+    ------
+    InvalidValue
+        When both are given, or a setting breaks its rule.
+    """
+    pairs = zip(fields(Solver), separate, strict=False)
+    given = {field.name: value for field, value in pairs if value is not None}
+    if solver is None:
+        return Solver(**given)
+    if not isinstance(solver, Solver):
+        raise validate.fail("solver", "a Solver", solver, "give for example Solver(rtol=1e-10)")
+    if given:
+        raise InvalidValue(
+            f"solver must not come with {', '.join(given)}, got both; "
+            "make all settings part of the Solver, or leave solver out"
+        )
+    return solver
+
+
+_OF_IVP: dict[str, Callable[[Any], Any]] = {
     "atol": lambda value: validate.non_negative("atol", value, "leave it out for a fitting one"),
     "method": lambda value: validate.choice("method", value, METHODS),
     "max_step": lambda value: validate.positive("max_step", value, "give the longest step in s"),

@@ -1,4 +1,4 @@
-"""One table of outcomes: what a kernel returns, a file stores and a user reads."""
+"""Outcomes of a case: the codes that kernels return and files store, and their messages."""
 
 from enum import IntEnum
 

@@ -1,4 +1,4 @@
-"""Text: tables and JSON for people and programs, and headings of columns of angles."""
+"""Tables for people, JSON and CSV for programs, and headings of columns of angles."""
 
 import csv
 import io
@@ -14,39 +14,39 @@ NAMES = {
     "input": ("input", "in", "driver", "theta", "phi1"),
     "output": ("output", "out", "follower", "phi", "phi3"),
 }
-"""What the columns of driver and follower are called."""
+"""Headings by which the columns of driver and follower are known."""
 _SPELLINGS = {
     "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
     "rad": "rad", "radian": "rad", "radians": "rad",
 }  # fmt: skip
 FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?", re.IGNORECASE)
-"""Units of angles that are not read."""
+"""Units of angles that are recognised in order to refuse them."""
 
 
 def name_and_unit(field: str) -> tuple[str, str | None]:
-    """A column's name in small letters, and the unit it ends in, one of `UNITS` or foreign."""
+    """Name of a column in small letters, and its unit: of `UNITS`, `FOREIGN`, or None."""
     *words, last = re.findall(r"[^\W_]+|°", field.lower()) or [""]
     unit = _SPELLINGS.get(last) or (last if FOREIGN.fullmatch(last) else None)
     return "".join(words if unit else [*words, last]), unit
 
 
 def as_json(record: dict[str, Any]) -> str:
-    """One object; what is not a finite number is null."""
+    """One JSON object; a number that is not finite becomes null."""
     return json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
 
 
 def as_csv(rows: Iterable[Sequence[Any]]) -> str:
-    """A line a row; what does not exist is empty."""
+    """One line a row; None becomes an empty field."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue()
 
 
 def plain(value: Any) -> Any:
-    """`value` in JSON's own types, NaN and infinity as None."""
+    """`value` as types that JSON has, with None for NaN and infinity."""
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
+    if hasattr(value, "tolist"):  # a scalar or an array of NumPy
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
@@ -56,7 +56,7 @@ def plain(value: Any) -> Any:
 
 
 def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
-    """Name, value and unit, a row each."""
+    """Print name, value and unit, one row each."""
     lines = [(name, show(value), "" if unit == "1" else unit) for name, value, unit in rows]
     wide = max(len(name) for name, _, _ in lines)
     far = max(len(value) for _, value, unit in lines if unit)
@@ -65,7 +65,7 @@ def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
 
 
 def print_columns(header: Iterable[Sequence[str]], rows: Iterable[Sequence[Any]]) -> None:
-    """A table with right-aligned columns under a header of one or more lines."""
+    """Print right-aligned columns under a header of one or more lines."""
     cells = [*map(list, header), *([show(value) for value in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     for row in cells:
@@ -75,7 +75,7 @@ def print_columns(header: Iterable[Sequence[str]], rows: Iterable[Sequence[Any]]
 
 
 def show(value: Any) -> str:
-    """A value as a reader wants it: six figures, a dash for what does not exist."""
+    """A value in a table: six significant figures, or a dash where there is none."""
     value = plain(value)
     if value is None:
         return "-"
@@ -85,5 +85,5 @@ def show(value: Any) -> str:
 
 
 def words(key: str) -> str:
-    """A JSON key as a table shows it; the unit has a column of its own."""
+    """A JSON key as words, without its unit, which has a column of its own in tables."""
     return key.removesuffix("_deg").replace("_", " ")

@@ -26,13 +26,13 @@ class Events:
 
 @dataclass(frozen=True)
 class Extrema(Events):
-    """Extrema of the driver speed; `maximum` tells the two kinds apart."""
+    """Extrema of the driver speed; `maximum` tells maxima from minima."""
 
     maximum: np.ndarray
 
 
 class Trajectory(Protocol):
-    """What an engine hands over: pieces, and the state within a piece."""
+    """The pieces of a motion, its events, and the driver's state within a piece."""
 
     @property
     def start(self) -> FloatArray:
@@ -62,15 +62,14 @@ class Trajectory(Protocol):
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
 
 
-class Nothing:
-    """Trajectory of a scene that has no motion."""
+class NoTrajectory:
+    """Trajectory of an escapement that has no motion: it consists of no pieces."""
 
-    _none = np.empty(0)
-    start = sign = friction_loss = _none
-    engagement = _none.astype(int)
-    reversals = Events(engagement, _none, _none, _none)
-    extrema = Extrema(engagement, _none, _none, _none, maximum=_none.astype(bool))
+    start = sign = friction_loss = np.empty(0)
+    engagement = np.empty(0, dtype=int)
+    reversals = Events(engagement, start, start, start)
+    extrema = Extrema(engagement, start, start, start, maximum=np.empty(0, dtype=bool))
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Never asked for: there is no piece."""
+        """Raise IndexError: there is no piece to ask for."""
         raise IndexError(piece)

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from escapement import __version__
-from escapement.files.whole import replace_whole
+from escapement.files.atomic import replace_file
 from escapement.text import as_csv
 
 Call = Callable[[], Any]
@@ -82,7 +82,7 @@ def machine_in_a_line(machine: dict[str, Any]) -> str:
 def write_csv(path: Path, rows: Sequence[Any]) -> Path:
     """Replace `path` by named tuples of one kind as CSV; what does not exist is empty."""
     lines = [rows[0]._fields, *([_short(value) for value in row] for row in rows)]
-    replace_whole(path, [as_csv(lines).encode()])
+    replace_file(path, [as_csv(lines).encode()])
     return path
 
 

@@ -11,7 +11,7 @@ from escapement.benchmark.measuring import describe_machine, write_csv
 from escapement.benchmark.problems import PROBLEMS, Problem
 from escapement.benchmark.solvers import MeasuredSolver, own_solvers
 from escapement.benchmark.work_precision import Point, Standing, standings, sweep_tolerances
-from escapement.files.whole import replace_whole
+from escapement.files.atomic import replace_file
 from escapement.plots import save
 
 
@@ -139,7 +139,7 @@ def write(results: Results, folder: Path) -> list[Path]:
     """Tables as CSV, figures and the machine's description into an existing folder."""
     text = json.dumps(results.machine | {"quick": results.quick}, indent=2) + "\n"
     description = folder / "machine.json"
-    replace_whole(description, [text.encode()])
+    replace_file(description, [text.encode()])
     paths = [
         description,
         write_csv(folder / "standings.csv", results.standings),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from escapement import validate
 from escapement.cli._kinds import read_mechanism
 from escapement.cli._parser import Parser, UsageError, number, one_of, option
-from escapement.files.pictures import FORMATS
+from escapement.files.names import FORMATS
 from escapement.units import SYSTEMS, factor
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from escapement.cli._parser import UsageError
 from escapement.errors import CannotCreate
-from escapement.files.pictures import picture_format
-from escapement.files.whole import cannot_create, check_replaceable, check_target
+from escapement.files.atomic import cannot_create, check_replaceable, check_target
+from escapement.files.names import picture_format
 
 _INPUTS = ("data", "study", "table")
 

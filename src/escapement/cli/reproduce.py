@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from escapement.cli import _arguments, _files, _output
 from escapement.cli._parser import Parser, one_of
-from escapement.files.whole import replace_whole
+from escapement.files.atomic import replace_file
 from escapement.text import as_csv, as_json
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> di
     if folder is not None:
         contents = {".json": as_json(made.record), ".csv": as_csv(made.table)}
         for suffix, text in contents.items():
-            replace_whole(folder / (made.name + suffix), [text.encode()])
+            replace_file(folder / (made.name + suffix), [text.encode()])
         made.draw(folder)
         _output.note(f"tables and figures in {folder}")
     if not args.json:

@@ -1,1 +1,1 @@
-"""Files: outputs that appear complete or not at all, and inputs looked at before use."""
+"""Files on disk: atomic output, a file object for HDF5, and checks of names."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
-from escapement.files.whole import write_whole
+from escapement.files.atomic import write_file
 from escapement.measurement.csv_layout import (
     Layout,
     LineBlock,
@@ -256,7 +256,7 @@ def _write(
     path: str | PathLike[str], head: str, columns: dict[str, FloatArray], force: bool
 ) -> None:
     text = chain([head + ",".join(columns) + "\n"], _rows(list(columns.values())))
-    write_whole(path, map(str.encode, text), force)
+    write_file(path, map(str.encode, text), force)
 
 
 def _rows(columns: Sequence[FloatArray]) -> Iterator[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from escapement.engines.energy.pieces import follow
 from escapement.errors import EscapementError, InputFileError
-from escapement.files.inputs import check_input
+from escapement.files.names import check_input
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
 from escapement.motion_file.check import check_columns, check_pieces

@@ -10,8 +10,8 @@ import numpy as np
 
 from escapement import __version__
 from escapement.errors import EscapementError
-from escapement.files.steady import SteadyFile
-from escapement.files.whole import PendingFile, storage_error
+from escapement.files.atomic import PendingFile, storage_error
+from escapement.files.deferred_errors import DeferredErrorFile
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.motion_file.layout import CONTENT, SAMPLES, SCHEMA_VERSION, Column, event_groups
@@ -60,14 +60,14 @@ def write_motion(
     pending = PendingFile(path, force)
     try:
         times = _sample_times(motion)  # HDF5 may crash where memory ends while it has a file
-        steady = SteadyFile(pending.handle)
-        with h5py.File(steady, "w") as hdf5:
+        target = DeferredErrorFile(pending.handle)
+        with h5py.File(target, "w") as hdf5:
             _write_root(hdf5, motion)
             _write_samples(hdf5, motion, times, units, progress or _silent)
             for columns in event_groups(motion).values():
                 _write_group(hdf5, columns)
-        if steady.error is not None:
-            raise steady.error
+        if target.error is not None:
+            raise target.error
         pending.place()
     except EscapementError:
         raise

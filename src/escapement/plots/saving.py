@@ -10,8 +10,8 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from escapement.errors import InvalidValue
-from escapement.files.pictures import picture_format
-from escapement.files.whole import check_replaceable, replace_whole, storage_error
+from escapement.files.atomic import check_replaceable, replace_file, storage_error
+from escapement.files.names import picture_format
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
@@ -52,12 +52,12 @@ def save(figure: "Figure | FuncAnimation", path: str | os.PathLike[str]) -> None
             film = _film(figure)
         except OSError as error:
             raise storage_error(path, error) from None
-        replace_whole(path, [film])
+        replace_file(path, [film])
         return
     image = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "escapement", "pdf.fonttype": 42}):
         figure.savefig(image, format=suffix[1:], dpi=300, metadata=_METADATA[suffix])
-    replace_whole(path, [image.getvalue()])
+    replace_file(path, [image.getvalue()])
 
 
 def _film_format(path: str | os.PathLike[str]) -> str:

@@ -13,8 +13,8 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement.files.steady import SteadyFile
-from escapement.files.whole import PendingFile
+from escapement.files.atomic import PendingFile
+from escapement.files.deferred_errors import DeferredErrorFile
 from escapement.status import Status
 from escapement.study.block import Block, blocks_of
 from escapement.study.chunks import CELLS, Tiling
@@ -43,8 +43,8 @@ class StudyImage:
         import h5py
 
         self._tiling = tiling
-        self._steady = SteadyFile(handle)
-        self._hdf5 = h5py.File(self._steady, "w")
+        self._target = DeferredErrorFile(handle)
+        self._hdf5 = h5py.File(self._target, "w")
         try:
             _write_root(self._hdf5, frame)
             for name, values in frame.axes.items():
@@ -73,8 +73,8 @@ class StudyImage:
         self._check()
 
     def _check(self) -> None:
-        if self._steady.error is not None:
-            raise self._steady.error
+        if self._target.error is not None:
+            raise self._target.error
 
 
 def write_blocks(

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from escapement.errors import EscapementError, InputFileError, InvalidValue
-from escapement.files.inputs import check_input
+from escapement.files.names import check_input
 from escapement.status import Status
 from escapement.study.identity import check_complete
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.model import Escapement
-from escapement.solver import DEFAULT_ENGINE
+from escapement.solver import Solver, choose_solver
 from escapement.study.from_escapement import plan_from
 from escapement.study.result import Study
 from escapement.study.run import Report, run_plan
@@ -19,8 +19,9 @@ def sweep(
     escapement: Escapement,
     *,
     sample: Mapping[str, Any] | None = None,
-    engine: str = DEFAULT_ENGINE,
+    engine: str | None = None,
     rtol: float | None = None,
+    solver: Solver | None = None,
     initial_speed: ArrayLike = 0.0,
     path: str | PathLike[str] | None = None,
     force: bool = False,
@@ -41,7 +42,7 @@ def sweep(
         ("latin-hypercube", "sobol" or "list"), `size`, `seed` (default 0), and a
         distribution [SI] of each parameter, such as {"relative_tolerance": 0.05} or
         {"low": 0.2, "high": 0.3}; with "list" its values, case by case.
-    engine, rtol : optional
+    engine, rtol, solver : optional
         As for `terminal`.
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s]; an array is the last axis.
@@ -89,8 +90,7 @@ def sweep(
         axes,
         sample=sample,
         initial_speed=initial_speed,
-        engine=engine,
-        rtol=rtol,
+        **choose_solver(solver, engine, rtol).given,
     )
     return run_plan(
         plan,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Self
 
 from escapement.errors import CannotCreate, EscapementError, StorageError
-from escapement.files.whole import check_target, creation_error, storage_error
+from escapement.files.atomic import check_target, creation_error, storage_error
 from escapement.study.assembly import Assembly
 from escapement.study.block import Block, blocks_of, encode_block
 from escapement.study.identity import check_same, journal_head

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from escapement.dynamics import losses
+from escapement.dynamics import losses, scene_of
 from escapement.engines.energy.calls import addresses
 from escapement.engines.energy.figures import FIGURES, figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
-from escapement.engines.energy.prepare import cells_of, scene_of
+from escapement.engines.energy.prepare import cells_of
 from escapement.jit import jit
 from escapement.model import FloatArray, Mechanism, dwell_angle
 from escapement.painleve import beyond_painleve

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import power_lost
+from escapement.dynamics import power_lost, scene_of
 from escapement.engines.energy.calls import march, place
 from escapement.engines.energy.events import EVENT, NONE, EventKind
 from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
@@ -25,7 +25,6 @@ from escapement.engines.energy.panels import (
     survey,
     tolerances,
 )
-from escapement.engines.energy.prepare import scene_of
 from escapement.engines.energy.records import NUMBER, WHOLE, record
 from escapement.engines.energy.sampling import duration, run_over
 from escapement.engines.energy.solve import solve_side

@@ -1,4 +1,9 @@
-"""Every zero of a smooth function given a look at it now and then."""
+"""Every root of a smooth function that is sampled at the steps of a solver and between them.
+
+solve_ivp compares the signs of an event function at the ends of a step, so that it misses
+two roots inside one step. With a load an engagement may have two pin reversals, as close
+to each other as one likes (PHYSICS.md 2).
+"""
 
 from collections.abc import Callable
 
@@ -7,42 +12,46 @@ from scipy.optimize import brentq, minimize_scalar
 
 from escapement.model import FloatArray
 
-_PER_STEP = 8  # looks per solver step
-_FINEST = 1e-18  # of a piece that takes a time of order one
-NOTHING = 1e-9  # of the greatest value: so much at an end is rounding
+_PER_STEP = 8
+"""Samples of each solver step."""
+_FINEST = 1e-18
+"""Absolute error of a root, for a piece whose time is of order one."""
+ROUNDING = 1e-9
+"""Of the greatest value: less than this at the end of a piece may be rounding."""
 
 Function = Callable[[float], float]
 
 
-def refine(times: FloatArray) -> FloatArray:
-    """Solver steps with evenly spaced looks inside each."""
+def sample_times(steps: FloatArray) -> FloatArray:
+    """The ends of a solver's steps, with evenly spaced times inside each."""
     inner = np.arange(_PER_STEP) / _PER_STEP
-    looks = times[:-1, None] + np.diff(times)[:, None] * inner
-    return np.append(looks.reshape(-1), times[-1])
+    times = steps[:-1, None] + np.diff(steps)[:, None] * inner
+    return np.append(times.reshape(-1), steps[-1])
 
 
-def crossings(function: Function, x: FloatArray, f: FloatArray) -> list[float]:
-    """All roots of `function`, ascending, given what it is at x.
+def find_roots(function: Function, x: FloatArray, f: FloatArray) -> list[float]:
+    """All roots of `function`, ascending, given its values `f` at `x`.
 
-    Where |f| has a local minimum without a change of sign the minimum itself is
-    looked up, so that a pair of close roots is not lost. The sign in `f` counts
-    at the ends, where rounding may say otherwise.
+    Where |f| has a minimum between values of one sign, that minimum is computed, so that
+    a pair of close roots is found. At the ends the sign of `f` counts, whatever the sign
+    of the function, which may be rounding there.
     """
-    x, f = _with_dips(function, x, f)
+    x, f = _add_dips(function, x, f)
     sides = np.sign(f)
     changes = np.nonzero(sides[:-1] * sides[1:] < 0.0)[0]
-    return [_root(function, float(x[i]), float(x[i + 1])) for i in changes]
+    return [_root_between(function, float(x[i]), float(x[i + 1])) for i in changes]
 
 
-def _root(function: Function, low: float, high: float) -> float:
+def _root_between(function: Function, low: float, high: float) -> float:
     at_low, at_high = function(low), function(high)
     if np.sign(at_low) * np.sign(at_high) < 0.0:
         return float(brentq(function, low, high, xtol=_FINEST, rtol=1e-15, maxiter=500))
+    # one end is a root up to rounding, which hides the change of sign
     return low if abs(at_low) < abs(at_high) else high
 
 
-def _with_dips(function: Function, x: FloatArray, f: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Samples, with the minimum of |f| added wherever f nearly turns back at zero."""
+def _add_dips(function: Function, x: FloatArray, f: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Samples, with the minimum of |f| added wherever f may cross zero twice between two."""
     size, sides = np.abs(f), np.sign(f)
     inner = np.nonzero(
         (size[1:-1] <= size[:-2])
@@ -51,19 +60,21 @@ def _with_dips(function: Function, x: FloatArray, f: FloatArray) -> tuple[FloatA
         & (sides[1:-1] * sides[2:] > 0.0)
         & (size[1:-1] < 0.1 * size.max(initial=0.0))
     )[0]
-    # at an end that nothing follows the least may be before it, or the end itself
-    least = {int(i): 0.0 for i in inner[::-1] + 1}
+    # index of each least sample, and how far beyond zero its minimum has to reach
+    dips = {int(i): 0.0 for i in inner[::-1] + 1}
+    # no sample follows the last one, so that the minimum may lie before it, or be that sample
     if size.size > 1 and sides[-2] * sides[-1] > 0.0 and size[-1] < min(size[-2], 0.1 * size.max()):
-        least = {size.size - 1: NOTHING * float(size.max())} | least
-    for i, nothing in least.items():
-        sense, low, high = sides[i], x[i - 1], x[min(i + 1, size.size - 1)]
+        dips = {size.size - 1: ROUNDING * float(size.max())} | dips
+    # from the last to the first, so that an insertion moves no index that is still to come
+    for i, depth in dips.items():
+        side, low, high = sides[i], x[i - 1], x[min(i + 1, size.size - 1)]
         dip = minimize_scalar(
-            lambda s, sense=sense: sense * function(s),
+            lambda at, side=side: side * function(at),
             bounds=(low, high),
             method="bounded",
             options={"xatol": 1e-12 * (high - low)},
         )
-        if dip.fun < -nothing:
-            at = np.searchsorted(x, dip.x)
-            x, f = np.insert(x, at, dip.x), np.insert(f, at, sense * dip.fun)
+        if dip.fun < -depth:
+            place = np.searchsorted(x, dip.x)
+            x, f = np.insert(x, place, dip.x), np.insert(f, place, side * dip.fun)
     return x, f

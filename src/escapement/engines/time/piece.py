@@ -1,39 +1,36 @@
-"""One smooth piece of a motion by solve_ivp, in units fitting that piece.
+"""One smooth piece of a motion by solve_ivp, in units that fit the piece.
 
 Within a piece one side of the slot carries the force and the transmission is
 analytic. The angle is counted from the end of the piece at which the follower
 is slow: there a light driver speeds up within an angle of sqrt(rho), and the
-digits of the angle are wanted. Speeds are divided by `unit`, that of the start
-or what the torque gives the driver over a cell, so that every piece takes a
+digits of the angle are needed. Speeds are divided by `unit`, the speed at the start
+or that which the torque gives the driver over a cell, so that every piece takes a
 time of order one and absolute tolerances mean the same at any speed.
 """
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from escapement.dynamics import acceleration, bend, contact, contact_moment
-from escapement.dynamics import tabulate as tabulate_motion
-from escapement.engines.time.crossings import NOTHING, crossings, refine
-from escapement.engines.time.solution import Landed, Solution
-from escapement.jit import jit
-from escapement.mechanisms.slotted import transmission_at
+from escapement.engines.time.crossings import ROUNDING, find_roots, sample_times
+from escapement.engines.time.law import Law, slope
 from escapement.model import FloatArray
-from escapement.scene import Scene
+from escapement.scene import plain
 
 MOST_STEPS = 25_000
-"""Solver steps a piece may take, a second or two; DOP853 needs fifty."""
-_LEAST = 1e-30  # an absolute tolerance of zero: no scale of the error is ever 0/0
+"""Solver steps that a piece may take, a second or two; DOP853 needs fifty."""
+_LEAST_ATOL = 1e-30  # with an atol of zero solve_ivp would divide 0 by 0
 
 
 class NotConverged(Exception):
-    """The solver gives up on a piece, or is given up; the argument says why."""
+    """The solver failed on a piece, or took too many steps; the argument says why."""
 
 
 class Options(NamedTuple):
-    """How to integrate; `atol` of (angle, speed, loss) or None, natural units."""
+    """Tolerances and method; `atol` of (angle, speed, loss) or None, in natural units."""
 
     rtol: float
     atol: tuple[float, float, float] | None
@@ -41,203 +38,223 @@ class Options(NamedTuple):
     max_step: float
 
 
-@jit(allocates=True)
-def _derivative(x, y, scene, anchor, unit, side):
-    """Slope of y = (angle from anchor, speed/unit, friction loss/unit^2) over time * unit."""
-    out = np.empty(3)
-    g, u, dg = transmission_at(scene.path, anchor + y[0])
-    w = (unit * y[1]) ** 2
-    out[0] = y[1]
-    out[1] = acceleration(g, u, dg, w, side, scene) / unit**2
-    # signed, so that it stays smooth where a step runs past the reversal
-    moment = contact_moment(g, u, dg, w, side, scene)
-    out[2] = bend(side, scene) * abs(u) * moment * y[1] / unit**2
-    return out
+class Task(NamedTuple):
+    """Where a piece begins, and how far it may reach.
+
+    theta, speed, sign : driver angle [rad], speed and side of the slot at its start.
+    end : driver angle where it ends at the latest [rad].
+    anchor : driver angle to count from [rad].
+    typical : driver angle at which the friction loss has its usual size [rad].
+    time : natural time left.
+    """
+
+    theta: float
+    speed: float
+    sign: float
+    end: float
+    anchor: float
+    typical: float
+    time: float
 
 
-def starting_rate(scene: Scene, theta: float, sign: float) -> float:
-    """Acceleration of a driver at rest."""
-    g, u, dg = transmission_at(scene.path, theta)
-    return acceleration(g, u, dg, 0.0, sign, scene)
+class Ending(Enum):
+    """Why a piece ends: at its goal, at a pin reversal, at rest or at the end of the time."""
+
+    ARRIVED = 1
+    REVERSED = 2
+    STOPPED = 3
+    TIME_UP = 4
 
 
-def _stops_soon(scene: Scene, start: tuple[float, float, float], end: float) -> bool:
-    """Whether the driver, braked as at the start, would stop in the first part of a piece."""
-    theta, speed, sign = start
-    g, u, dg = transmission_at(scene.path, theta)
-    rate = acceleration(g, u, dg, speed**2, sign, scene)
-    return bool(-rate * 0.2 * (end - theta) > speed**2)
+@dataclass(frozen=True)
+class Solution:
+    """A solved piece; times are natural ones since its start.
+
+    dense : state in the piece's units as a function of time * unit.
+    length : time that the piece takes.
+    extrema : times at which the driver's acceleration vanishes.
+    first_rate, last_rate : sign of the acceleration after the start and before the end.
+    """
+
+    dense: Any
+    anchor: float
+    unit: float
+    length: float
+    ending: Ending
+    extrema: list[float]
+    first_rate: float
+    last_rate: float
+
+    def state(self, time: Any) -> tuple[Any, Any, Any]:
+        """Driver angle [rad], speed and friction loss in natural units."""
+        y = self.dense(np.maximum(time * self.unit, 0.0))
+        return y[0] + self.anchor, y[1] * self.unit, y[2] * self.unit**2
 
 
-def solve_piece(
-    scene: Scene,
-    start: tuple[float, float, float],
-    goal: tuple[float, float, float],
-    horizon: float,
-    options: Options,
-) -> Solution:
-    """Integrate until the goal, the next pin reversal, a stop or the horizon.
+class _Spliced(NamedTuple):
+    """Dense output `before` a time `join`, and that of the last step taken again `after` it."""
 
-    Parameters
-    ----------
-    scene : Scene
-    start : tuple
-        Driver angle [rad], speed [natural] and side of the slot.
-    goal : tuple
-        Driver angle where the piece ends at the latest, the angle to count from, and
-        one at which to see how much is lost [rad].
-    horizon : float
-        Natural time left.
-    options : Options
+    before: Any
+    join: float
+    after: Any
+
+    def __call__(self, x: Any) -> Any:
+        return np.where(x < self.join, self.before(x), self.after(x))
+
+
+class _Samples(NamedTuple):
+    """Accelerations and contact forces at times within every solver step."""
+
+    times: FloatArray
+    rates: FloatArray
+    forces: FloatArray
+
+
+def solve_piece(law: Law, task: Task, options: Options) -> Solution:
+    """Integrate until the goal, the next pin reversal, a stop or the end of the time.
 
     Raises
     ------
     NotConverged
         When the solver cannot go on or takes more than `MOST_STEPS`.
     """
-    theta, speed, sign = start
-    end, anchor, middle = goal
-    unit = max(speed, np.sqrt(2.0 * np.pi / (scene.rho + 1.0)))
-    # of a driver that is about to stop even the last of its speed counts
-    share = speed / unit if speed > 0.0 and _stops_soon(scene, start, end) else 1.0
-    piece = _Piece(scene, options, sign, end - anchor, anchor, middle, unit, share)
-    y = [theta - anchor, speed / unit, 0.0]
-    solved = piece.solve((0.0, horizon * unit), y, events=piece.events())
-    grid, rates, forces = piece.looks(solved)
-    last, ended = piece.end(solved, grid, forces)
-    dense: Any = solved.sol
-    join = float(solved.t[max(int(np.searchsorted(solved.t, last)) - 1, 0)])
-    if join < last:
-        step = min(last - join, options.max_step * unit)
-        landing = piece.solve((join, last), dense(join), first_step=step).sol
-        if ended in ("arrived", "stopped"):
-            y = landing(last)
-            short = (piece.way - y[0]) / y[1] if ended == "arrived" else -y[1] / piece.rate(last, y)
-            last += float(short)
-            # once more: behind its end an interpolant is no good, least of all a short one
-            landing = piece.solve((join, last), dense(join), first_step=min(step, last - join)).sol
-        dense = Landed(dense, join, landing)
-    kept = grid < last
-    at_last = piece.rate(last, dense(last))
-    times, rates = np.append(grid[kept], last), np.append(rates[kept], at_last)
-    extrema = crossings(lambda x: piece.rate(x, dense(x)), times, rates)
-    return Solution(
-        dense,
-        anchor,
-        unit,
-        last / unit,
-        ended,
-        [x / unit for x in extrema],
-        (float(rates[0]), at_last),
-    )
+    unit = max(task.speed, np.sqrt(2.0 * np.pi / (law.scene.rho + 1.0)))
+    problem = _Problem(law, task, options, unit, _absolute_tolerances(law, task, options, unit))
+    y = [task.theta - task.anchor, task.speed / unit, 0.0]
+    solved = problem.integrate((0.0, task.time * unit), y, events=problem.events())
+    samples = problem.sample(solved)
+    end, ending = problem.find_end(solved, samples)
+    dense, end = problem.retake_last_step(solved, end, ending)
+    # extrema of the speed are roots of the acceleration
+    kept = samples.times < end
+    last_rate = problem.rate(end, dense(end))
+    times, rates = np.append(samples.times[kept], end), np.append(samples.rates[kept], last_rate)
+    extrema = find_roots(lambda x: problem.rate(x, dense(x)), times, rates)
+    roots = [x / unit for x in extrema]
+    return Solution(dense, task.anchor, unit, end / unit, ending, roots, float(rates[0]), last_rate)
 
 
 @dataclass(frozen=True)
-class _Piece:
-    """A piece to be solved: `way` is the scaled angle where it ends at the latest."""
+class _Problem:
+    """A piece in its own units, which are those of `law.slope`."""
 
-    scene: Scene
+    law: Law
+    task: Task
     options: Options
-    sign: float
-    way: float
-    anchor: float
-    middle: float
     unit: float
-    share: float
+    atol: tuple[float, float, float]
 
     @property
-    def numbers(self) -> tuple[Any, ...]:
-        return (self.scene, self.anchor, self.unit, self.sign)
+    def arguments(self) -> tuple[Any, ...]:
+        """What `slope` takes beside x and y."""
+        return (self.task.anchor, self.unit, self.task.sign, plain(self.law.scene))
 
     def rate(self, x: float, y: FloatArray) -> float:
-        """Scaled acceleration."""
-        return float(_derivative(x, y, *self.numbers)[1])
+        """Acceleration."""
+        return float(slope(x, y, *self.arguments)[1])
 
     def force(self, y: FloatArray) -> float:
         """A number with the sign of the contact force."""
-        g, _u, dg = transmission_at(self.scene.path, self.anchor + y[0])
-        return contact(g, dg, (self.unit * y[1]) ** 2, self.scene)
+        return self.law.force(self.task.anchor + y[0], (self.unit * y[1]) ** 2)
 
     def events(self) -> Any:
-        """Arrival, reversal and stop as solve_ivp's events; the first counts the steps."""
-        steps = 0
+        """Arrival, reversal and stop as events of solve_ivp; the first one counts the steps."""
+        steps, way, sign = 0, self.task.end - self.task.anchor, self.task.sign
 
         def arrive(x: float, y: FloatArray, *_: Any) -> float:
             nonlocal steps
             steps += 1
             if steps > MOST_STEPS:
                 raise NotConverged(_too_many_steps(self.options.method))
-            return y[0] - self.way
+            return float(y[0] - way)
 
         def reverse(x: float, y: FloatArray, *_: Any) -> float:
-            # on a reversal the force is rounding, and a root would be found there again
-            return self.sign if x == 0.0 else self.force(y)
+            # at a start on a reversal the force is rounding, and its root would fire again
+            return sign if x == 0.0 else self.force(y)
 
         def stop(x: float, y: FloatArray, *_: Any) -> float:
-            return y[1]
+            return float(y[1])
 
         events: Any = (arrive, reverse, stop)
-        for event, direction in zip(events, (1.0, -self.sign, -1.0), strict=True):
+        for event, direction in zip(events, (1.0, -sign, -1.0), strict=True):
             event.terminal = True
+            # without a direction the root at the start of a piece would end it at once
             event.direction = direction
         return events
 
-    def solve(self, span: tuple[float, float], y: Any, **more: Any) -> Any:
-        """What solve_ivp answers, with dense output."""
-        options = self.options
-        # a trial step may leave the domain: its NaN makes the solver take a shorter one
+    def integrate(self, span: tuple[float, float], y: Any, **more: Any) -> Any:
+        """The result of solve_ivp, with dense output."""
+        method, more["max_step"] = self.options.method, self.options.max_step * self.unit
+        more |= {"rtol": self.options.rtol, "atol": self.atol, "dense_output": True}
+        # A trial step may leave the angles at which the transmission is defined. The solver
+        # answers the NaN that it gets there with a shorter step.
         with np.errstate(all="ignore"):
-            solved = solve_ivp(
-                _derivative,
-                span,
-                y,
-                dense_output=True,
-                args=self.numbers,
-                rtol=options.rtol,
-                atol=_absolute(self.scene, options, self.unit, self.middle, self.share),
-                method=options.method,
-                max_step=options.max_step * self.unit,
-                **more,
-            )
+            solved = solve_ivp(slope, span, y, method, args=self.arguments, **more)
         if solved.status < 0:
-            raise NotConverged(f"method {options.method!r} gives up: {solved.message}")
+            raise NotConverged(f"method {method!r} gives up: {solved.message}")
         return solved
 
-    def looks(self, solved: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Times within every step, with the acceleration and the force there."""
-        grid = refine(solved.t)
-        angle, pace = solved.sol(grid)[:2]
+    def sample(self, solved: Any) -> _Samples:
+        """Accelerations and forces within every step, from the dense output."""
+        times = sample_times(solved.t)
+        (angle, pace, _loss), sign = solved.sol(times), self.task.sign
         w = (self.unit * pace) ** 2
-        table = np.empty((4, grid.size))
-        tabulate_motion(self.scene, angle + self.anchor, w, self.sign, table)
-        forces = self.scene.rho * (table[1] * w + self.scene.load) + table[0]
-        forces[0] = self.sign * abs(forces[0])  # a start on the reversal itself is not one
-        return grid, table[2], forces
+        rates, forces = self.law.tabulate(angle + self.task.anchor, w, sign)
+        # a start on the reversal itself is not another one
+        forces[0] = sign * abs(forces[0])
+        return _Samples(times, rates, forces)
 
-    def end(self, solved: Any, grid: FloatArray, forces: FloatArray) -> tuple[float, str]:
-        """When the piece ends, and how.
+    def find_end(self, solved: Any, samples: _Samples) -> tuple[float, Ending]:
+        """When the piece ends, and why.
 
-        The solver looks at the ends of its steps only and misses two crossings of the
-        force inside one, so its own steps are searched again.
+        solve_ivp misses two crossings of the force inside one step, so that the force is
+        searched again between its steps.
         """
         arrived, reversed_, stopped = (times.size > 0 for times in solved.t_events)
-        last = float(grid[-1])
-
-        def force_at(x: float) -> float:
-            return self.force(solved.sol(x))
-
+        last, forces, sign = float(samples.times[-1]), samples.forces, self.task.sign
         if reversed_:
-            forces[-1] = -self.sign * abs(forces[-1])
-            turns = [*crossings(force_at, grid, forces), last]
-        else:
-            # the force may vanish where the piece ends: next to nothing there is rounding
-            if abs(forces[-1]) <= NOTHING * np.abs(forces).max():
-                forces[-1] = self.sign * abs(forces[-1])
-            turns = crossings(force_at, grid, forces)
+            # the last sample is the root that solve_ivp found: it counts as beyond it
+            forces[-1] = -sign * abs(forces[-1])
+        elif abs(forces[-1]) <= ROUNDING * np.abs(forces).max():
+            # the force may vanish at the goal, g = g' = 0, where its sign is rounding
+            forces[-1] = sign * abs(forces[-1])
+        turns = find_roots(lambda x: self.force(solved.sol(x)), samples.times, forces)
+        if reversed_:
+            turns.append(last)
         if turns:
-            beyond = solved.sol(turns[0])[0] >= self.way
-            return turns[0], "arrived" if beyond else "reversed"
-        return last, "arrived" if arrived else "stopped" if stopped else "horizon"
+            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor
+            return turns[0], Ending.ARRIVED if beyond else Ending.REVERSED
+        if arrived:
+            return last, Ending.ARRIVED
+        return last, Ending.STOPPED if stopped else Ending.TIME_UP
+
+    def retake_last_step(self, solved: Any, end: float, ending: Ending) -> tuple[Any, float]:
+        """Dense output that ends where the piece ends, and when that is.
+
+        The interpolant inside a step is less accurate than the ends of the step. Where an
+        event falls into a step, the error of the interpolant would stay in the state, so
+        the step is integrated again up to the event.
+        """
+        dense: Any = solved.sol
+        join = float(solved.t[max(int(np.searchsorted(solved.t, end)) - 1, 0)])
+        if not join < end:
+            return dense, end
+        step = min(end - join, self.options.max_step * self.unit)
+        last = self.integrate((join, end), dense(join), first_step=step).sol
+        if ending in (Ending.ARRIVED, Ending.STOPPED):
+            # one Newton step brings the angle to the goal, or the speed to zero
+            y, way = last(end), self.task.end - self.task.anchor
+            arrived = ending is Ending.ARRIVED
+            end += float((way - y[0]) / y[1] if arrived else -y[1] / self.rate(end, y))
+            if not end > join:
+                raise NotConverged(
+                    f"method {self.options.method!r} makes errors greater than a whole step; "
+                    "choose a smaller rtol, a smaller atol or a smaller max_step"
+                )
+            # extrapolated, an interpolant is worthless, most of all that of a short step
+            step = min(step, end - join)
+            last = self.integrate((join, end), dense(join), first_step=step).sol
+        return _Spliced(dense, join, last), end
 
 
 def _too_many_steps(method: str) -> str:
@@ -248,22 +265,29 @@ def _too_many_steps(method: str) -> str:
     )
 
 
-def _absolute(
-    scene: Scene, options: Options, unit: float, middle: float, share: float
+def _absolute_tolerances(
+    law: Law, task: Task, options: Options, unit: float
 ) -> tuple[float, float, float]:
-    """Absolute tolerances of the scaled state.
-
-    The terminal cycle is where loss and work agree, so the loss is wanted to its own
-    digits, however small it is; `middle` is an angle at which to see how small. `share`
-    is how much of the unit of speed there is.
-    """
+    """Absolute tolerances of angle, speed and loss in the units of a piece."""
     if options.atol is None:
-        g, u, dg = transmission_at(scene.path, middle)
-        moment = (scene.rho * abs(dg) + abs(g) / unit**2) / (scene.rho + g * g)
+        g, u, dg = law.transmission(task.typical)
+        # The terminal cycle is where loss and work agree (PHYSICS.md 2), so the loss needs
+        # digits of its own, however small it is: mu |u| |N R| at a typical angle.
+        moment = (law.scene.rho * abs(dg) + abs(g) / unit**2) / (law.scene.rho + g * g)
         small = 1e-2 * options.rtol
-        scales = (small, small * share, small * scene.mu_plus * abs(u) * moment)
+        speed = small * (task.speed / unit if _stops_soon(law, task) else 1.0)
+        scales = (small, speed, small * law.scene.mu_plus * abs(u) * moment)
     else:
         angle, speed, loss = options.atol
         scales = (angle, speed / unit, loss / unit**2)
-    first, second, third = (max(scale, _LEAST) for scale in scales)
+    first, second, third = (max(scale, _LEAST_ATOL) for scale in scales)
     return first, second, third
+
+
+def _stops_soon(law: Law, task: Task) -> bool:
+    """Whether the driver, braked as at the start, would stop early in the piece.
+
+    What is left of its speed then decides where it stops.
+    """
+    braking = -law.acceleration(task.theta, task.speed, task.sign)
+    return task.speed > 0.0 and bool(braking * 0.2 * (task.end - task.theta) > task.speed**2)

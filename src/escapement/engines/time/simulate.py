@@ -1,184 +1,213 @@
-"""The reference engine: SciPy's solve_ivp in the time domain.
+"""A motion by SciPy's solve_ivp in the time domain.
 
 Each smooth piece is integrated on its own with a fixed side of the slot, from
 one break of the mechanism, or knot of its table, to the next or to the pin
-reversal before it. Time is measured in units of sqrt(I_f/torque), so the
-tolerance means the same thing for a watch and a turret. The state carries the
-friction loss, so that the energy ledger is an independent check.
+reversal before it. The state carries the friction loss, so that the energy
+ledger is an independent check.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import side_at
-from escapement.engines.time.piece import NotConverged, Options, solve_piece, starting_rate
-from escapement.engines.time.solution import Free, Solution
-from escapement.mechanisms.slotted import transmission_at
+from escapement.engines.time.law import Law
+from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
 from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.painleve import critical_friction
-from escapement.scene import Path, Scene
 from escapement.status import MESSAGES, Status
 
-_TIGHTER = 0.02  # local tolerance over the one asked for: errors add up over a run
-_FLOOR = 2.3e-14  # solve_ivp clips a smaller rtol with a warning
+_SHARPER = 0.02
+"""Local tolerance over the one asked for, because errors add up over a motion."""
+_LEAST_RTOL = 2.3e-14
+"""A smaller rtol makes solve_ivp warn and take this one."""
+_MOST_RTOL = 1e-9
+"""With a greater one a step may pass over the narrow peak of 1/J_s near the Painleve limit."""
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
-_TOGETHER = 1e-12  # radians between two reversals that undo each other
-_CEILING = 1e-9  # with longer steps a solver leaps over the narrow peak of 1/J near the limit
+"""Relative error of a time that is converted to natural units and back."""
+_SAME_PLACE = 1e-12
+"""Two reversals this close [rad] are one that rounding crosses twice."""
 
 
-@dataclass
-class _Pieces:
-    """Growing trajectory: one solution per piece."""
+class FreeTurn(NamedTuple):
+    """A driver that turns alone under the torque, I_d theta_ddot = tau, in closed form."""
+
+    theta: float
+    speed: float
+    rho: float
+    length: float = np.inf
+
+    def state(self, time: Any) -> tuple[Any, Any, Any]:
+        """Driver angle [rad], speed and friction loss in natural units."""
+        theta = self.theta + time * (self.speed + time / (2.0 * self.rho))
+        return theta, self.speed + time / self.rho, 0.0 * time
+
+
+class SolvedPiece(NamedTuple):
+    """A piece of a motion in natural units; `sign` is 0 in a dwell."""
+
+    start: float
+    engagement: int
+    sign: float
+    friction_loss: float
+    solution: Solution | FreeTurn
+
+
+class Event(NamedTuple):
+    """A pin reversal or an extremum of the driver speed in natural units."""
+
+    engagement: int
+    time: float
+    theta: float
+    speed: float
+    maximum: bool = False
+
+
+@dataclass(frozen=True)
+class SolvedTrajectory:
+    """The pieces and events of a motion in SI; see `escapement.trajectory.Trajectory`."""
 
     clock: float
-    torque: float
-    start: Any = field(default_factory=list)
-    engagement: Any = field(default_factory=list)
-    sign: Any = field(default_factory=list)
-    friction_loss: Any = field(default_factory=list)
-    solution: list[Any] = field(default_factory=list)
-    reversals: Any = None
-    extrema: Any = None
-
-    def add(self, x: float, engagement: int, sign: float, loss: float, solution: Any) -> None:
-        self.start.append(x * self.clock)
-        self.engagement.append(engagement)
-        self.sign.append(sign)
-        self.friction_loss.append(loss * self.torque)
-        self.solution.append(solution)
-
-    def freeze(self) -> None:
-        for name in ("start", "engagement", "sign", "friction_loss"):
-            kind = int if name == "engagement" else float
-            setattr(self, name, np.array(getattr(self, name), dtype=kind))
+    solution: list[Solution | FreeTurn]
+    start: FloatArray
+    engagement: np.ndarray
+    sign: FloatArray
+    friction_loss: FloatArray
+    reversals: Events
+    extrema: Extrema
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
         solution = self.solution[piece]
         time = (t - self.start[piece]) / self.clock
-        # a light driver at a handoff feels even the rounding of a time: its end is its end
+        # Next to a handoff the speed of a light driver changes within the rounding of a
+        # time, so that the end of a piece is recognised and evaluated as its end.
         at_end = np.abs(time - solution.length) <= _ROUNDING * (t / self.clock)
-        theta, speed, _loss = solution(np.where(at_end, solution.length, time))
+        theta, speed, _loss = solution.state(np.where(at_end, solution.length, time))
         return theta, speed / self.clock
 
 
 @dataclass
-class _Run:
-    """One simulation in natural units, advanced piece by piece."""
+class _Simulation:
+    """A motion in natural units that is continued piece by piece.
 
-    scene: Scene
-    edges: FloatArray
+    spans : end of each smooth interval, and the one of its ends where the follower is slow [rad].
+    trend : sign of the latest driver acceleration, by which extrema at corners are found.
+    """
+
+    mechanism: Mechanism
+    law: Law
+    spans: list[tuple[float, float]]
     options: Options
-    horizon: float
-    pieces: _Pieces
-    x: float = 0.0
+    end_time: float
+    speed: float
     theta: float = 0.0
-    speed: float = 0.0
+    time: float = 0.0
     engagement: int = 0
-    rising: float = 0.0
-    reversals: list[tuple[float, ...]] = field(default_factory=list)
-    extrema: list[tuple[float, ...]] = field(default_factory=list)
+    trend: float = 0.0
     stalled: bool = False
+    pieces: list[SolvedPiece] = field(default_factory=list)
+    handoffs: list[tuple[float, float]] = field(default_factory=list)
+    reversals: list[Event] = field(default_factory=list)
+    extrema: list[Event] = field(default_factory=list)
 
     @property
     def over(self) -> bool:
-        return self.stalled or self.x >= self.horizon
+        return self.stalled or self.time >= self.end_time
 
-    def cell(self, mechanism: Mechanism) -> bool:
-        """One engagement and the dwell after it; False if the motion ends within."""
-        breaks, path = mechanism.breaks, self.scene.path
-        self.theta = breaks[0]
-        for start, end in pairwise(self.edges):
-            slow = start if abs(_ratio(path, start)) < abs(_ratio(path, end)) else end
-            self._engage(end, slow)
-        if not self.over and dwell_angle(mechanism) > 0.0:
-            self._dwell(breaks[0] + mechanism.cell_angle)
-        return not self.over
+    def run(self, engagements: int | None) -> None:
+        """Continue to the end of the time, to a stop, or for a number of engagements."""
+        while self.engagement != engagements:
+            self.theta = entry = self.mechanism.breaks[0]
+            for end, slow in self.spans:
+                self._pass_interval(end, slow)
+            if not self.over and dwell_angle(self.mechanism) > 0.0:
+                self._dwell(entry + self.mechanism.cell_angle)
+            if self.over:
+                return
+            self.handoffs.append((self.time, self.speed))
+            self.engagement += 1
 
-    def _engage(self, end: float, slow: float) -> None:
-        """Advance to the break at `end`, through any reversals."""
-        g, _, dg = transmission_at(self.scene.path, self.theta)
-        sign = side_at(g, dg, self.speed**2, self.scene)
+    def _pass_interval(self, end: float, slow: float) -> None:
+        """Advance to the end of a smooth interval, through any reversals."""
+        sign = self.law.side(self.theta, self.speed)
         while self.theta < end and not self.over:
-            if self.speed <= 0.0 and starting_rate(self.scene, self.theta, sign) <= 0.0:
-                self._stand(sign)
-            elif self._piece(sign, end, slow):
-                self._turn()
+            at_rest = self.speed <= 0.0
+            if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
+                # stall: the drive does not carry the load
+                self.stalled = True
+                if not self.pieces:
+                    self._add(sign, 0.0, FreeTurn(self.theta, 0.0, np.inf))
+            elif self._solve_piece(sign, end, slow) is Ending.REVERSED:
+                self._note_reversal()
                 sign = -sign
 
-    def _turn(self) -> None:
-        """Note a reversal; there and back within rounding is none."""
-        last = self.reversals[-1] if self.reversals else None
-        if last and last[0] == self.engagement and self.theta - last[2] <= _TOGETHER:
-            self.reversals.pop()
-        else:
-            self.reversals.append((self.engagement, self.x, self.theta, self.speed))
-
-    def _stand(self, sign: float) -> None:
-        """At rest, and the drive does not carry the load."""
-        self.stalled = True
-        if not self.pieces.start:
-            self.pieces.add(self.x, self.engagement, sign, 0.0, Free(self.theta, 0.0, np.inf))
-
-    def _piece(self, sign: float, end: float, slow: float) -> bool:
-        """Advance by one smooth piece; True if it ends in a pin reversal."""
-        start = (self.theta, self.speed, sign)
-        # a table's piece may lie next to a stop, where all that is lost is rounding
-        first, last = (
-            (self.edges[0], self.edges[-1]) if self.scene.path.table else (self.theta, end)
-        )
-        goal = (end, slow, 0.5 * (first + last))
-        solved = solve_piece(self.scene, start, goal, self.horizon - self.x, self.options)
-        theta, speed, loss = (float(value) for value in solved(solved.length))
-        self._record_extrema(solved)
-        self.pieces.add(self.x, self.engagement, sign, loss, solved)
-        horizon = solved.ended == "horizon"
-        self.x = self.horizon if horizon else self.x + solved.length
-        self.theta = end if solved.ended == "arrived" else theta
+    def _solve_piece(self, sign: float, end: float, slow: float) -> Ending:
+        """Advance by one smooth piece."""
+        # Next to a stop of a mesh all of the friction loss is rounding. A table's pieces are
+        # short and may lie there, so that the whole engagement says how much is usual.
+        breaks = self.mechanism.breaks
+        first, last = (breaks[0], breaks[-1]) if self.law.is_table else (self.theta, end)
+        typical, time_left = 0.5 * (first + last), self.end_time - self.time
+        task = Task(self.theta, self.speed, sign, end, slow, typical, time_left)
+        solved = solve_piece(self.law, task, self.options)
+        theta, speed, loss = (float(value) for value in solved.state(solved.length))
+        self._note_extrema(solved)
+        self._add(sign, loss, solved)
+        time_up = solved.ending is Ending.TIME_UP
+        self.time = self.end_time if time_up else self.time + solved.length
+        self.theta = end if solved.ending is Ending.ARRIVED else theta
         self.speed = speed
-        self.stalled = solved.ended == "stopped"
-        return solved.ended == "reversed"
-
-    def _record_extrema(self, solved: Solution) -> None:
-        """Extrema of the speed within a piece and on its first corner."""
-        first, last = solved.rates
-        self._corner(first)
-        for time in solved.extrema:
-            theta, speed, _loss = solved(time)
-            self._extremum(self.x + time, float(theta), float(speed))
-            self.rising = -self.rising
-        self.rising = np.sign(last) or self.rising
-
-    def _corner(self, rate: float) -> None:
-        """An extremum where the acceleration jumps through zero."""
-        now = np.sign(rate)
-        if now * self.rising < 0.0:
-            self._extremum(self.x, self.theta, self.speed)
-        self.rising = now or self.rising
-
-    def _extremum(self, x: float, theta: float, speed: float) -> None:
-        self.extrema.append((self.engagement, x, theta, speed, self.rising > 0.0))
+        self.stalled = solved.ending is Ending.STOPPED
+        return solved.ending
 
     def _dwell(self, end: float) -> None:
-        """Turn free to the end of the cell: constant acceleration, closed form."""
-        rho = self.scene.rho
-        self._corner(1.0 / rho)
-        angle = end - self.theta
+        """Let the driver turn free to the end of the cell, while the follower is locked."""
+        rho, angle = self.law.scene.rho, end - self.theta
+        self._note_corner(1.0 / rho)
+        # w grows by 2 angle / rho, and the time is the angle over the mean speed
         arrival = np.sqrt(self.speed**2 + 2.0 * angle / rho)
         length = 2.0 * angle / (self.speed + arrival)
-        self.pieces.add(self.x, self.engagement, 0.0, 0.0, Free(self.theta, self.speed, rho))
-        if self.x + length > self.horizon:
-            self.x = self.horizon
-            return
-        self.x, self.theta, self.speed = self.x + length, end, float(arrival)
+        self._add(0.0, 0.0, FreeTurn(self.theta, self.speed, rho))
+        if self.time + length > self.end_time:
+            self.time = self.end_time
+        else:
+            self.time, self.speed = self.time + length, float(arrival)
 
+    def _add(self, sign: float, loss: float, solution: Solution | FreeTurn) -> None:
+        self.pieces.append(SolvedPiece(self.time, self.engagement, sign, loss, solution))
 
-def _ratio(path: Path, theta: float) -> float:
-    return float(transmission_at(path, theta)[0])
+    def _note_reversal(self) -> None:
+        """Note a pin reversal, or drop the last one if this undoes it at the same place."""
+        found = Event(self.engagement, self.time, self.theta, self.speed)
+        last = self.reversals[-1] if self.reversals else None
+        if last and last.engagement == found.engagement and found.theta - last.theta <= _SAME_PLACE:
+            self.reversals.pop()
+        else:
+            self.reversals.append(found)
+
+    def _note_extrema(self, solved: Solution) -> None:
+        """Note the extrema of the speed within a piece and on the corner at its start."""
+        self._note_corner(solved.first_rate)
+        for since in solved.extrema:
+            theta, speed, _loss = solved.state(since)
+            self._note_extremum(self.time + since, float(theta), float(speed))
+            # after a root of the acceleration the speed has the other trend
+            self.trend = -self.trend
+        self.trend = np.sign(solved.last_rate) or self.trend
+
+    def _note_corner(self, rate: float) -> None:
+        """Note an extremum where the acceleration jumps through zero, as at a reversal."""
+        # the sign of the force jumps at a reversal and at a handoff, and J_s with it
+        after = np.sign(rate)
+        if after * self.trend < 0.0:
+            self._note_extremum(self.time, self.theta, self.speed)
+        self.trend = after or self.trend
+
+    def _note_extremum(self, time: float, theta: float, speed: float) -> None:
+        self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
 
 
 def simulate(
@@ -196,56 +225,53 @@ def simulate(
     mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque
     if escapement.friction >= critical_friction(mechanism, escapement.inertia):
         return no_motion(escapement, "ivp", rtol)
-    run = _Run(
-        escapement.scene,
-        escapement.scene.edges,
-        Options(
-            min(max(rtol * _TIGHTER, _FLOOR), _CEILING),
-            None if atol is None else (atol, atol * clock, atol / torque),
-            method,
-            max_step / clock,
-        ),
-        np.inf if duration is None else duration / clock,
-        _Pieces(clock, torque),
-        speed=initial_speed * clock,
+    options = Options(
+        min(max(rtol * _SHARPER, _LEAST_RTOL), _MOST_RTOL),
+        None if atol is None else (atol, atol * clock, atol / torque),
+        method,
+        max_step / clock,
     )
-    handoffs: list[tuple[float, float]] = []
+    law, end_time = Law.of(escapement), np.inf if duration is None else duration / clock
+    spans = _smooth_spans(law)
+    run = _Simulation(mechanism, law, spans, options, end_time, initial_speed * clock)
     status, message = Status.OK, MESSAGES[Status.OK]
     try:
-        while run.engagement != engagements and run.cell(mechanism):
-            handoffs.append((run.x, run.speed))
-            run.engagement += 1
+        run.run(engagements)
     except NotConverged as reason:
         status, message = Status.NOT_CONVERGED, str(reason)
     if run.stalled:
         status, message = Status.STALL, stall_message(run.theta, run.engagement)
-    end = float(run.x * clock) if duration is None or run.x < run.horizon else duration
-    return _assemble(escapement, rtol, run, handoffs, end, status, message)
-
-
-def _assemble(
-    escapement: Escapement,
-    rtol: float,
-    run: _Run,
-    handoffs: list[tuple[float, float]],
-    end: float,
-    status: Status,
-    message: str,
-) -> Motion:
-    """From natural units to SI."""
-    pieces, clock, cell = run.pieces, run.pieces.clock, escapement.mechanism.cell_angle
-
-    def columns(rows: list[tuple[float, ...]], width: int) -> list[Any]:
-        table = np.array(rows, dtype=float).reshape(-1, width).T
-        index = table[0].astype(int)
-        return [index, table[1] * clock, table[2] + index * cell, table[3] / clock, *table[4:]]
-
-    pieces.freeze()
-    pieces.reversals = Events(*columns(run.reversals, 4))
-    *events, maximum = columns(run.extrema, 5)
-    index, time, theta, speed = events
-    pieces.extrema = Extrema(index, time, theta, speed, maximum.astype(bool))
-    times, speeds = np.array(handoffs, dtype=float).reshape(-1, 2).T
+    # a duration is returned as it was given, without the rounding of the conversion
+    end = float(run.time * clock) if duration is None or run.time < run.end_time else duration
+    times, speeds = np.array(run.handoffs, dtype=float).reshape(-1, 2).T
+    trajectory = _in_si(run, clock, torque, mechanism.cell_angle)
     return Motion(
-        escapement, "ivp", rtol, pieces, end, times * clock, speeds / clock, status, message
+        escapement, "ivp", rtol, trajectory, end, times * clock, speeds / clock, status, message
     )
+
+
+def _smooth_spans(law: Law) -> list[tuple[float, float]]:
+    """End of each smooth interval, and the one of its two ends where the follower is slow."""
+    edges = law.scene.edges
+    ratio = [abs(law.transmission(angle)[0]) for angle in edges]
+    return [
+        (edges[i + 1], edges[i] if ratio[i] < ratio[i + 1] else edges[i + 1])
+        for i in range(edges.size - 1)
+    ]
+
+
+def _in_si(run: _Simulation, clock: float, torque: float, cell: float) -> SolvedTrajectory:
+    """The pieces and events of a simulation, from natural units to SI."""
+
+    def events(rows: Sequence[Event]) -> tuple[Any, ...]:
+        """Columns of `Events`, and whether each is a maximum."""
+        index, time, theta, speed, maximum = np.array(rows, dtype=float).reshape(-1, 5).T
+        numbers = index.astype(int)
+        return numbers, time * clock, theta + numbers * cell, speed / clock, maximum.astype(bool)
+
+    solutions = [piece.solution for piece in run.pieces]
+    rows = np.array([piece[:4] for piece in run.pieces], dtype=float).reshape(-1, 4)
+    start, engagement, sign, loss = np.ascontiguousarray(rows.T)
+    reversals, extrema = Events(*events(run.reversals)[:4]), Extrema(*events(run.extrema))
+    numbers = (start * clock, engagement.astype(int), sign, loss * torque)
+    return SolvedTrajectory(clock, solutions, *numbers, reversals, extrema)

@@ -1,29 +1,31 @@
 """Terminal cycle of the reference engine: the fixed point of one engagement.
 
-An engagement maps the squared driver speed at entry to that at exit. The
-terminal cycle is where the two agree; a bracketing root finder gets there in
-about ten engagements however slowly the motion itself converges. What it looks
-at is not the difference of two speeds but the energy they differ by, work less
-load and friction loss: where little is lost the difference has no digits left.
+An engagement maps the squared driver speed w at entry to that at exit (PHYSICS.md 2).
+The terminal cycle is where the two agree. A bracketing root finder gets there in
+about ten engagements, however slowly the motion itself converges. Its function is
+not the difference of the two but the energy by which they differ, work less load and
+friction loss: where little is lost, the difference of the speeds has no digits left.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import toms748
 
-from escapement.engines.time import simulate as time_engine
-from escapement.mechanisms.slotted import transmission_at
+from escapement.engines.time.law import Law
+from escapement.engines.time.simulate import simulate
 from escapement.metrics import BOUNDLESS, Figures, read_cycle, read_transient
 from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
 
 LONGEST_TRANSIENT = 3000
-"""Engagements of a transient this engine will integrate."""
-_NEAREST = 1e-9  # a stall this close below a motion that still loses speed is the end of it
+"""Engagements of a transient that this engine will integrate."""
+_CLOSE = 1e-9
+"""Relative distance of a speed that still falls from one that stalls: there is no cycle between."""
 
 
 class _Engagement(NamedTuple):
@@ -37,6 +39,13 @@ class _Engagement(NamedTuple):
         return self.motion.status is Status.OK
 
 
+class _Bracket(NamedTuple):
+    """Squared speeds below and above that of the terminal cycle [rad^2/s^2]."""
+
+    low: float
+    high: float
+
+
 def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     """Figures of merit by integration; see `escapement.terminal`."""
     cycle, contraction = terminal_cycle(escapement, **settings)
@@ -45,7 +54,7 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     figures = replace(read_cycle(cycle, base), contraction=contraction)
     count = _transient_length(contraction, settings["initial_speed"] / figures.handoff_velocity)
     while count <= LONGEST_TRANSIENT:
-        motion = time_engine.simulate(escapement, engagements=count, duration=None, **settings)
+        motion = simulate(escapement, engagements=count, duration=None, **settings)
         rise, settled = read_transient(motion, figures)
         if not math.isnan(rise + settled):
             return replace(figures, rise_time=rise, settling_time=settled)
@@ -60,7 +69,8 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
 def _transient_length(contraction: float, start: float) -> int:
     """Engagements after which the deviation is far below the settling band.
 
-    `start` is the initial over the terminal speed.
+    `start` is the initial over the terminal speed. Each engagement multiplies the
+    deviation of w by the contraction.
     """
     rate = math.log(min(max(contraction, 1e-4), 1.0 - 1e-12))
     return 8 + math.ceil((math.log(1e-4) - 2.0 * math.log(max(start, 1.0))) / rate)
@@ -77,11 +87,11 @@ def terminal_cycle(
         One engagement from the terminal handoff speed, or the motion that ends
         on the way there from the initial speed.
     contraction : float
-        d(w_out)/d(w_in) at the fixed point, w = theta_dot^2 [-].
+        d(w_out)/d(w_in) at the fixed point [-].
     """
 
     def engage(w: float) -> _Engagement:
-        motion = time_engine.simulate(
+        motion = simulate(
             escapement, engagements=1, duration=None, initial_speed=math.sqrt(w), **settings
         )
         return _Engagement(motion, _gain(motion, w))
@@ -93,22 +103,31 @@ def terminal_cycle(
     first = engage(w)
     if not first.complete:
         return first.motion, math.nan
-    bracket = _rise(engage, w, first.gain) if first.gain > 0.0 else _fall(engage, w)
+    grows = first.gain > 0.0
+    bracket = _bracket_above(engage, w, first.gain) if grows else _bracket_below(engage, w)
     if isinstance(bracket, Motion):
         if bracket.status is Status.STALL:
             bracket = _until_stall(escapement, initial_speed=initial_speed, **settings)
         return bracket, math.nan
+    # the relative tolerance alone counts, because w may be of any size
     w = toms748(gain, *bracket, xtol=1e-300, rtol=max(settings["rtol"], 1e-15), k=2)
+    # dw_out/dw_in = 1 + d(gain)/dw, by a central difference
     step = 1e-4 * w
     slope = 1.0 + (gain(w + step) - gain(w - step)) / (2.0 * step)
     return engage(w).motion, float(slope)
 
 
 def _gain(motion: Motion, w: float) -> float:
-    """What a complete engagement adds to the squared speed, by its energy."""
+    """What a complete engagement adds to the squared speed, by its energy.
+
+    (I_d + I_f g_out^2) w_out - (I_d + I_f g_in^2) w_in = 2 (work - load - loss), and the
+    dwell adds 2 tau/I_d times its angle.
+    """
     escapement, mechanism = motion.escapement, motion.escapement.mechanism
+    law = Law.of(escapement)
+    # Meyer's published cells end with another g than they begin with (PHYSICS.md 3)
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
-    at_entry, at_exit = (transmission_at(mechanism.path, angle)[0] ** 2 for angle in (entry, exit_))
+    at_entry, at_exit = (law.transmission(angle)[0] ** 2 for angle in (entry, exit_))
     driver, follower = escapement.inertia.driver, escapement.inertia.follower
     turned = mechanism.follower_angle(np.array([entry, exit_]))
     work = escapement.torque * (exit_ - entry) - escapement.load_torque * (turned[1] - turned[0])
@@ -117,39 +136,46 @@ def _gain(motion: Motion, w: float) -> float:
     return float(engaged + 2.0 * dwell_angle(mechanism) * escapement.torque / driver)
 
 
-def _rise(engage: Any, low: float, gain: float) -> tuple[float, float] | Motion:
+def _bracket_above(
+    engage: Callable[[float], _Engagement], low: float, gain: float
+) -> _Bracket | Motion:
     """Bracket above a speed that grows, or the engagement that shows there is none.
 
-    Trajectories do not cross: what passes at one speed passes at any higher one.
+    Trajectories do not cross, so that a motion which passes an engagement at one speed
+    passes it at any higher one.
     """
+    # from rest the gain is the only scale of w; the factor of 4 doubles the speed
     high = max(4.0 * low, low + 2.0 * gain)
     while True:
         trial = engage(high)
         if not trial.complete:
             return trial.motion
         if not trial.gain > 0.0:
-            return low, high
-        if trial.motion.escapement.mechanism.path.table and trial.gain < BOUNDLESS * high:
+            return _Bracket(low, high)
+        # no speed is terminal where a table's ratio is constant: the gain falls to rounding
+        if Law.of(trial.motion.escapement).is_table and trial.gain < BOUNDLESS * high:
             status = Status.NO_TERMINAL
             return replace(trial.motion, status=status, message=MESSAGES[status])
         low, high = high, 4.0 * high
 
 
-def _fall(engage: Any, high: float) -> tuple[float, float] | Motion:
+def _bracket_below(engage: Callable[[float], _Engagement], high: float) -> _Bracket | Motion:
     """Bracket below a speed that falls, or an engagement that shows there is none.
 
-    The slower, the greater the gain, down to the speed at which the driver
-    stops within the engagement. If it is a loss even there, the motion stops.
+    The slower the driver, the greater the gain, down to the speed at which it stops
+    within the engagement. If there is a loss even at that speed, the motion stops.
     """
     stopped: Motion | None = None
     stops_at, trial = 0.0, 0.5 * high
-    while stopped is None or stops_at < (1.0 - _NEAREST) * high:
+    while stopped is None or stops_at < (1.0 - _CLOSE) * high:
         found = engage(trial)
         if found.complete and not found.gain < 0.0:
-            return trial, high
+            return _Bracket(trial, high)
         if found.complete:
+            # still a loss: the terminal speed, if there is one, is lower
             high = trial
         elif found.motion.status is Status.STALL:
+            # too slow to pass: the terminal speed, if there is one, is higher
             stops_at, stopped = trial, found.motion
         else:
             return found.motion
@@ -158,9 +184,9 @@ def _fall(engage: Any, high: float) -> tuple[float, float] | Motion:
 
 
 def _until_stall(escapement: Escapement, **settings: Any) -> Motion:
-    """The motion that stops, told as it happens where that is soon."""
+    """The motion up to its stall, or one that is said to stall where that comes late."""
     for count in (50, 500):
-        motion = time_engine.simulate(escapement, engagements=count, duration=None, **settings)
+        motion = simulate(escapement, engagements=count, duration=None, **settings)
         if motion.status is not Status.OK:
             return motion
     return replace(motion, status=Status.STALL, message=MESSAGES[Status.STALL])

@@ -1,4 +1,8 @@
-"""An output file that appears complete or not at all."""
+"""Atomic output: a file appears under its name complete, or not at all.
+
+The content goes to a temporary file beside the target, is made durable with fsync
+and gets its name by a rename, which the file system does in one step.
+"""
 
 import errno
 import os
@@ -15,12 +19,13 @@ _DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT",
 
 
 def check_target(path: str | PathLike[str], force: bool = False) -> Path:
-    """Where an output will go, once it is clear that it may go there.
+    """The path an output will have, after checks that it may be created.
 
     Parameters
     ----------
     path : path
-        What the user named; a link is followed, so that it stays a link.
+        What the user named. A link is followed, so that the rename replaces the file
+        that it points to and not the link.
     force : bool
         Whether an existing file may be replaced.
 
@@ -31,7 +36,8 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
         exists and `force` is not given.
     """
     try:
-        target = Path(os.path.realpath(path))  # fails where the working directory was removed
+        # this fails where the working directory was removed
+        target = Path(os.path.realpath(path))
     except (OSError, ValueError) as error:
         raise cannot_create(path, error) from None
     try:
@@ -57,7 +63,7 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
 
 
 def check_replaceable(path: str | PathLike[str]) -> Path:
-    """As `check_target` for a file that is replaced unasked, unless it is read-only."""
+    """`check_target` for a file that is replaced without asking, unless it is read-only."""
     target = check_target(path, force=True)
     if target.exists() and not os.access(target, os.W_OK):
         raise CannotCreate(
@@ -67,12 +73,12 @@ def check_replaceable(path: str | PathLike[str]) -> Path:
 
 
 def new_token() -> str:
-    """A word that no other temporary file has in its name."""
+    """A random word, so that no two temporary files have the same name."""
     return os.urandom(8).hex()
 
 
 def temporary_path(folder: Path, token: str) -> Path:
-    """Where a file is made until it is complete."""
+    """Path of the temporary file in which an output is made."""
     return folder / f".escapement-{token}.partial"
 
 
@@ -84,8 +90,8 @@ class PendingFile:
     path, force :
         As for `check_target`.
     temporary : Path, optional
-        Name of the temporary file, which must be free, for a caller that cleans up
-        after a killed process. Default: a new name each time.
+        Name of the temporary file, which must not exist, for a caller that removes it
+        after a killed process. Default: a random name.
 
     Raises
     ------
@@ -115,29 +121,32 @@ class PendingFile:
             check_target(self._named, self._force)
             os.replace(self._temporary, self._target)
             sync_folder(self._target.parent)
+        except EscapementError:
+            self.discard()
+            raise
         except OSError as error:
             self.discard()
-            if isinstance(error, EscapementError):
-                raise
             raise storage_error(self._named, error) from None
 
     def discard(self) -> None:
-        """Leave nothing behind; the target stays as it was."""
-        with suppress(OSError):  # a full disk may only show now, and the file goes anyway
+        """Remove the temporary file, if it is still there; the target stays as it was."""
+        # closing may report a full disk late, but the file is removed anyway
+        with suppress(OSError):
             self.handle.close()
-        with suppress(OSError):  # the folder itself may be gone
+        # the file may have its final name already, or its folder may have been removed
+        with suppress(OSError):
             self._temporary.unlink()
 
 
-def write_whole(path: str | PathLike[str], parts: Iterable[bytes], force: bool = False) -> None:
-    """Write a file of these parts, one after the other.
+def write_file(path: str | PathLike[str], parts: Iterable[bytes], force: bool = False) -> None:
+    """Write a file that consists of these parts, one after the other.
 
     Parameters
     ----------
     path, force :
         As for `check_target`.
     parts : iterable of bytes
-        Its content; an error that they raise leaves nothing behind.
+        Its content. If the iterable raises an error, no file is left behind.
 
     Raises
     ------
@@ -151,22 +160,22 @@ def write_whole(path: str | PathLike[str], parts: Iterable[bytes], force: bool =
             while view:
                 view = view[pending.handle.write(view) :]
         pending.place()
+    except EscapementError:
+        raise
     except OSError as error:
-        if isinstance(error, EscapementError):
-            raise
         raise storage_error(path, error) from None
     finally:
         pending.discard()
 
 
-def replace_whole(path: str | PathLike[str], parts: Iterable[bytes]) -> None:
-    """`write_whole` of what is made anew at each call; an older file goes if it may."""
+def replace_file(path: str | PathLike[str], parts: Iterable[bytes]) -> None:
+    """`write_file` that replaces an existing file, unless that is read-only."""
     check_replaceable(path)
-    write_whole(path, parts, force=True)
+    write_file(path, parts, force=True)
 
 
 def storage_error(path: str | PathLike[str], error: BaseException) -> StorageError:
-    """The error for a write to `path` that failed half-way."""
+    """The error for a write to `path` that failed after it had begun."""
     reason = getattr(error, "strerror", None) or error
     return StorageError(
         f"writing {path} failed: {reason}; nothing was left behind, free space or name another disk"
@@ -174,20 +183,20 @@ def storage_error(path: str | PathLike[str], error: BaseException) -> StorageErr
 
 
 def cannot_create(path: str | PathLike[str], error: Exception) -> CannotCreate:
-    """The error for an output that may not be begun where it was asked for."""
+    """The error for an output that may not be created at `path`."""
     reason = getattr(error, "strerror", None) or error
     return CannotCreate(f"output {path} cannot be created: {reason}; choose another folder or name")
 
 
 def creation_error(path: str | PathLike[str], error: OSError) -> EscapementError:
-    """The error for an output that could not be begun."""
+    """The error for an output file that could not be opened."""
     if error.errno in _DEVICE_ERRORS:
         return storage_error(path, error)
     return cannot_create(path, error)
 
 
 def sync_folder(folder: Path) -> None:
-    """Make the new name durable, where the system can."""
+    """Make a new name in `folder` durable, on systems that can open a folder."""
     try:
         descriptor = os.open(folder, os.O_RDONLY)
     except OSError:

@@ -1,0 +1,85 @@
+"""The equation of motion in natural units, as numbers and as solve_ivp's right-hand side."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.dynamics import (
+    acceleration,
+    bend,
+    contact,
+    contact_moment,
+    scene_of,
+    side_at,
+    tabulate,
+)
+from escapement.jit import jit
+from escapement.mechanisms.slotted import transmission_at
+from escapement.model import Escapement, FloatArray
+from escapement.scene import Scene
+
+
+class Law(NamedTuple):
+    """The equation of motion of one scene, for use outside of kernels."""
+
+    scene: Scene
+
+    @classmethod
+    def of(cls, escapement: Escapement) -> "Law":
+        """The law that an escapement moves by."""
+        return cls(escapement.scene)
+
+    @property
+    def is_table(self) -> bool:
+        """Whether the transmission comes from a table and not from a pin's path."""
+        return self.scene.path.table
+
+    def transmission(self, theta: float) -> tuple[float, float, float]:
+        """g, u and g' at a driver angle."""
+        g, u, dg = transmission_at(self.scene.path, theta)
+        return g, u, dg
+
+    def acceleration(self, theta: float, speed: float, side: float) -> float:
+        """Driver acceleration while the given side of the slot carries the force."""
+        return float(acceleration(*self.transmission(theta), speed**2, side, self.scene))
+
+    def force(self, theta: float, w: float) -> float:
+        """A number with the sign of the contact force, whose zero is the pin reversal."""
+        g, _u, dg = self.transmission(theta)
+        return float(contact(g, dg, w, self.scene))
+
+    def side(self, theta: float, speed: float) -> float:
+        """Side of the slot, +1 or -1, that carries the force where a piece begins."""
+        g, _u, dg = self.transmission(theta)
+        return float(side_at(g, dg, speed**2, self.scene))
+
+    def tabulate(
+        self, theta: FloatArray, w: FloatArray, side: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Acceleration, and `force`, at many driver angles."""
+        table = np.empty((4, theta.size))
+        tabulate(self.scene, theta, w, side, table)
+        g, dg, rates, _moment = table
+        # N R J_s = rho (g' w + load) + g: neither friction nor s enters (PHYSICS.md 2)
+        return rates, self.scene.rho * (dg * w + self.scene.load) + g
+
+
+@jit(allocates=True)
+def slope(x, y, anchor, unit, side, plain):
+    """Derivative of y by x, in the units of a piece.
+
+    y = (angle from `anchor`, speed / unit, friction loss / unit^2), and x = time * unit;
+    the scene comes as `scene.plain` gives it.
+    """
+    scene = scene_of(plain)
+    out = np.empty(3)
+    g, u, dg = transmission_at(scene.path, anchor + y[0])
+    w = (unit * y[1]) ** 2
+    out[0] = y[1]
+    # J_s theta_ddot = 1 - p_s (g' w + load)
+    out[1] = acceleration(g, u, dg, w, side, scene) / unit**2
+    # The loss is mu |N R| |u| theta_dot. It is taken with the sign of N, so that it stays
+    # smooth where a trial step runs past the reversal.
+    moment = contact_moment(g, u, dg, w, side, scene)
+    out[2] = bend(side, scene) * abs(u) * moment * y[1] / unit**2
+    return out
