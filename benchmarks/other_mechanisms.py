@@ -21,8 +21,8 @@ import numpy as np
 
 import escapement as esc
 from escapement.benchmark import tables
-from escapement.curves import CURVES
 from escapement.errors import InvalidValue
+from escapement.mechanisms.gear_equation import CURVES
 
 ROOT = Path(__file__).resolve().parents[1]
 RTOL = 1e-10

@@ -4,9 +4,10 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from escapement import validate
-from escapement.cli import _arguments, _files, _kinds, _output
-from escapement.cli._parser import Parser, number
+from escapement.cli import _arguments, _output
+from escapement.cli._parser import Parser
+from escapement.constant_speed.case import Case
+from escapement.quantity import declared
 from escapement.text import print_values
 from escapement.units import unit_name
 
@@ -18,25 +19,10 @@ SUMMARY = "Drive torque, power and pin reversals at constant driver speed."
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _kinds.add_mechanism(parser)
+    _arguments.add_mechanism(parser)
     model = parser.add_argument_group("model")
-    model.add_argument(
-        "--speed",
-        type=number("--speed", validate.positive, "give the driver speed in rad/s"),
-        required=True,
-        metavar="W",
-        help="constant driver speed [rad/s]",
-    )
-    _arguments.add_quantity(model, "load_torque", required=True)
-    _arguments.add_quantity(model, "follower_inertia", required=True)
-    model.add_argument(
-        "--efficiency",
-        type=number("--efficiency", validate.number, "give a share in (0, 1]"),
-        default=1.0,
-        metavar="E",
-        help="efficiency of the drive, in (0, 1] (default: 1)",
-    )
-    _arguments.add_quantity(model, "friction", default=0.0, note=" (default: 0)")
+    for entry in declared(Case).values():
+        _arguments.add_setting(model, entry, required=entry.required)
     output = parser.add_argument_group("output")
     _arguments.add_plot(output, "draw the torque")
     _arguments.add_common(parser)
@@ -44,17 +30,11 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Print the figures; draw the torque where asked for."""
-    _files.check_wanted(args)
+    _output.check_wanted(args)
     from escapement.constant_speed import drive_torque
 
-    result = drive_torque(
-        _kinds.read_mechanism(args),
-        args.speed,
-        _arguments.si(args, "load_torque"),
-        _arguments.si(args, "follower_inertia"),
-        args.efficiency,
-        args.friction,
-    )
+    mechanism = _arguments.read_mechanism(args)
+    result = drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
     if args.plot is not None:
         from escapement.plots import plot_drive_torque
         from escapement.plots.saving import save_axes

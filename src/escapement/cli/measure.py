@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement import validate
-from escapement.cli import _arguments, _files, _kinds, _output
+from escapement.cli import _arguments, _output
 from escapement.cli._measure_report import print_table, summarise
 from escapement.cli._parser import Parser, UsageError, checked, number, one_of, whole
 
@@ -20,7 +20,7 @@ def configure(parser: Parser) -> None:
     parser.add_argument(
         "data", type=Path, metavar="DATA.csv", help="a column of the input, one of the output"
     )
-    _kinds.add_mechanism(parser)
+    _arguments.add_mechanism(parser)
     columns = parser.add_argument_group("columns of DATA.csv")
     columns.add_argument(
         "--input-column",
@@ -85,9 +85,9 @@ def _add_statistics(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Print the statistics; write and draw what was asked for."""
-    _files.check_wanted(args, file="FILE.csv")
+    _output.check_wanted(args, file="FILE.csv")
     encoder, zeros = _read_encoder(args), _read_zeros(args)
-    mechanism = _kinds.read_mechanism(args)
+    mechanism = _arguments.read_mechanism(args)
     from escapement.measurement import measure, read_readings
 
     readings = read_readings(

@@ -5,8 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from escapement.constant_speed._case import Case, table
 from escapement.constant_speed._chebyshev import extremes, interpolate, zeros
+from escapement.constant_speed.case import Case
+from escapement.constant_speed.contact import table
 from escapement.constant_speed.extrema import edges, rounding_of_acceleration
 from escapement.constant_speed.kernels import tabulate_ratio
 from escapement.model import FloatArray

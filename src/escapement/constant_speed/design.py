@@ -8,11 +8,12 @@ import math
 
 from escapement import validate
 from escapement.constant_speed import geneva
-from escapement.constant_speed._case import checked_inertia, checked_speed
+from escapement.constant_speed.case import checked_number
 from escapement.constant_speed.extrema import transmission_extrema
 from escapement.errors import InvalidValue
 from escapement.mechanisms.geneva import MOST_SLOTS
-from escapement.model import Mechanism
+from escapement.model import Escapement, Mechanism
+from escapement.quantity import check_number
 
 
 def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
@@ -27,7 +28,7 @@ def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: f
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    load, inertia = _constant(load_torque), checked_inertia(follower_inertia)
+    load, inertia = _constant(load_torque), checked_number("follower_inertia", follower_inertia)
     return math.sqrt(_greatest_inertia_torque(mechanism, load) / inertia)
 
 
@@ -43,7 +44,7 @@ def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: f
     load_torque : float
         Constant torque opposing the follower [N m], >= 0.
     """
-    omega, load = checked_speed(speed), _constant(load_torque)
+    omega, load = checked_number("speed", speed), _constant(load_torque)
     return _greatest_inertia_torque(mechanism, load) / omega / omega
 
 
@@ -61,7 +62,8 @@ def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: floa
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    omega, inertia = checked_speed(speed), checked_inertia(follower_inertia)
+    omega = checked_number("speed", speed)
+    inertia = checked_number("follower_inertia", follower_inertia)
     return inertia * omega * omega / _limit(mechanism)
 
 
@@ -102,7 +104,7 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
 
 
 def _constant(load_torque: float) -> float:
-    return validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
+    return check_number(Escapement, "load_torque", load_torque)
 
 
 def _greatest_inertia_torque(mechanism: Mechanism, load: float) -> float:

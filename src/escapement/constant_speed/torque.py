@@ -5,19 +5,25 @@ N R = M_load + I_f omega^2 g', the drive p N R (Filemon's eq. 6), and where N R
 changes sign the pin changes sides of its slot.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.constant_speed._case import Case, Load, finite, table, within_cell
 from escapement.constant_speed._figures import find_reversals, torque_figures
+from escapement.constant_speed.case import Case
+from escapement.constant_speed.contact import finite, table, within_cell
 from escapement.constant_speed.extrema import transmission_extrema
 from escapement.model import FloatArray, Mechanism
+
+if TYPE_CHECKING:
+    from escapement.constant_speed.case import Load
 
 _SAMPLES = 721
 
@@ -40,7 +46,7 @@ class TorqueState:
     load_torque: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DriveTorque(Case):
     """What a mechanism at constant driver speed asks of its drive.
 

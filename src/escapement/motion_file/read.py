@@ -11,12 +11,12 @@ from escapement.engines.energy.pieces import follow
 from escapement.engines.energy.scene import numbers_of
 from escapement.errors import EscapementError, InputFileError
 from escapement.files.inputs import check_input
+from escapement.mechanisms import KINDS
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion
 from escapement.motion_file.check import check_columns, check_pieces
 from escapement.motion_file.layout import CONTENT, SCHEMA_VERSION
 from escapement.status import Status
-from escapement.study.kinds import KINDS
 from escapement.study.parse import parse_plan
 from escapement.study.reader import DAMAGE, configuration_of
 
