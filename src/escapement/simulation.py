@@ -184,6 +184,6 @@ def _without_friction(
         return first.status, first.message
     mechanism = escapement.mechanism
     gain = escapement.torque * mechanism.cell_angle
-    carries = gain > escapement.load_torque * mechanism.follower_step
+    carries = gain > escapement.load_work(mechanism.follower_step)
     status = Status.NO_TERMINAL if carries else Status.STALL
     return status, MESSAGES[status]

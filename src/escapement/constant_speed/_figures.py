@@ -34,7 +34,7 @@ def find_reversals(case: Case) -> tuple[FloatArray, int]:
 
 def _places(case: Case, points: list[float]) -> list[float]:
     """`points`, and between them more where a load may hide something narrow."""
-    if not callable(case.load_torque):
+    if not case.load_varies:
         return points
     width = (points[-1] - points[0]) / _PIECES
     spans = [

@@ -64,6 +64,11 @@ class Case(Declared):
         return bool(is_table(self.mechanism.path))
 
     @property
+    def load_varies(self) -> bool:
+        """Whether the load is a function of the follower angle."""
+        return callable(self.load_torque)
+
+    @property
     def inertial(self) -> float:
         """Inertia torque at unit follower acceleration function, I_f omega^2 [N m]."""
         return self.follower_inertia * self.speed * self.speed

@@ -8,12 +8,19 @@ import math
 
 from escapement import validate
 from escapement.constant_speed import geneva
-from escapement.constant_speed.case import checked_number
+from escapement.constant_speed.case import Case, checked_number
 from escapement.constant_speed.extrema import transmission_extrema
 from escapement.errors import InvalidValue
 from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.model import Escapement, Mechanism
 from escapement.quantity import check_number
+
+LIMITS = {
+    "greatest_speed": "speed",
+    "greatest_follower_inertia": "inertia",
+    "least_load_torque": "torque",
+}
+"""How far a drive may go without a pin reversal: kind of unit of each figure."""
 
 
 def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
@@ -65,6 +72,18 @@ def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: floa
     omega = checked_number("speed", speed)
     inertia = checked_number("follower_inertia", follower_inertia)
     return inertia * omega * omega / _limit(mechanism)
+
+
+def limits_without_reversal(case: Case) -> dict[str, float]:
+    """`LIMITS` of a drive under a constant load, one of its numbers changed at a time, in SI."""
+    mechanism, load = case.mechanism, case.load_torque
+    assert not callable(load)
+    limits = (
+        greatest_speed(mechanism, load, case.follower_inertia),
+        greatest_follower_inertia(mechanism, case.speed, load),
+        least_load_torque(mechanism, case.speed, case.follower_inertia),
+    )
+    return dict(zip(LIMITS, limits, strict=True))
 
 
 def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:

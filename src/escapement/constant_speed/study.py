@@ -17,8 +17,8 @@ from escapement.model import FloatArray
 class ReversalStudy:
     """Filemon's figures over numbers of slots n and inertia ratios F.
 
-    All but `reversals` have the shape n and F broadcast to. Torques are in units
-    of load torque over efficiency.
+    All but `reversals` have the shape n and F broadcast to. Torques are those of a drive
+    without losses, over the load torque.
 
     slots, inertia_ratio : n and F [-].
     zone : 1, 2 or 3 (u1).

@@ -21,7 +21,7 @@ class Kind(Declared):
     summary: ClassVar[str]
     """What it is, in a line of help."""
     meshed: ClassVar[bool] = False
-    """Whether it loses by an efficiency rather than by friction in a slot."""
+    """Whether it has no slot, and loses in a mesh."""
     report_units: ClassVar[Mapping[str, str]] = {}
     """Kind of unit of those numbers of the report that have another than their name says."""
 

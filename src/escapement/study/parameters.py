@@ -22,7 +22,7 @@ class Kind:
     """What a study may say of one kind of mechanism.
 
     build : who makes one of its settings; None for a mechanism of the user's own.
-    meshed : whether it loses by an efficiency rather than by friction in a slot.
+    meshed : whether it has no slot, and loses in a mesh.
     """
 
     build: type | None
