@@ -14,7 +14,6 @@ from escapement.study.scenes import (
     DRIVER,
     FOLLOWER,
     LOAD,
-    NUMBERS,
     SPEED,
     Figures,
     solve_scenes,
@@ -109,7 +108,7 @@ class SharedScenes:
 
 def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
     """The scenes that blocks of a plan share; None where sharing saves or suits nothing."""
-    deciding = {*plan.kind.parameters, *NUMBERS, plan.kind.loss}
+    deciding = {*plan.parameters}
     resting = not np.any(plan.every(SPEED))
     if resting and not np.any(plan.every(LOAD)):
         deciding -= {*CLOCKED}
