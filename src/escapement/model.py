@@ -116,18 +116,14 @@ class Inertia(Declared):
 
     section: ClassVar[str] = "inertia"
 
-    driver: float = field(
-        metadata=quantity(
-            "moment of inertia of the driver", "inertia", exclusive=True, name="driver_inertia",
-            remedy="give the moment of inertia",
-        )
-    )  # fmt: skip
-    follower: float = field(
-        metadata=quantity(
-            "moment of inertia of the follower", "inertia", exclusive=True, name="follower_inertia",
-            remedy="give the moment of inertia",
-        )
-    )  # fmt: skip
+    driver: float = field(metadata=quantity(
+        "moment of inertia of the driver", "inertia", exclusive=True, name="driver_inertia",
+        remedy="give the moment of inertia"
+    ))  # fmt: skip
+    follower: float = field(metadata=quantity(
+        "moment of inertia of the follower", "inertia", exclusive=True, name="follower_inertia",
+        remedy="give the moment of inertia"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         self.check_fields()
@@ -166,32 +162,20 @@ class Escapement(Declared):
 
     mechanism: Mechanism
     inertia: Inertia
-    torque: float = field(
-        metadata=quantity(
-            "driving torque", "torque", exclusive=True, remedy="give the constant driving torque"
-        )
-    )
-    friction: float = field(
-        default=0.0,
-        metadata=quantity(
-            "coefficient of friction between pin and slot", metavar="MU", slotted=True,
-            instead="efficiency", remedy="give a coefficient of friction, 0 for none",
-        ),
-    )  # fmt: skip
-    load_torque: float = field(
-        default=0.0,
-        metadata=quantity(
-            "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none"
-        ),
-    )
-    efficiency: float = field(
-        default=1.0,
-        metadata=quantity(
-            "share of the power that the mesh passes on", metavar="E", slotted=False,
-            instead="friction", minimum=1e-3, maximum=1.0,
-            remedy="give a share of 1, 1 for no loss",
-        ),
-    )  # fmt: skip
+    torque: float = field(metadata=quantity(
+        "driving torque", "torque", exclusive=True, remedy="give the constant driving torque"
+    ))  # fmt: skip
+    friction: float = field(default=0.0, metadata=quantity(
+        "coefficient of friction between pin and slot", metavar="MU", slotted=True,
+        instead="efficiency", remedy="give a coefficient of friction, 0 for none"
+    ))  # fmt: skip
+    load_torque: float = field(default=0.0, metadata=quantity(
+        "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none"
+    ))  # fmt: skip
+    efficiency: float = field(default=1.0, metadata=quantity(
+        "share of the power that the mesh passes on", metavar="E", slotted=False,
+        instead="friction", minimum=1e-3, maximum=1.0, remedy="give a share of 1, 1 for no loss"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         if not is_mechanism(self.mechanism):
@@ -293,24 +277,15 @@ def _losses(owner: type) -> dict[bool, list[Quantity]]:
 class Run(Declared):
     """Numbers of a run rather than of what runs."""
 
-    initial_speed: float = field(
-        default=0.0,
-        metadata=quantity(
-            "driver speed at the first pin entry", "speed",
-            remedy="give the driver speed, 0 to start from rest",
-        ),
-    )  # fmt: skip
-    duration: float | None = field(
-        default=None,
-        metadata=quantity(
-            "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",
-            remedy="give the time to run",
-        ),
-    )  # fmt: skip
-    max_step: float | None = field(
-        default=None,
-        metadata=quantity(
-            "longest step", "time", exclusive=True, axis=False, note=", with ivp",
-            remedy="give the longest step",
-        ),
-    )  # fmt: skip
+    initial_speed: float = field(default=0.0, metadata=quantity(
+        "driver speed at the first pin entry", "speed",
+        remedy="give the driver speed, 0 to start from rest"
+    ))  # fmt: skip
+    duration: float | None = field(default=None, metadata=quantity(
+        "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",
+        remedy="give the time to run"
+    ))  # fmt: skip
+    max_step: float | None = field(default=None, metadata=quantity(
+        "longest step", "time", exclusive=True, axis=False, note=", with ivp",
+        remedy="give the longest step"
+    ))  # fmt: skip

@@ -26,24 +26,18 @@ class Case(Declared):
     """A mechanism at constant driver speed, see `drive_torque` for the fields."""
 
     mechanism: Mechanism
-    speed: float = field(
-        metadata=quantity(
-            "constant driver speed", "speed", exclusive=True, remedy="give the driver speed"
-        )
-    )
-    load_torque: Load = field(
-        metadata=like(
-            Escapement, "load_torque", default=None, function=True,
-            remedy="give the opposing torque, 0 for none, or a function",
-        )
-    )  # fmt: skip
+    speed: float = field(metadata=quantity(
+        "constant driver speed", "speed", exclusive=True, remedy="give the driver speed"
+    ))  # fmt: skip
+    load_torque: Load = field(metadata=like(
+        Escapement, "load_torque", default=None, function=True,
+        remedy="give the opposing torque, 0 for none, or a function"
+    ))  # fmt: skip
     follower_inertia: float = field(metadata=like(Inertia, "follower_inertia"))
-    efficiency: float = field(
-        metadata=quantity(
-            "efficiency of the drive, in (0, 1]", exclusive=True, maximum=1.0, default=1.0,
-            metavar="E", remedy="give the share of the drive's work that arrives, 1 for all of it",
-        )
-    )  # fmt: skip
+    efficiency: float = field(metadata=quantity(
+        "efficiency of the drive, in (0, 1]", exclusive=True, maximum=1.0, default=1.0,
+        metavar="E", remedy="give the share of the drive's work that arrives, 1 for all of it"
+    ))  # fmt: skip
     friction: float = field(metadata=like(Escapement, "friction"))
 
     def __post_init__(self) -> None:

@@ -20,18 +20,14 @@ _GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could 
 class EllipticalGears(Kind):
     """Such a drive but for its motion; fields and errors as `EllipticalPlanetary`."""
 
-    sun_radius: float = field(
-        metadata=quantity(
-            "pitch radius of the fixed sun gear", "length", exclusive=True,
-            note=", a + c of the ellipses", remedy="give the radius R1",
-        )
-    )  # fmt: skip
-    planet_radius: float = field(
-        metadata=quantity(
-            "pitch radius of the spur planet", "length", exclusive=True, note=", a - c",
-            remedy="give the radius R2, less than the sun's",
-        )
-    )  # fmt: skip
+    sun_radius: float = field(metadata=quantity(
+        "pitch radius of the fixed sun gear", "length", exclusive=True,
+        note=", a + c of the ellipses", remedy="give the radius R1"
+    ))  # fmt: skip
+    planet_radius: float = field(metadata=quantity(
+        "pitch radius of the spur planet", "length", exclusive=True, note=", a - c",
+        remedy="give the radius R2, less than the sun's"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         self.check_fields()

@@ -48,56 +48,34 @@ class Arms(NamedTuple):
 class GearTrain(Wheel):
     """A gear-driven wheel but for its motion; fields and errors as `GearDriven`."""
 
-    stations: int = field(
-        metadata=quantity(
-            "stations of the follower", whole=True, minimum=3, metavar="N",
-            remedy="the wheel needs 3 stations or more",
-        )
-    )  # fmt: skip
-    lobes: Any = field(
-        metadata=quantity(
-            "unreal lobes between two lobes of the pin's path", fraction=True, metavar="M",
-            maximum=MOST_LOBES, note=", a whole number or a fraction",
-            remedy="give a whole number or a fraction such as '1/2'",
-        )
-    )  # fmt: skip
-    curve: str = field(
-        default=CURVES[0],
-        metadata=setting(
-            Choice(
-                long_name=f"pin's path: {', '.join(CURVES)}", allowed=CURVES, metavar="NAME",
-                required=True,
-            )
-        ),
-    )  # fmt: skip
-    pins: int = field(
-        default=1,
-        metadata=quantity(
-            "pins on the planet", whole=True, minimum=1, metavar="P",
-            remedy="give the number of pins",
-        ),
-    )  # fmt: skip
-    unused_lobes: int = field(
-        default=0,
-        metadata=quantity(
-            "lobes without a slot between two that have one", whole=True, maximum=MOST_LOBES,
-            metavar="J", remedy="give 0 to use every lobe",
-        ),
-    )  # fmt: skip
-    solution: int = field(
-        default=1,
-        metadata=quantity(
-            "place of the mechanism in order of alpha", whole=True, minimum=1, metavar="I",
-            note=", where there are several", remedy="they count from 1",
-        ),
-    )  # fmt: skip
-    fixed_radius: float | None = field(
-        default=None,
-        metadata=quantity(
-            "radius of the fixed gear", "length", exclusive=True, axis=False,
-            remedy="give the radius of the fixed gear",
-        ),
-    )  # fmt: skip
+    stations: int = field(metadata=quantity(
+        "stations of the follower", whole=True, minimum=3, metavar="N",
+        remedy="the wheel needs 3 stations or more"
+    ))  # fmt: skip
+    lobes: Any = field(metadata=quantity(
+        "unreal lobes between two lobes of the pin's path", fraction=True, metavar="M",
+        maximum=MOST_LOBES, note=", a whole number or a fraction",
+        remedy="give a whole number or a fraction such as '1/2'"
+    ))  # fmt: skip
+    curve: str = field(default=CURVES[0], metadata=setting(
+        Choice(long_name=f"pin's path: {', '.join(CURVES)}", allowed=CURVES, metavar="NAME",
+        required=True)
+    ))  # fmt: skip
+    pins: int = field(default=1, metadata=quantity(
+        "pins on the planet", whole=True, minimum=1, metavar="P", remedy="give the number of pins"
+    ))  # fmt: skip
+    unused_lobes: int = field(default=0, metadata=quantity(
+        "lobes without a slot between two that have one", whole=True, maximum=MOST_LOBES,
+        metavar="J", remedy="give 0 to use every lobe"
+    ))  # fmt: skip
+    solution: int = field(default=1, metadata=quantity(
+        "place of the mechanism in order of alpha", whole=True, minimum=1, metavar="I",
+        note=", where there are several", remedy="they count from 1"
+    ))  # fmt: skip
+    fixed_radius: float | None = field(default=None, metadata=quantity(
+        "radius of the fixed gear", "length", exclusive=True, axis=False,
+        remedy="give the radius of the fixed gear"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         self.check_fields()

@@ -54,30 +54,22 @@ class Geneva(Wheel):
     summary: ClassVar[str] = "wheel with radial slots, pins on a crank"
     report_units: ClassVar[dict[str, str]] = {"centre_distance": "length"}
 
-    slots: int = field(
-        metadata=quantity(
-            "slots of the follower", whole=True, minimum=3, maximum=MOST_SLOTS, metavar="N",
-            typical=4, remedy="a Geneva wheel has from 3 slots to some dozens",
-        )
-    )  # fmt: skip
-    pins: int | None = field(
-        default=None,
-        metadata=quantity(
-            "pins of the driver", whole=True, minimum=1, metavar="P",
-            note=" (default: 1; geneva, where it exists, continuous engagement)",
-            remedy="give the number of crank pins",
-        ),
-    )  # fmt: skip
+    slots: int = field(metadata=quantity(
+        "slots of the follower", whole=True, minimum=3, maximum=MOST_SLOTS, metavar="N",
+        typical=4, remedy="a Geneva wheel has from 3 slots to some dozens"
+    ))  # fmt: skip
+    pins: int | None = field(default=None, metadata=quantity(
+        "pins of the driver", whole=True, minimum=1, metavar="P",
+        note=" (default: 1; geneva, where it exists, continuous engagement)",
+        remedy="give the number of crank pins"
+    ))  # fmt: skip
     internal: bool = field(
         default=False, metadata=setting(Truth(long_name="internal wheel, driver inside"))
     )
-    crank_radius: float | None = field(
-        default=None,
-        metadata=quantity(
-            "distance of the pins from the driver's axis", "length", exclusive=True, axis=False,
-            remedy="give the crank radius",
-        ),
-    )  # fmt: skip
+    crank_radius: float | None = field(default=None, metadata=quantity(
+        "distance of the pins from the driver's axis", "length", exclusive=True, axis=False,
+        remedy="give the crank radius"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         self.check_fields()

@@ -80,36 +80,23 @@ class Tabulated(Kind):
     summary: ClassVar[str] = "any drive that is always in mesh, from a table of its angles"
     meshed: ClassVar[bool] = True
 
-    theta: Sequence[float] = field(
-        metadata=setting(
-            Numbers(long_name="driver angles [rad]", remedy="give a list of angles in rad")
-        )
-    )
-    phi: Sequence[float] = field(
-        metadata=setting(
-            Numbers(long_name="follower angles [rad]", remedy="give a list of angles in rad")
-        )
-    )
-    measured: bool = field(
-        default=False,
-        metadata=setting(Truth(long_name="the rows scatter: a smooth curve goes between them")),
-    )
-    cell_angle: float = field(
-        default=0.0,
-        metadata=quantity(
-            "driver angle after which the motion repeats itself", "angle", exclusive=True,
-            axis=False, metavar="DEG",
-            remedy="give the angle, after it the motion repeats itself",
-        ),
-    )  # fmt: skip
-    follower_step: float = field(
-        default=0.0,
-        metadata=quantity(
-            "what the follower turns in a cell", "angle", exclusive=True, axis=False,
-            metavar="DEG",
-            remedy="give the angle, the follower must have turned on from cell to cell",
-        ),
-    )  # fmt: skip
+    theta: Sequence[float] = field(metadata=setting(
+        Numbers(long_name="driver angles [rad]", remedy="give a list of angles in rad")
+    ))  # fmt: skip
+    phi: Sequence[float] = field(metadata=setting(
+        Numbers(long_name="follower angles [rad]", remedy="give a list of angles in rad")
+    ))  # fmt: skip
+    measured: bool = field(default=False, metadata=setting(
+        Truth(long_name="the rows scatter: a smooth curve goes between them")
+    ))  # fmt: skip
+    cell_angle: float = field(default=0.0, metadata=quantity(
+        "driver angle after which the motion repeats itself", "angle", exclusive=True, axis=False,
+        metavar="DEG", remedy="give the angle, after it the motion repeats itself"
+    ))  # fmt: skip
+    follower_step: float = field(default=0.0, metadata=quantity(
+        "what the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
+        remedy="give the angle, the follower must have turned on from cell to cell"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         theta, phi = (rows.column(name, getattr(self, name)) for name in ("theta", "phi"))
