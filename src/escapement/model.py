@@ -285,7 +285,3 @@ class Run(Declared):
         "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",
         remedy="give the time to run"
     ))  # fmt: skip
-    max_step: float | None = field(default=None, metadata=quantity(
-        "longest step", "time", exclusive=True, axis=False, note=", with ivp",
-        remedy="give the longest step"
-    ))  # fmt: skip

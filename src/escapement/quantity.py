@@ -133,14 +133,10 @@ class Quantity(Setting):
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule."""
-        if type(value) is float and not self.whole and not self.fraction:
-            # as nearly always: building an escapement is part of every simulation's time
-            if self.minimum < value <= self.maximum and value < math.inf:
-                return value
-        elif self.whole:
+        if self.whole:
             most = None if self.maximum == math.inf else int(self.maximum)
             return validate.integer(label, value, int(self.minimum), self.remedy, most)
-        elif self.fraction:
+        if self.fraction:
             return validate.rational(label, value, self.remedy, self.maximum)
         if self.function and callable(value):
             return value

@@ -10,8 +10,9 @@ from escapement.dynamics import critical_friction, ends_alike, painleve_message
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
-from escapement.model import Escapement
+from escapement.model import Escapement, Run
 from escapement.motion import Motion
+from escapement.quantity import check_number
 from escapement.solver import DEFAULT_ENGINE, Solver
 from escapement.status import MESSAGES, Status
 
@@ -78,7 +79,7 @@ def simulate(
         remedy = "give how many to run; the figures of merit need no long motion"
         engagements = validate.integer("engagements", count, 1, remedy, maximum=LONGEST[engine])
     else:
-        duration = validate.positive("duration", duration, "give the time to run in s")
+        duration = check_number(Run, "duration", duration)
         if engine != DEFAULT_ENGINE:
             # the fast engine goes ahead: it refuses in a moment what would take days
             _engine(DEFAULT_ENGINE, "simulate")(
@@ -122,11 +123,10 @@ def _settings(
     """What both functions of an engine take beside the escapement."""
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    remedy = "give the driver speed at pin entry in rad/s"
-    speed = validate.non_negative("initial_speed", initial_speed, remedy)
+    speed = check_number(Run, "initial_speed", initial_speed)
     if speed * escapement.time_unit > FASTEST:
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
-        raise validate.fail("initial_speed", most, initial_speed, remedy)
+        raise validate.fail("initial_speed", most, initial_speed, "start slower")
     return {**arguments, "initial_speed": speed}
 
 

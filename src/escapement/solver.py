@@ -1,10 +1,11 @@
 """Settings of an engine, checked without loading one."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from escapement import validate
+from escapement.quantity import check_number, quantity
 
 ENGINES = ("energy", "ivp")
 DEFAULT_ENGINE = "energy"
@@ -36,7 +37,10 @@ class Solver:
     rtol: float | None = None
     atol: float | None = None
     method: str | None = None
-    max_step: float | None = None
+    max_step: float | None = field(default=None, metadata=quantity(
+        "longest step", "time", exclusive=True, axis=False, note=", with ivp",
+        remedy="give the longest step"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         validate.choice("engine", self.engine, ENGINES)
@@ -90,5 +94,5 @@ def _tolerance(value: Any) -> float:
 _OF_IVP = {
     "atol": lambda value: validate.non_negative("atol", value, "leave it out for a fitting one"),
     "method": lambda value: validate.choice("method", value, METHODS),
-    "max_step": lambda value: validate.positive("max_step", value, "give the longest step in s"),
+    "max_step": lambda value: check_number(Solver, "max_step", value),
 }

@@ -10,6 +10,7 @@ from escapement.cli._parser import Parser, UsageError, number, option, whole
 from escapement.errors import InvalidValue
 from escapement.model import Escapement, Inertia, Run
 from escapement.quantity import Setting, declared
+from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, words
 from escapement.units import unit_name
@@ -99,7 +100,7 @@ def _add_solver(parser: Parser) -> None:
         metavar="NAME",
         help="with ivp: DOP853 (default), RK45, RK23, Radau, BDF or LSODA",
     )
-    _arguments.add_setting(solver, declared(Run)["max_step"])
+    _arguments.add_setting(solver, declared(Solver)["max_step"])
 
 
 def execute(args: argparse.Namespace) -> int:

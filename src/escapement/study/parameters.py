@@ -87,7 +87,7 @@ def homes(kind: Kind) -> dict[str, str]:
     found = _of_other_kinds(kind)
     for name, entry in model_numbers().items():
         if not entry.fits(kind.meshed):
-            slot = "without" if kind.meshed is False else "with"
+            slot = "with" if kind.meshed else "without"
             found[name] = f"a study of a mechanism {slot} a slot"
     return found | dict.fromkeys(["kind", *kind.options], "[mechanism]")
 
