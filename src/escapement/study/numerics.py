@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 
 _SOURCES = (
-    *("units.py", "validate.py", "quantity.py", "model.py", "dynamics.py", "metrics.py"),
+    *("units.py", "quantity.py", "model.py", "dynamics.py", "metrics.py"),
     *("motion.py", "trajectory.py"),
     *("simulation.py", "solver.py", "status.py", "text.py"),
     *("mechanisms/*.py", "engines/*/*.py"),
