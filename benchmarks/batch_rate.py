@@ -18,8 +18,8 @@ import numpy as np
 
 import escapement as esc
 from escapement.benchmark import machine, tables
-from escapement.dynamics import painleve_limit
 from escapement.engines.energy import batch
+from escapement.painleve import painleve_limit
 
 ROOT = Path(__file__).resolve().parents[1]
 SLOTS = (3, 4, 6)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.dynamics import critical_angle
+from escapement.painleve import critical_angle
 from escapement.status import Status
 from random_drives import (
     close,

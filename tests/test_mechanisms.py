@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from escapement.dynamics import critical_friction
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia, Mechanism
+from escapement.painleve import critical_friction
 from escapement.simulation import simulate
 
 wheels = st.builds(Geneva, slots=st.integers(3, 1000), pins=st.just(1), internal=st.booleans())

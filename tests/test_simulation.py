@@ -8,9 +8,9 @@ import pytest
 
 import escapement as esc
 from any_path import Plain
-from escapement.dynamics import critical_friction
 from escapement.errors import InvalidValue
 from escapement.motion import Motion
+from escapement.painleve import critical_friction
 from escapement.solver import METHODS
 from escapement.status import Status
 from natural_units import drive

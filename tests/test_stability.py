@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.dynamics import critical_friction
+from escapement.painleve import critical_friction
 from escapement.status import Status
 
 BOTH = ("energy", "ivp")

@@ -24,7 +24,7 @@ _HOMES = {
     "GearDriven": "mechanisms",
     "EllipticalPlanetary": "mechanisms",
     "Tabulated": "mechanisms",
-    "critical_friction": "dynamics",
+    "critical_friction": "painleve",
     "Motion": "motion",
     "Figures": "metrics",
     "simulate": "simulation",

@@ -9,11 +9,13 @@ from functools import cache
 from typing import Any
 
 import numba
-from numba.core import sigutils, types
+from numba.core import types
 from numba.extending import intrinsic
 
 
-def by_address(kernel: Any, place: int, arguments: str) -> tuple[Any, Callable[[], int]]:
+def by_address(
+    kernel: Any, place: int, arguments: tuple[Any, ...]
+) -> tuple[Any, Callable[[], int]]:
     """A call of a kernel whose address comes in a tuple of such.
 
     Parameters
@@ -22,8 +24,8 @@ def by_address(kernel: Any, place: int, arguments: str) -> tuple[Any, Callable[[
         Made by `jit`. It must neither raise nor make arrays.
     place : int
         Where in the tuple its address stands.
-    arguments : str
-        Types of its arguments, as Numba writes them; a caller whose own differ does not compile.
+    arguments : tuple of Numba types
+        Of its arguments; a caller whose own differ does not compile.
 
     Returns
     -------
@@ -35,7 +37,7 @@ def by_address(kernel: Any, place: int, arguments: str) -> tuple[Any, Callable[[
     config: Any = numba.config
     if config.DISABLE_JIT:
         return (lambda _addresses, *given: kernel(*given)), (lambda: 0)
-    accepted, _none = sigutils.normalize_signature(arguments)
+    accepted = arguments
 
     @cache
     def compiled() -> Any:

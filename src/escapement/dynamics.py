@@ -1,7 +1,7 @@
-"""The equation of motion, dimensionless, and the limit of its validity.
+"""The equation of motion, dimensionless.
 
 With the follower's inertia, the driving torque and sqrt(I_f/torque) as units of
-inertia, torque and time, three numbers remain beside the mechanism:
+inertia, torque and time, a `Scene` holds what remains beside the mechanism:
 
     rho   driver over follower inertia         mu    losses on either side (a pair)
     load  load torque over driving torque
@@ -16,63 +16,109 @@ A pin loses by sliding: both mu_s are its coefficient of friction. A mesh of
 efficiency eta has p = g eta^(-s), power that flows back being multiplied by it: that
 is the same with |u| = g, mu_+ = 1/eta - 1 and mu_- = 1 - eta.
 
-With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta).
+With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta). The
+functions of this file are the only place that knows these formulas: an engine
+integrates them over the time (`acceleration`) or over the angle (`energy_rates`).
 """
 
 import numpy as np
 
 from escapement.jit import jit
-from escapement.mechanisms.slotted import circle, transmission_at
-from escapement.mechanisms.table import is_table
-from escapement.model import Inertia, Mechanism
-
-
-@jit
-def contact(g, dg, w, rho, load):
-    """N R (rho + g p): its sign is the side of the slot that carries the force.
-
-    Neither friction nor the side itself enters, so the side is explicit and
-    unique below the Painleve limit. Its zero is Filemon's pin reversal.
-    """
-    return rho * (dg * w + load) + g
+from escapement.mechanisms.slotted import transmission_at
 
 
 @jit
 def losses(path, forward):
     """Pair of losses on the two sides, from friction or a mesh's 1/efficiency - 1."""
-    return forward, forward / (1.0 + forward) if is_table(path) else forward
+    return forward, forward / (1.0 + forward) if path.table else forward
 
 
 @jit
-def bend(sign, mu):
+def bend(side, scene):
     """Signed loss s mu_s of the side that carries the force."""
-    return mu[0] if sign > 0.0 else -mu[1]
+    return scene.mu_plus if side > 0.0 else -scene.mu_minus
 
 
 @jit
-def effective_ratio(g, u, sign, mu):
+def effective_ratio(g, u, side, scene):
     """Transmission function as friction bends it, p = g + s mu_s |u|."""
-    return g + bend(sign, mu) * abs(u)
+    return g + bend(side, scene) * abs(u)
 
 
 @jit
-def acceleration(g, u, dg, w, sign, rho, mu, load):
+def contact(g, dg, w, scene):
+    """X = N R (rho + g p): its sign is the side of the slot that carries the force.
+
+    Neither friction nor the side itself enters, so the side is explicit and
+    unique below the Painleve limit. Its zero is Filemon's pin reversal.
+    """
+    return scene.rho * (dg * w + scene.load) + g
+
+
+@jit
+def driving(g, u, dg, w, side, scene):
+    """Torque left to accelerate the driver, J_s theta_ddot = 1 - p_s (g' w + load)."""
+    return 1.0 - effective_ratio(g, u, side, scene) * (dg * w + scene.load)
+
+
+@jit
+def reduced_inertia(g, u, side, scene):
+    """J_s = rho + g p_s; it vanishes at the Painleve limit."""
+    return scene.rho + g * effective_ratio(g, u, side, scene)
+
+
+@jit
+def acceleration(g, u, dg, w, side, scene):
     """Driver acceleration in units of torque / I_f."""
-    p = effective_ratio(g, u, sign, mu)
-    return (1.0 - p * (dg * w + load)) / (rho + g * p)
+    return driving(g, u, dg, w, side, scene) / reduced_inertia(g, u, side, scene)
 
 
 @jit
-def contact_moment(g, u, dg, w, sign, rho, mu, load):
+def contact_moment(g, u, dg, w, side, scene):
     """Moment N R on the follower in units of the driving torque."""
-    return contact(g, dg, w, rho, load) / (rho + g * effective_ratio(g, u, sign, mu))
+    return contact(g, dg, w, scene) / reduced_inertia(g, u, side, scene)
 
 
 @jit
-def free_turn(w, angle, rho):
-    """Squared speed after a dwell of the follower, and the time it takes."""
-    after = w + 2.0 * angle / rho
-    return after, 2.0 * angle / (np.sqrt(w) + np.sqrt(after)) if angle > 0.0 else 0.0
+def energy_rates(g, u, dg, inverse, step, side, scene):
+    """Coefficients of dE/dx = A - B E for E = (rho + g^2) w, twice the kinetic energy.
+
+    With c = p - g and J = rho + g^2 + g c
+
+        A = 2 theta' [(1 - g load) - c (rho load + g)/J],   B = 2 theta' c rho g'/(J (rho + g^2)).
+
+    B vanishes without a loss: nothing is lost by cancellation in the frictionless limit.
+
+    Parameters
+    ----------
+    inverse : 1/(rho + g^2).
+    step : theta' = dtheta/dx.
+
+    Returns
+    -------
+    A, B, share
+        `share` is (rho + g^2)/J, great near the Painleve limit, where J is a difference.
+    """
+    c = bend(side, scene) * u
+    share = 1.0 / (1.0 + g * c * inverse)
+    twice = 2.0 * step
+    gain = twice * ((1.0 - g * scene.load) - c * (scene.rho * scene.load + g) * share * inverse)
+    decay = twice * c * scene.rho * dg * share * inverse * inverse
+    return gain, decay, share
+
+
+@jit
+def power_lost(g, u, dg, w, side, scene):
+    """Work lost in the contact by driver angle, mu_s |u| |N R|."""
+    lost = bend(side, scene) * u
+    return abs(lost * contact(g, dg, w, scene) / (scene.rho + g * (g + lost)))
+
+
+@jit
+def free_turn(w, scene):
+    """Squared speed after the dwell, in which the driver turns free, and the time it takes."""
+    after = w + 2.0 * scene.dwell / scene.rho
+    return after, 2.0 * scene.dwell / (np.sqrt(w) + np.sqrt(after)) if scene.dwell > 0.0 else 0.0
 
 
 @jit
@@ -86,7 +132,7 @@ def ends_alike(g_in, g_out, rho):
 
 
 @jit
-def side_at(g, dg, w, rho, load):
+def side_at(g, dg, w, scene):
     """Side that carries the force where a piece begins: +1 or -1.
 
     At pin entry g is zero up to rounding, and at rest nothing else decides: there
@@ -94,170 +140,18 @@ def side_at(g, dg, w, rho, load):
     well, at the stop of a mesh, the follower is about to be taken along; there g and
     g' may be the rounding errors of a table.
     """
-    value = contact(g, dg, w, rho, load)
-    if abs(value) <= 1e-12 * (1.0 + abs(rho * dg * w)):
+    value = contact(g, dg, w, scene)
+    if abs(value) <= 1e-12 * (1.0 + abs(scene.rho * dg * w)):
         value = dg if abs(dg) > 1e-9 else 1.0
     return 1.0 if value >= 0.0 else -1.0
 
 
 @jit
-def tabulate(path, theta, w, sign, rho, mu, load, out):
+def tabulate(scene, theta, w, side, out):
     """Fill out[0:4] with g, g', theta_ddot and contact moment at each angle."""
     for i in range(theta.size):
-        g, u, dg = transmission_at(path, theta[i])
+        g, u, dg = transmission_at(scene.path, theta[i])
         out[0, i] = g
         out[1, i] = dg
-        out[2, i] = acceleration(g, u, dg, w[i], sign, rho, mu, load)
-        out[3, i] = contact_moment(g, u, dg, w[i], sign, rho, mu, load)
-
-
-@jit
-def painleve_ratio(path, theta, rho):
-    """Friction at which the reduced inertia vanishes at `theta`, or inf."""
-    g, u, _dg = transmission_at(path, theta)
-    product = abs(g * u)
-    return (rho + g * g) / product if product > 0.0 else np.inf
-
-
-@jit
-def _stationary(first, second, rho, end):
-    """Root between 0 and `end` of the cubic for stationary painleve_ratio.
-
-    The cubic is negative at 0 and positive at both ends of the circle that
-    (g, u) runs on, so a bracketed Newton iteration cannot fail.
-    """
-    total, product = first + second, first * second
-    inner, outer = 0.0, end
-    g = 0.5 * end
-    for _ in range(200):
-        value = ((total * g + 4.0 * rho - 2.0 * product) * g - 3.0 * rho * total) * g
-        value += 2.0 * rho * product
-        slope = (3.0 * total * g + 8.0 * rho - 4.0 * product) * g - 3.0 * rho * total
-        if value < 0.0:
-            inner = g
-        else:
-            outer = g
-        guess = g - value / slope
-        if not min(inner, outer) < guess < max(inner, outer):
-            guess = 0.5 * (inner + outer)
-        if abs(guess - g) <= 1e-15 * abs(g):
-            break
-        g = guess
-    return g
-
-
-@jit
-def painleve_limit(path, rho, entry, exit_):
-    """Least painleve_ratio over the engagement, and a driver angle that has it."""
-    if is_table(path):
-        return np.inf, entry
-    limit, angle = painleve_ratio(path, entry, rho), entry
-    at_exit = painleve_ratio(path, exit_, rho)
-    if at_exit < limit:
-        limit, angle = at_exit, exit_
-    first, second = circle(path)
-    for end in (first, second):
-        g = _stationary(first, second, rho, end)
-        # g = (G0 + G1 x)/(L0 + L1 x) with x = sin^2 of the half angle
-        x = (g * path[1] - path[3]) / (path[4] - g * path[2])
-        if not 0.0 < x <= 1.0:
-            continue
-        turn = np.arcsin(np.sqrt(x)) / abs(path[0])
-        for theta in (-turn, turn):
-            place = min(max(theta, entry), exit_)
-            # outside, by more than the rounding of an angle
-            if abs(place - theta) > 1e-15 * abs(theta):
-                continue
-            # from the circle: with a light driver no angle is near enough to the exit
-            ratio = (rho + g * g) / (abs(g) * np.sqrt((first - g) * (g - second)))
-            if ratio < limit:
-                limit, angle = ratio, place
-    return limit, angle
-
-
-@jit
-def beyond_painleve(path, rho, mu, entry, exit_):
-    """Whether `mu` is at or above the Painleve limit.
-
-    (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| at most the radius of the
-    circle that (g, u) runs on: most scenes need no more than this bound. Most
-    others need the place on the circle, but not the angle. A mesh has no such
-    limit: rho + g^2 eta is positive.
-    """
-    if is_table(path):
-        return False
-    first, second = circle(path)
-    if mu * abs(first - second) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
-        return False
-    if second < 0.0 < first:
-        # an engagement begins and ends with g = 0 and passes `first`, at dead centre
-        g = _stationary(first, second, rho, first)
-        share = mu * g * np.sqrt((first - g) * (g - second)) / (rho + g * g)
-        if abs(share - 1.0) > 1e-9:
-            return share > 1.0
-    return mu >= painleve_limit(path, rho, entry, exit_)[0]
-
-
-def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
-    """Painleve limit: least friction at which J_s reaches zero [-].
-
-    At or above it the rigid-body problem has no solution or two. The load
-    torque does not move it. Minimum over the engagement of
-    (rho + g^2)/(|g| |u|); on a slotted path u^2 = (g1 - g)(g - g2), so the
-    stationary points are roots of the cubic
-
-        S g^3 + (4 rho - 2 P) g^2 - 3 rho S g + 2 rho P = 0,  S = g1 + g2, P = g1 g2,
-
-    which for the external Geneva is T g^3 + (T + 2 rho) g^2 - 3 rho T g - rho T = 0
-    with T = tan^2(pi/n).
-
-    Returns
-    -------
-    float
-        The limit; infinite where the pin never slides under force.
-    """
-    breaks = mechanism.breaks
-    rho = inertia.driver / inertia.follower
-    return painleve_limit(mechanism.path, rho, breaks[0], breaks[-1])[0]
-
-
-def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:
-    """First driver angle of a cell where `friction` meets the Painleve limit.
-
-    Returns
-    -------
-    float
-        Angle from dead centre [rad]; NaN when friction is below the limit.
-    """
-    rho = inertia.driver / inertia.follower
-    path, entry, exit_ = mechanism.path, mechanism.breaks[0], mechanism.breaks[-1]
-    limit, angle = painleve_limit(path, rho, entry, exit_)
-    if friction < limit:
-        return float("nan")
-    if painleve_ratio(path, entry, rho) <= friction:
-        return entry
-    from scipy.optimize import brentq
-
-    # the transmission repeats with the half angle's half turns, mirrored about dead centre
-    period = np.pi / abs(path[0])
-    first = min(
-        place
-        for turn in (-abs(angle), abs(angle))
-        for place in turn + period * np.arange(np.ceil((entry - turn) / period), 1.0)
-        if entry <= place <= exit_
-    )
-    if painleve_ratio(path, first, rho) >= friction:
-        return float(first)
-    return float(brentq(lambda theta: painleve_ratio(path, theta, rho) - friction, entry, first))
-
-
-def painleve_message(mechanism: Mechanism, inertia: Inertia, friction: float) -> str | None:
-    """Why no motion can be computed, or None below the limit."""
-    limit = critical_friction(mechanism, inertia)
-    if friction < limit:
-        return None
-    angle = np.degrees(critical_angle(mechanism, inertia, friction))
-    return (
-        f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
-        f"{angle:.3f} degrees from dead centre: no unique rigid motion exists"
-    )
+        out[2, i] = acceleration(g, u, dg, w[i], side, scene)
+        out[3, i] = contact_moment(g, u, dg, w[i], side, scene)

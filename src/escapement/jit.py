@@ -98,7 +98,13 @@ def _watch_cache(dispatcher: Any) -> None:
     store.save_overload = save_or_skip
 
 
-def jit(function: Any = None, *, allocates: bool = False, reorders: bool = False) -> Any:
+def jit(
+    function: Any = None,
+    *,
+    allocates: bool = False,
+    reorders: bool = False,
+    inlined: bool = False,
+) -> Any:
     """Compile on first call, cached on disk, GIL released.
 
     A kernel that makes or returns arrays must say that it `allocates`. All others are
@@ -110,12 +116,14 @@ def jit(function: Any = None, *, allocates: bool = False, reorders: bool = False
     through a status code and never raise.
     """
     if function is None:
-        return partial(jit, allocates=allocates, reorders=reorders)
+        return partial(jit, allocates=allocates, reorders=reorders, inlined=inlined)
     folder = _cache_directory()
     config: Any = numba.config
     options: Any = {"nogil": True, "error_model": "numpy", "_nrt": allocates}
     if reorders:
         options["fastmath"] = {"reassoc"}
+    if inlined:
+        options["forceinline"] = True
     if folder is None or config.DISABLE_JIT:
         return numba.njit(**options)(function)
     previous = config.CACHE_DIR

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 from escapement import validate
 from escapement.lazy import Lazy
 from escapement.quantity import Declared, Quantity, per_class, quantities, quantity
+from escapement.scene import Path, Scene, smooth_intervals
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,10 +22,6 @@ else:
 
     class FloatArray:
         """An array of doubles; type checkers know it as numpy.typing.NDArray[numpy.float64]."""
-
-
-Scene = tuple[FloatArray, FloatArray, float, float, tuple[float, float], float]
-"""Path, breaks, dwell angle [rad], inertia ratio, losses and load ratio [-]."""
 
 
 MOST_UNEQUAL = 1e100
@@ -63,11 +60,8 @@ class Mechanism(Protocol):
         """Follower angle per cell [rad]."""
 
     @property
-    def path(self) -> FloatArray:
-        """Flat numbers that kernels evaluate the transmission from: a pin path or a table.
-
-        Shape (n,), doubles; the array stays the same, and so does what is in it.
-        """
+    def path(self) -> Path:
+        """What kernels evaluate the transmission from: a pin path or a table."""
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""
@@ -194,13 +188,13 @@ class Escapement(Declared):
     def _check_path(self) -> None:
         """Refuse what kernels could not read."""
         path: Any = self.mechanism.path
-        if not (isinstance(path, np.ndarray) and path.dtype == np.float64 and path.ndim == 1):
-            rule, remedy = "a one-dimensional array of doubles", "make it with dtype=float"
+        if not isinstance(path, Path):
+            rule, remedy = "a Path", "make it with mechanisms.slotted or mechanisms.table"
             raise validate.fail("mechanism.path", rule, path, remedy)
 
     @property
     def _meshed(self) -> bool:
-        return bool(self.mechanism.path[0] == 0.0)
+        return self.mechanism.path.table
 
     def _check_ratios(self) -> None:
         """Refuse numbers whose ratios a double cannot hold with room to spare."""
@@ -212,15 +206,26 @@ class Escapement(Declared):
 
     @cached_property
     def scene(self) -> Scene:
-        """The escapement as kernels see it: a tuple of flat numbers."""
-        return (
-            self.mechanism.path,
-            np.array(self.mechanism.breaks),
+        """The escapement as an engine sees it."""
+        path = self.mechanism.path
+        return Scene(
+            # kernels take arrays that they could write to and that have no gaps
+            Path(path.table, np.array(path.numbers), np.array(path.corners)),
+            smooth_intervals(path, self.mechanism.breaks),
             dwell_angle(self.mechanism),
             self.inertia_ratio,
-            self.loss,
+            *self.loss,
             self.load_ratio,
         )
+
+    @cached_property
+    def kept(self) -> dict[str, Any]:
+        """What engines derive from the scene and keep for their next call."""
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Another process derives the scene and what hangs on it anew."""
+        return {key: value for key, value in vars(self).items() if key not in ("scene", "kept")}
 
     @property
     def loss(self) -> tuple[float, float]:

@@ -13,10 +13,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.dynamics import painleve_message, tabulate
+from escapement.dynamics import tabulate
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import radius
 from escapement.model import Escapement, FloatArray
+from escapement.painleve import painleve_message
 from escapement.status import Status
 from escapement.trajectory import Events, Extrema, Nothing, Trajectory
 from escapement.validate import fail
@@ -180,8 +181,7 @@ class Motion:
             held = sign == side
             angles = theta[held]
             table = np.empty((4, angles.size))
-            numbers = (side, scene.inertia_ratio, scene.loss, scene.load_ratio)
-            tabulate(mechanism.path, angles, (speed[held] * clock) ** 2, *numbers, table)
+            tabulate(scene.scene, angles, (speed[held] * clock) ** 2, side, table)
             g[held], dg[held], moment[held] = table[0], table[1], table[3] * scene.torque
             rate[held] = table[2] / clock**2
         engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)

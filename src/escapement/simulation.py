@@ -6,12 +6,13 @@ from importlib import import_module
 from typing import Any
 
 from escapement import validate
-from escapement.dynamics import critical_friction, ends_alike, painleve_message
+from escapement.dynamics import ends_alike
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
 from escapement.model import Escapement, Run
 from escapement.motion import Motion
+from escapement.painleve import critical_friction, painleve_message
 from escapement.quantity import check_number
 from escapement.solver import DEFAULT_ENGINE, Solver
 from escapement.status import MESSAGES, Status

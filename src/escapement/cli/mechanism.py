@@ -63,7 +63,7 @@ def _report(mechanism: "Kind", args: argparse.Namespace) -> dict[str, Any]:
             record[key] = _output.in_units(record[key], quantity, args.units)
     inertia = _arguments.read_inertia(args)
     if inertia is not None:
-        from escapement.dynamics import critical_friction
+        from escapement.painleve import critical_friction
 
         record["critical_friction"] = critical_friction(mechanism, inertia)
     return record

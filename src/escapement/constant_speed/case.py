@@ -43,19 +43,12 @@ class Case(Declared):
     def __post_init__(self) -> None:
         checked(self.mechanism)
         self.check_fields()
-        check_losses(self, self.meshed)
+        check_losses(self, self.mechanism.path.table)
         if not 0.0 < self.inertial < math.inf:
             raise InvalidValue(
                 "speed and follower_inertia must give a torque a double can hold, got "
                 f"{self.speed!r} rad/s and {self.follower_inertia!r} kg m^2; choose other units"
             )
-
-    @property
-    def meshed(self) -> bool:
-        """Whether the mechanism has no slot."""
-        from escapement.mechanisms.table import is_table
-
-        return bool(is_table(self.mechanism.path))
 
     @property
     def load_varies(self) -> bool:
@@ -74,7 +67,9 @@ class Case(Declared):
         The middle, of a table or where angles are counted from elsewhere.
         """
         entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
-        return 0.0 if entry < 0.0 < exit_ and not self.meshed else 0.5 * (entry + exit_)
+        if entry < 0.0 < exit_ and not self.mechanism.path.table:
+            return 0.0
+        return 0.5 * (entry + exit_)
 
 
 def checked(mechanism: Mechanism) -> Mechanism:

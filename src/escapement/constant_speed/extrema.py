@@ -12,8 +12,8 @@ from escapement.constant_speed._chebyshev import Function, Piece, extremes, inte
 from escapement.constant_speed.case import checked
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import transmission
-from escapement.mechanisms.table import smooth_intervals
 from escapement.model import FloatArray, Mechanism
+from escapement.scene import smooth_intervals
 
 _CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
@@ -115,7 +115,7 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
 
 def edges(mechanism: Mechanism) -> list[float]:
     """Driver angles between which the transmission is analytic [rad]: of a table, its knots."""
-    return smooth_intervals(mechanism.path, np.array(mechanism.breaks)).tolist()
+    return smooth_intervals(mechanism.path, mechanism.breaks).tolist()
 
 
 def _known_jerk(mechanism: Mechanism) -> Function | None:

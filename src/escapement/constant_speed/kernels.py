@@ -10,9 +10,9 @@ With mu = 0 the torque is Filemon's (6), whose 1/eta holds for the driving part.
 
 import numpy as np
 
-from escapement.dynamics import effective_ratio
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_at
+from escapement.scene import Path
 
 _ROUNDING = 8.0 * np.finfo(np.float64).eps  # an F this close to a limit is the limit
 
@@ -26,7 +26,8 @@ def tabulate_torque(path, theta, load, inertial, mu, eta, out):
     for i in range(theta.size):
         g, u, dg = transmission_at(path, theta[i])
         moment = load[i] + inertial * dg
-        torque = effective_ratio(g, u, 1.0 if moment >= 0.0 else -1.0, (mu, mu)) * moment
+        side = 1.0 if moment >= 0.0 else -1.0
+        torque = (g + side * mu * abs(u)) * moment
         out[0, i] = g
         out[1, i] = moment
         out[2, i] = torque / eta if torque >= 0.0 else torque * eta
@@ -37,15 +38,15 @@ def tabulate_ratio(path, theta, sign, mu, out):
     """Fill `out` with the ratio as friction bends it, for one side of the slot."""
     for i in range(theta.size):
         g, u, _dg = transmission_at(path, theta[i])
-        out[i] = effective_ratio(g, u, sign, (mu, mu))
+        out[i] = g + sign * mu * abs(u)
 
 
 @jit
 def derivatives_at(path, theta):
     """(g, g', g'', g''') of a slotted path, from u' = a b - (a + b) g - u^2 + g^2."""
     g, u, dg = transmission_at(path, theta)
-    total = path[6] - 2.0 * g
-    du = 0.25 * path[6] ** 2 - path[0] ** 2 - path[6] * g - u * u + g * g
+    total = path.numbers[6] - 2.0 * g
+    du = 0.25 * path.numbers[6] ** 2 - path.numbers[0] ** 2 - path.numbers[6] * g - u * u + g * g
     ddu = -dg * total - 2.0 * u * du
     return (
         g,
@@ -98,17 +99,19 @@ def _maximum_after(path, ratio, entry):
 
 
 @jit
-def study(paths, entry, steepest, limit_12, limit_23, wheel, ratio, zone, reversals, top, place):
+def study(
+    paths, corners, entry, steepest, limit_12, limit_23, wheel, ratio, zone, reversals, top, place
+):
     """Zones, reversal angles and torque maxima of many wheels and inertia ratios.
 
-    paths, entry, steepest, limit_12, limit_23 hold one row a wheel: path, pin
+    paths, entry, steepest, limit_12, limit_23 hold one row a wheel: numbers of its path, pin
     entry, angle of greatest deceleration and Filemon's limits; wheel and ratio,
     one entry a case, say which and at what F. The last four are filled: zone 1,
     2 or 3, two reversal angles or NaN, and the greatest g (1 + F g') with its angle.
     """
     for i in range(ratio.size):
         k, f = wheel[i], ratio[i]
-        path = paths[k]
+        path = Path(False, paths[k], corners)
         reversals[i, 0] = reversals[i, 1] = np.nan
         zone[i] = 2
         if f <= limit_12[k] * (1.0 + _ROUNDING):

@@ -77,12 +77,26 @@ def reversal_study(
     steepest = geneva.acceleration_max_angle(wheels, internal)
     d, a = geneva.mean_factors(wheels, internal)
     entry = np.array([drive.breaks[0] for drive in drives])
-    paths = np.array([drive.path for drive in drives], dtype=float, ndmin=2)
+    paths = np.array([drive.path.numbers for drive in drives], dtype=float, ndmin=2)
     flat, which = np.ascontiguousarray(ratio.reshape(-1)), wheel.reshape(-1)
     zone = np.empty(flat.size, dtype=np.uint8)
     reversals = np.empty((flat.size, 2))
     top, place = np.empty(flat.size), np.empty(flat.size)
-    study(paths, entry, steepest, limit_12, limit_23, which, flat, zone, reversals, top, place)
+    corners = np.empty(0)
+    study(
+        paths,
+        corners,
+        entry,
+        steepest,
+        limit_12,
+        limit_23,
+        which,
+        flat,
+        zone,
+        reversals,
+        top,
+        place,
+    )
     shape = n.shape
     mean = d[which] * (1.0 + flat * a[which])
     return ReversalStudy(

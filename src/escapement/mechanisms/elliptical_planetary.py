@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from escapement.mechanisms import slotted
     from escapement.model import FloatArray
+    from escapement.scene import Path
 else:
     np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
 
@@ -123,15 +124,15 @@ class EllipticalPlanetary(EllipticalGears):
         return float(self.transmission(angle).dg), angle
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the transmission for the kernels: a table.
+    def path(self) -> Path:
+        """A table of the transmission, as kernels evaluate it.
 
         In the outer halves of the cell angles are counted from the stops while it is
         made, and its pieces shrink towards them: so g and g' keep their relative
         accuracy where both vanish. The stops lie a few roundings outside of the cell,
         lest the sign of a force that vanishes there be decided by an angle's last digit.
         """
-        from escapement.mechanisms.table import chebyshev_table
+        from escapement.mechanisms.table import chebyshev_table, read_table, table_path
 
         entry, exit_ = self.breaks
         away = 0.5 * exit_ * np.append(0.0, np.exp2(np.arange(-_SHRINKING, 1)))
@@ -141,14 +142,12 @@ class EllipticalPlanetary(EllipticalGears):
             (0.0, lambda x: self.transmission(x).g, np.array([-away[-1], away[-1]])),
             (exit_, lambda x: self._from_stop(x - outside), -away[::-1]),
         )
-        tables = [chebyshev_table(function, edges.tolist()) for _, function, edges in parts]
-        counts = [int(table[1]) for table in tables]
-        starts = [
-            zero + table[3 : 3 + count]
-            for (zero, _, _), table, count in zip(parts, tables, counts, strict=True)
+        tables = [
+            read_table(chebyshev_table(function, edges.tolist())) for _, function, edges in parts
         ]
-        series = [table[4 + count :] for table, count in zip(tables, counts, strict=True)]
-        return np.concatenate([[0.0, sum(counts), tables[0][2]], *starts, [exit_], *series])
+        starts = [zero + edges[:-1] for (zero, _, _), (edges, _) in zip(parts, tables, strict=True)]
+        series = np.concatenate([series for _, series in tables])
+        return table_path(np.concatenate([*starts, [exit_]]), series)
 
     def _from_stop(self, angle: FloatArray) -> FloatArray:
         """Transmission at driver angles from a stop."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from escapement.mechanisms import slotted
     from escapement.model import FloatArray
+    from escapement.scene import Path
 else:
     np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
 
@@ -124,8 +125,8 @@ class GearDriven(GearTrain):
         return 1.0 if self.turns_with_driver else -1.0
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the pin path for the kernels.
+    def path(self) -> Path:
+        """The pin path, as kernels evaluate it.
 
         Raises
         ------

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from escapement.mechanisms import slotted
     from escapement.model import FloatArray
+    from escapement.scene import Path
 else:
     np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
 
@@ -126,8 +127,8 @@ class Geneva(Wheel):
         return 2.0 * math.pi / self.slots
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the pin path for the kernels."""
+    def path(self) -> Path:
+        """The pin path, as kernels evaluate it."""
         crank = 1.0 if self.internal else -1.0
         exit_ = self.breaks[-1]
         return slotted.two_vector_path(

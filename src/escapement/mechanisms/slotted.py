@@ -20,18 +20,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.jit import jit
-from escapement.mechanisms.table import is_table, ratio_at
+from escapement.mechanisms.table import ratio_at
 from escapement.model import FloatArray
+from escapement.scene import Path
 
 BLOCK = 16  # driver angles that are evaluated together
-PLACES = 0xFFFFFF
-"""Kernels mask the places in arrays that they are given with this: a place known not to
-be negative needs no wrap-around, and loops over it become vector code."""
 
 
 @jit
 def transmission_at(path, theta):
-    """Transmission (g, u, g') at one driver angle, from a mechanism's flat numbers.
+    """Transmission (g, u, g') at one driver angle, from a mechanism's path.
 
     Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2) with L = |C|^2 = L0 + L1 sin^2 h,
     g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Where g is zero
@@ -40,17 +38,18 @@ def transmission_at(path, theta):
     the driver's. Otherwise r is 0 and G2 = G0. Of a table: g and g' from its series;
     u = g, for what slides in a mesh is in proportion to it.
     """
-    if is_table(path):
-        g, dg = ratio_at(path, theta)
+    c = path.numbers
+    if path.table:
+        g, dg = ratio_at(c, theta)
         return g, g, dg
-    half = path[0] * theta
+    half = c[0] * theta
     sine = np.sin(half)
     square = sine * sine
-    length = path[1] + path[2] * square
-    before, behind = path[0] * (theta - path[7]), path[0] * (theta + path[7])
-    g = (path[8] + path[4] * (np.sin(before) * np.sin(behind))) / length
-    u = path[5] * sine * np.cos(half) / length
-    return g, u, u * (path[6] - 2.0 * g)
+    length = c[1] + c[2] * square
+    before, behind = c[0] * (theta - c[7]), c[0] * (theta + c[7])
+    g = (c[8] + c[4] * (np.sin(before) * np.sin(behind))) / length
+    u = c[5] * sine * np.cos(half) / length
+    return g, u, u * (c[6] - 2.0 * g)
 
 
 @jit
@@ -60,41 +59,39 @@ def circle(path):
     At a pin exit g is zero and u^2 = -g1 g2. The path's own numbers say the same of a
     pin that all but meets the follower's axis by a difference that no digit is left of.
     """
-    first = path[3] / path[1]
-    if path[7] > 0.0:
-        slide = transmission_at(path, path[7])[1]
+    c = path.numbers
+    first = c[3] / c[1]
+    if c[7] > 0.0:
+        slide = transmission_at(path, c[7])[1]
         return first, -slide * slide / first
-    return first, (path[3] + path[4]) / (path[1] + path[2])
+    return first, (c[3] + c[4]) / (c[1] + c[2])
 
 
 @jit
-def transmission_on(path, left, half, s, points, to):
-    """Transmission at 16 driver angles left + half * (1 + s[points + i]).
+def transmission_on(path, left, half, points, count, g, u, dg):
+    """Fill g, |u| and g' at the driver angles left + half (1 + points[i]), i < count.
 
-    The sine and cosine of the steps come from their power series, accurate to
-    rounding for half angles of up to 0.75; those of the sums from the addition
-    theorem. 16 values each of g, |u| and g' are written to s[to], s[to + 16] and s[to + 32] on
-    (places rather than slices: making a slice takes as long as four points). The size of
-    `s` has the bit 16 set.
+    `count` is `BLOCK`, but the compiler must not know it: it makes vector code only of a
+    loop whose length it does not know. The sine and cosine of the steps come from their
+    power series, accurate to rounding for half angles of up to 0.75; those of the sums from
+    the addition theorem.
     """
-    to &= PLACES
-    points &= PLACES
-    step = path[0] * half
-    if is_table(path) or abs(step) > 0.75:
+    c = path.numbers
+    step = c[0] * half
+    if path.table or abs(step) > 0.75:
         for i in range(BLOCK):
-            g, u, dg = transmission_at(path, left + half * (1.0 + s[points + i]))
-            s[to + i], s[to + BLOCK + i], s[to + 2 * BLOCK + i] = g, abs(u), dg
+            ratio, slide, slope = transmission_at(path, left + half * (1.0 + points[i]))
+            g[i], u[i], dg[i] = ratio, abs(slide), slope
         return
-    middle = path[0] * (left + half)
+    middle = c[0] * (left + half)
     sine_m, cosine_m = np.sin(middle), np.cos(middle)
     # the way to an exit next to `left` is exact, the middle as an angle is not
-    before, behind = path[0] * ((left - path[7]) + half), path[0] * ((left + path[7]) + half)
+    before, behind = c[0] * ((left - c[7]) + half), c[0] * ((left + c[7]) + half)
     sine_b, cosine_b = np.sin(before), np.cos(before)
     sine_a, cosine_a = np.sin(behind), np.cos(behind)
-    l0, l1, g1, u1, total, g2 = path[1], path[2], path[4], path[5], path[6], path[8]
-    # 16 times, which the compiler must not know: it makes vector code of such a loop only
-    for i in range(s.size & BLOCK):
-        d = step * s[points + i]
+    l0, l1, g1, u1, total, g2 = c[1], c[2], c[4], c[5], c[6], c[8]
+    for i in range(count & BLOCK):
+        d = step * points[i]
         z = d * d
         odd = 1.0 - z * (1.0 / 210.0) * (1.0 - z * (1.0 / 272.0) * (1.0 - z * (1.0 / 342.0)))
         odd = 1.0 - z * (1.0 / 72.0) * (1.0 - z * (1.0 / 110.0) * (1.0 - z * (1.0 / 156.0) * odd))
@@ -110,9 +107,7 @@ def transmission_on(path, left, half, s, points, to):
         product = (sine_b * even + cosine_b * odd) * (sine_a * even + cosine_a * odd)
         ratio = (g2 + g1 * product) * inverse
         slide = u1 * sine * cosine * inverse
-        s[to + i] = ratio
-        s[to + BLOCK + i] = abs(slide)
-        s[to + 2 * BLOCK + i] = slide * (total - 2.0 * ratio)
+        g[i], u[i], dg[i] = ratio, abs(slide), slide * (total - 2.0 * ratio)
 
 
 @jit
@@ -137,8 +132,8 @@ class Transmission:
 
 def two_vector_path(
     p: float, a: float, q: float, b: float, forward: float, rest: float = 0.0
-) -> FloatArray:
-    """Flat numbers of C = p exp(i a theta) + q exp(i b theta).
+) -> Path:
+    """Path of a pin that moves along C = p exp(i a theta) + q exp(i b theta).
 
     Parameters
     ----------
@@ -153,12 +148,12 @@ def two_vector_path(
 
     Returns
     -------
-    ndarray, shape (9,)
-        As `transmission_at` expects.
+    Path
+        With the nine numbers that `transmission_at` reads.
     """
     total, product = p + q, p * q
     first = forward * total * (a * p + b * q)
-    return np.array(
+    numbers = np.array(
         [
             (a - b) / 2.0,
             total * total,
@@ -171,9 +166,10 @@ def two_vector_path(
             0.0 if rest else first,
         ]
     )
+    return Path(False, numbers, np.empty(0))
 
 
-def transmission(path: FloatArray, theta: ArrayLike) -> Transmission:
+def transmission(path: Path, theta: ArrayLike) -> Transmission:
     """Transmission of a path at driver angles of any shape [rad]."""
     angles = np.asarray(theta, dtype=float)
     flat = np.ascontiguousarray(angles).reshape(-1)
@@ -182,16 +178,17 @@ def transmission(path: FloatArray, theta: ArrayLike) -> Transmission:
     return Transmission(*(values.reshape(angles.shape) for values in (g, u, dg)))
 
 
-def jerk(path: FloatArray, found: Transmission) -> FloatArray:
+def jerk(path: Path, found: Transmission) -> FloatArray:
     """g'' where the transmission is known: q' = a b + i (a + b) q - q^2 and g' = u (a+b-2g)."""
-    total = path[6]
-    slope = 0.25 * total**2 - path[0] ** 2 - total * found.g - found.u**2 + found.g**2
+    total = path.numbers[6]
+    slope = 0.25 * total**2 - path.numbers[0] ** 2 - total * found.g - found.u**2 + found.g**2
     return slope * (total - 2.0 * found.g) - 2.0 * found.u * found.dg
 
 
-def radius(path: FloatArray, theta: ArrayLike) -> FloatArray:
+def radius(path: Path, theta: ArrayLike) -> FloatArray:
     """Distance of the pin from the follower's axis, in crank radii; NaN without a pin."""
-    if is_table(path):
+    if path.table:
         return np.full(np.shape(theta), np.nan)
-    sine = np.sin(path[0] * np.asarray(theta, dtype=float))
-    return np.sqrt(path[1] + path[2] * sine * sine)
+    c = path.numbers
+    sine = np.sin(c[0] * np.asarray(theta, dtype=float))
+    return np.sqrt(c[1] + c[2] * sine * sine)

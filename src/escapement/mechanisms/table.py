@@ -1,12 +1,9 @@
 """A transmission as piecewise Chebyshev series: for mechanisms without a slot.
 
 The follower of such a mechanism never leaves the driver; what is lost is a share of
-the power that passes the mesh. The flat numbers are
+the power that passes the mesh. The numbers of the path are
 
-    [0, pieces, order, edges..., coefficients of g, piece after piece]
-
-A pin path never starts with 0 (its half angle turns), so the first number tells the
-two forms apart.
+    [pieces, order, edges..., coefficients of g, piece after piece]
 """
 
 import itertools
@@ -16,6 +13,7 @@ import numpy as np
 
 from escapement.jit import jit
 from escapement.model import FloatArray
+from escapement.scene import Path
 
 ORDER = 17
 _RESOLVED = 1e-15  # last coefficients over the largest: rounding
@@ -23,71 +21,68 @@ _MOST = 4096
 
 
 @jit
-def is_table(path):
-    """Whether flat numbers describe a table rather than a pin path."""
-    return path[0] == 0.0
-
-
-@jit
-def ratio_at(path, theta):
+def ratio_at(numbers, theta):
     """g and g' of a table at one driver angle; beyond its ends the last piece goes on."""
-    pieces, order = int(path[1]), int(path[2])
+    pieces, order = int(numbers[0]), int(numbers[1])
     low, high = 0, pieces
     while high - low > 1:
         middle = (low + high) // 2
-        if theta >= path[3 + middle]:
+        if theta >= numbers[2 + middle]:
             low = middle
         else:
             high = middle
-    left, right = path[3 + low], path[4 + low]
+    left, right = numbers[2 + low], numbers[3 + low]
     scale = 2.0 / (right - left)
     x = (theta - left) * scale - 1.0
-    first = 4 + pieces + low * order
+    first = 3 + pieces + low * order
     # Clenshaw's recurrence, and its derivative
     b1, b2, d1, d2 = 0.0, 0.0, 0.0, 0.0
     for k in range(order - 1, 0, -1):
         d1, d2 = 2.0 * (b1 + x * d1) - d2, d1
-        b1, b2 = path[first + k] + 2.0 * x * b1 - b2, b1
-    return path[first] + x * b1 - b2, scale * (b1 + x * d1 - d2)
+        b1, b2 = numbers[first + k] + 2.0 * x * b1 - b2, b1
+    return numbers[first] + x * b1 - b2, scale * (b1 + x * d1 - d2)
 
 
-def smooth_intervals(path: FloatArray, breaks: FloatArray) -> FloatArray:
-    """Driver angles between which the motion is smooth but for reversals [rad], ascending.
+def table_path(edges: FloatArray, series: FloatArray) -> Path:
+    """Path of a transmission given as Chebyshev series.
 
-    The breaks and, of a table, the corners between: over those no rule for smooth
-    functions keeps its accuracy. An edge that rounding alone tells from the one before,
-    or from the last, is left out.
+    Parameters
+    ----------
+    edges : ndarray, shape (pieces + 1,)
+        Driver angles between which the pieces lie [rad], ascending.
+    series : ndarray, shape (pieces, order)
+        Coefficients of g in each piece.
     """
-    edges = np.union1d(breaks, _corners(path)) if is_table(path) else np.asarray(breaks)
-    gap = 1e-9 * (edges[-1] - edges[0])
-    chosen = np.concatenate([[True], np.diff(edges) > gap])
-    chosen[:-1] &= edges[-1] - edges[:-1] > gap
-    chosen[-1] = True
-    return edges[chosen]
+    numbers = np.concatenate([series.shape, edges, series.reshape(-1)])
+    return Path(True, numbers, _corners(edges, series))
 
 
-def _corners(path: FloatArray) -> FloatArray:
+def read_table(path: Path) -> tuple[FloatArray, FloatArray]:
+    """Edges and series of a table, as `table_path` takes them."""
+    pieces, order = int(path.numbers[0]), int(path.numbers[1])
+    series = path.numbers[3 + pieces :].reshape(pieces, order)
+    return path.numbers[2 : 3 + pieces], series
+
+
+def _corners(edges: FloatArray, series: FloatArray) -> FloatArray:
     """Driver angles at which a table is not smooth [rad].
 
     The knots of a spline; series of full order are cut for accuracy alone. And where
     the follower turns back, g changing its sign: the loss goes with its size.
     """
-    pieces, order = int(path[1]), int(path[2])
-    edges = path[3 : 4 + pieces]
-    series = path[4 + pieces :].reshape(pieces, order)
-    found = [edges[1:-1]] if order < ORDER else []
+    found = [edges[1:-1]] if series.shape[1] < ORDER else []
     # the values of a series lie within the sum of its coefficients about the first
     for k in np.nonzero(series[:, 0] <= np.abs(series[:, 1:]).sum(axis=1))[0]:
         x = np.polynomial.chebyshev.chebroots(np.trim_zeros(series[k], "b"))
         x = x.real[(np.abs(x.imag) < 1e-6) & (np.abs(x.real) < 1.0)]
         found.append(edges[k] + 0.5 * (edges[k + 1] - edges[k]) * (1.0 + x))
-    return np.concatenate(found) if found else path[:0]
+    return np.concatenate(found) if found else edges[:0]
 
 
 def chebyshev_table(
     function: Callable[[FloatArray], FloatArray], edges: Sequence[float], order: int = ORDER
-) -> FloatArray:
-    """Flat numbers of a transmission function g(theta).
+) -> Path:
+    """Path of a transmission function g(theta).
 
     Parameters
     ----------
@@ -101,8 +96,8 @@ def chebyshev_table(
 
     Returns
     -------
-    ndarray
-        As `ratio_at` expects; accurate to rounding of the largest g.
+    Path
+        A table whose numbers `ratio_at` reads; accurate to rounding of the largest g.
 
     Raises
     ------
@@ -136,5 +131,4 @@ def chebyshev_table(
             continue
         done.append((left, series))
     starts = [left for left, _ in done]
-    coefficients = np.concatenate([series for _, series in done])
-    return np.concatenate([[0.0, len(done), order], starts, [float(edges[-1])], coefficients])
+    return table_path(np.array([*starts, float(edges[-1])]), np.array([row for _, row in done]))

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from escapement.mechanisms import _rows as rows
     from escapement.mechanisms import slotted
     from escapement.model import FloatArray
+    from escapement.scene import Path
 else:
     np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
     rows = Lazy("escapement.mechanisms._rows")
@@ -242,8 +243,8 @@ class Tabulated(Kind):
         return self.spline(angles) + self._rows.mean_ratio * (angles - self.theta[0])
 
     @cached_property
-    def path(self) -> FloatArray:
-        """Flat numbers of the transmission for the kernels: the spline, piece by piece.
+    def path(self) -> Path:
+        """The spline, piece by piece, as kernels evaluate it.
 
         Raises
         ------

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from escapement.engines.energy.pieces import follow
-from escapement.engines.energy.scene import numbers_of
 from escapement.errors import EscapementError, InputFileError
 from escapement.files.inputs import check_input
 from escapement.mechanisms import KINDS
@@ -122,7 +121,7 @@ class SampledTrajectory:
         if not self._begins(piece + 1):
             end = self._start(piece + 1)[0]
         start = (angle, w, self.sign[piece])
-        theta, squares = follow(numbers_of(self.escapement.scene), start, end, since, _RTOL)
+        theta, squares = follow(self.escapement.scene, start, end, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
     def _begins(self, piece: int) -> bool:

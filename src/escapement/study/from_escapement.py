@@ -69,12 +69,12 @@ def plan_from(
         "sweep": axes,
         "solver": solver,
     }
-    configuration |= {
+    numbers = {
         name: getattr(escapement, name)
         for name, entry in quantities(Escapement).items()
         if entry.fits(kind.meshed)
     }
-    chosen = {"sample": sample, "title": title}
+    chosen = {**numbers, "sample": sample, "title": title}
     configuration |= {name: value for name, value in chosen.items() if value is not None}
     return parse_plan(configuration, mechanism=own)
 
@@ -86,7 +86,7 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
             return {"kind": name} | _chosen(mechanism), None
     # two that look alike may differ in what their repr leaves out
     cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
-    checksum = zlib.crc32(np.concatenate([mechanism.path, cell]).tobytes())
+    checksum = zlib.crc32(np.concatenate([mechanism.path.numbers, cell]).tobytes())
     # where it is in memory is another place in each process
     text = re.sub(r" at 0x[0-9a-fA-F]+", "", repr(mechanism))
     description = f"{text}, checksum {checksum:08x}"

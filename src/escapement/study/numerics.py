@@ -5,8 +5,8 @@ from functools import cache
 from pathlib import Path
 
 _SOURCES = (
-    *("units.py", "quantity.py", "model.py", "dynamics.py", "metrics.py"),
-    *("motion.py", "trajectory.py"),
+    *("units.py", "quantity.py", "model.py", "scene.py", "dynamics.py", "painleve.py"),
+    *("metrics.py", "motion.py", "trajectory.py"),
     *("simulation.py", "solver.py", "status.py", "text.py"),
     *("mechanisms/*.py", "engines/*/*.py"),
     *(f"study/{name}.py" for name in ("axes", "from_escapement", "parameters")),

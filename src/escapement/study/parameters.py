@@ -37,9 +37,7 @@ class Kind:
     @classmethod
     def of(cls, mechanism: Mechanism) -> "Kind":
         """The kind of a mechanism that no file can describe."""
-        from escapement.mechanisms.table import is_table  # compiled: not to read a file
-
-        return cls(None, bool(is_table(mechanism.path)))
+        return cls(None, mechanism.path.table)
 
     @cached_property
     def settings(self) -> dict[str, Setting]:

@@ -70,7 +70,7 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
     path = mechanism.path
     first, second = circle(path)  # g at dead centre, and where u vanishes again
     g = Polynomial([0.0, 1.0])
-    slope, product = path[6] - 2.0 * g, (first - g) * (g - second)
+    slope, product = path.numbers[6] - 2.0 * g, (first - g) * (g - second)
     squared = product * slope**2
     jerk = slope * (slope * (first + second - 2.0 * g) / 2.0 - 2.0 * product)
     angle, step = mechanism.engagement_angle, mechanism.follower_step

@@ -2,30 +2,36 @@
 
 import numpy as np
 
-from escapement.dynamics import beyond_painleve, losses
+from escapement.dynamics import losses
+from escapement.engines.energy.calls import addresses
 from escapement.engines.energy.figures import FIGURES, figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
-from escapement.engines.energy.scene import numbers_of
+from escapement.engines.energy.prepare import cells_of, scene_of
 from escapement.jit import jit
 from escapement.model import FloatArray, Mechanism, dwell_angle
+from escapement.painleve import beyond_painleve
+from escapement.scene import Path, Scene, smooth_intervals
 
 
 @jit(allocates=True)
-def solve_scenes(calls, cells, path, breaks, dwell, rho, mu, load, w, rtol, table, status):
-    """Fill table[i] and status[i] for every scene i; natural units."""
-    store, events = workspace(breaks)
+def solve_scenes(calls, plain, cells, rho, mu, load, w, rtol, table, status):
+    """Fill table[i] and status[i] for every scene i; natural units.
+
+    Parameters
+    ----------
+    calls, plain, cells : as `prepare.prepared` gives them, of any scene of the mechanism.
+    rho, mu, load, w, rtol, table, status : as `solve` takes and returns them; of a stall the
+        first two columns hold its driver angle [rad] and engagement.
+    """
+    same = scene_of(plain)
+    store, events = workspace(same.edges)
     for i in range(rho.size):
-        loss = losses(path, mu[i])
-        if beyond_painleve(path, rho[i], loss[1], breaks[0], breaks[-1]):
+        mu_plus, mu_minus = losses(same.path, mu[i])
+        scene = Scene(same.path, same.edges, same.dwell, rho[i], mu_plus, mu_minus, load[i])
+        if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
-            status[i] = figures(
-                calls, cells, path, breaks, dwell, rho[i], loss, load[i], w[i], rtol,
-                store, events, table[i],
-            )  # fmt: skip
-        if status[i] != OK:
-            for k in range(FIGURES):
-                table[i, k] = np.nan
+            status[i] = figures(calls, scene, cells, w[i], rtol, store, events, table[i])
 
 
 def solve(
@@ -52,13 +58,16 @@ def solve(
     Returns
     -------
     table : ndarray, shape (n, 7)
-        Columns as in `_terminal`; NaN where there is none.
+        Columns as in `cycle`; NaN where there is none.
     status : ndarray, shape (n,)
         Values of `Status`.
     """
     table = np.empty((rho.size, FIGURES))
     status = np.empty(rho.size, dtype=np.uint8)
-    breaks = np.array(mechanism.breaks)
-    fixed = mechanism.path, breaks, dwell_angle(mechanism)
-    solve_scenes(*numbers_of(fixed), rho, mu, load, w, rtol, table, status)
+    path = (mechanism.path.table, *(np.array(row) for row in mechanism.path[1:]))
+    edges = smooth_intervals(mechanism.path, mechanism.breaks)
+    plain = path, edges, dwell_angle(mechanism), 1.0, 0.0, 0.0, 0.0
+    cells = cells_of(Path(*path), edges)
+    solve_scenes(addresses(), plain, cells, rho, mu, load, w, rtol, table, status)
+    table[status != OK] = np.nan
     return table, status

@@ -2,20 +2,28 @@
 
 from functools import cache
 
+import numpy as np
+from numba import typeof, types
+
 from escapement.by_address import by_address
 from escapement.engines.energy import events as _events
 from escapement.engines.energy import march as _march
+from escapement.engines.energy.cells import CELL
+from escapement.engines.energy.events import EVENT
+from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
+from escapement.scene import Path, Scene
 
-_LOSS = "UniTuple(f8, 2)"
+_numbers = np.empty(0)
+_scene = typeof(Scene(Path(False, _numbers, _numbers), _numbers, 0.0, 0.0, 0.0, 0.0, 0.0))
+_store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
+_cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
+_request = typeof(_march.Request(0, 0.0, 0.0))
+_f, _i = types.float64, types.int64
+
 march, _march_address = by_address(
-    _march.march,
-    0,
-    f"(f8[::1], i8, f8[::1], f8[::1], f8[:, :, ::1], f8, {_LOSS}, f8, f8, f8, f8, f8, f8, i8,"
-    " f8[:, ::1], i8)",
+    _march.march, 0, (_scene, _cells, _store, _i, _request, _f, _f, _f, _event, _i)
 )
-place, _place_address = by_address(
-    _events.place, 1, f"(f8[:, ::1], i8, f8[::1], f8[::1], f8, {_LOSS}, f8)"
-)
+place, _place_address = by_address(_events.place, 1, (_scene, _store, _event, _i))
 
 
 @cache

@@ -11,39 +11,51 @@ from escapement.engines.energy.gauss import POINTS, N
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_at, transmission_on
 
-AT_G, AT_ENDS = np.int64(0), np.int64(3 * N)
-_COLUMNS = AT_ENDS + 6
+_f = np.float64
+_ROW = (_f, (N,))
+
+END = np.dtype([("g", _f), ("u", _f), ("dg", _f)], align=True)
+"""g, |u| and g' at one driver angle."""
+CELL = np.dtype(
+    [
+        *(("g", *_ROW), ("u", *_ROW), ("dg", *_ROW)),
+        *(("entry", END), ("exit", END)),
+    ],
+    align=True,
+)
+"""Transmission at the Gauss points and the two ends of a cell."""
 
 
 @jit(allocates=True)
-def tabulate_cells(path, breaks, levels):
-    """Transmission at the points and ends of the first cells of every interval.
+def tabulate_cells(path, edges, levels):
+    """Transmission on the first cells of every interval between edges.
 
     Returns
     -------
-    ndarray, shape (intervals, 2**levels, 54)
-        g, |u| and g' at the 16 points, then the three at either end; row 0 is empty.
+    ndarray of CELL, shape (intervals, 2**levels)
+        Row 0 is empty.
     """
     most = 2**levels
-    table = np.empty((breaks.size - 1, most, _COLUMNS))
-    edges = np.empty((most, 2))
-    line = np.empty(5 * N)  # its size has the bit N set, as transmission_on expects
-    for i in range(N):
-        line[_COLUMNS + i] = POINTS[i]
-    for interval in range(breaks.size - 1):
-        edges[1, 0], edges[1, 1] = breaks[interval], breaks[interval + 1]
-        for cell in range(1, most):
-            left, right = edges[cell, 0], edges[cell, 1]
+    cells = np.empty((edges.size - 1, most), CELL)
+    ends = np.empty((most, 2))
+    points = POINTS.copy()
+    for interval in range(edges.size - 1):
+        ends[1, 0], ends[1, 1] = edges[interval], edges[interval + 1]
+        for k in range(1, most):
+            cell = cells[interval, k]
+            left, right = ends[k, 0], ends[k, 1]
             half = 0.5 * (right - left)
-            if 2 * cell < most:
-                edges[2 * cell, 0], edges[2 * cell, 1] = left, left + half
-                edges[2 * cell + 1, 0], edges[2 * cell + 1, 1] = left + half, right
-            transmission_on(path, left, half, line, _COLUMNS, AT_G)
-            for end in range(2):
-                g, u, dg = transmission_at(path, edges[cell, end])
-                line[AT_ENDS + 3 * end] = g
-                line[AT_ENDS + 3 * end + 1] = abs(u)
-                line[AT_ENDS + 3 * end + 2] = dg
-            for i in range(_COLUMNS):
-                table[interval, cell, i] = line[i]
-    return table
+            if 2 * k < most:
+                ends[2 * k, 0], ends[2 * k, 1] = left, left + half
+                ends[2 * k + 1, 0], ends[2 * k + 1, 1] = left + half, right
+            transmission_on(path, left, half, points, points.size, cell.g, cell.u, cell.dg)
+            put_end(cell.entry, path, left)
+            put_end(cell.exit, path, right)
+    return cells
+
+
+@jit
+def put_end(end, path, theta):
+    """Transmission at an end of a cell or panel."""
+    g, u, dg = transmission_at(path, theta)
+    end.g, end.u, end.dg = g, abs(u), dg

@@ -4,141 +4,178 @@ An extremum is noted with the values at its panel's points: the speed there is k
 roughly at once, exactly only when asked for. Most extrema of a transient never are.
 """
 
+from enum import IntEnum
+
 import numpy as np
 
-from escapement.dynamics import bend, effective_ratio
-from escapement.engines.energy.gauss import POINTS, N, cumulate, dot, points_of
+from escapement.dynamics import driving, effective_ratio, reduced_inertia
+from escapement.engines.energy.gauss import POINTS, N, cumulate, dot
 from escapement.engines.energy.locate import locate, weights_to
-from escapement.engines.energy.panels import (
-    HALF,
-    INVERSE,
-    LEFT,
-    RIGHT,
-    START,
-    A,
-    E,
-    F,
-    G,
-    K,
-    Q,
-    U,
-    V,
-    W,
-    at_gauss_points,
-    solution_of,
-    survey,
-)
+from escapement.engines.energy.panels import at_gauss_points, points_of, solution_of, survey
 from escapement.engines.energy.sampling import duration, run_over
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import jit
-from escapement.mechanisms.slotted import PLACES, transmission_at
+from escapement.mechanisms.slotted import transmission_at
 
-REVERSAL, MINIMUM, MAXIMUM, BREAK = 0.0, 1.0, 2.0, 3.0
-# columns of an event. ANGLE, TIME: from dead centre, since the entry; of an extremum that is
-# not PLACED those of its panel's left end, SQUARE being rough. The rest: by what it is placed
-KIND, ANGLE, TIME, SQUARE, PLACED = range(5)
-COARSE, WIDTH, SIDE, ENERGY, POINT, FIRST, FINAL, HIGH = range(5, 13)
-VALUES = 16  # F, C, A and E at the points, as in the scratch
-EVENTS = VALUES + 4 * N
+
+class EventKind(IntEnum):
+    """What happens at an event; ENTRY and EXIT of a pin are of finished motions only."""
+
+    REVERSAL = 0
+    MINIMUM = 1
+    MAXIMUM = 2
+    BREAK = 3
+    ENTRY = 4
+    EXIT = 5
+
+
+_f = np.float64
+_ROW = (_f, (N,))
+
+EVENT = np.dtype(
+    [
+        ("kind", np.int64),
+        # driver angle from dead centre and time since the entry; of an extremum that is not
+        # placed those of the left end of its panel
+        *(("angle", _f), ("time", _f)),
+        ("w", _f),  # rough where the event is not placed
+        ("placed", np.bool_),
+        # of an extremum, by what it is placed: half the width of its panel, whether that is too
+        # coarse to be interpolated, the side of the slot, E at the left end, the point behind
+        # the extremum, J theta_ddot at the left end and at x = high
+        *(("half", _f), ("coarse", np.bool_), ("side", _f), ("left_energy", _f)),
+        *(("point", np.int64), ("first", _f), ("final", _f), ("high", _f)),
+        # rows of the workspace
+        *(("energy", *_ROW), ("rate", *_ROW), ("slowness", *_ROW)),
+        # of the transient: when its engagement began, whether no other extremum of its kind
+        # goes further in it
+        *(("since", _f), ("leading", np.bool_)),
+    ],
+    align=True,
+)
+"""An event of an engagement."""
+
 NONE = np.int64(0)  # so many events yet
-ROUGH = 2e-3  # relative error of a rough square; at most 3e-4 in 2400 random cases
+ROUGH = 2e-3  # relative error of a rough w; at most 3e-4 in 2400 random cases
+NEAR = 1e-2  # of a panel: a last step of Newton's beyond this is not trusted
 
 
 @jit
-def most_events(breaks):
+def most_events(edges):
     """Room for the events of an engagement."""
-    return 16 + 4 * breaks.size
+    return 16 + 4 * edges.size
+
+
+@jit
+def is_extremum(event):
+    """Whether an event is an extremum of the driver speed."""
+    return EventKind.MINIMUM <= event.kind <= EventKind.MAXIMUM
+
+
+@jit
+def extremum_kind(rising):
+    """Kind of the extremum behind a stretch on which the speed rises, or falls."""
+    return np.int64(EventKind.MAXIMUM if rising > 0.0 else EventKind.MINIMUM)
 
 
 @jit
 def note(events, used, kind, angle, time, w):
     """Add an event that is known exactly; returns how many there are."""
     if used < events.shape[0]:
-        events[used, KIND], events[used, ANGLE] = kind, angle
-        events[used, TIME], events[used, SQUARE] = time, w
-        events[used, PLACED] = 1.0
+        event = events[used]
+        event.kind = kind
+        event.angle, event.time, event.w = angle, time, w
+        event.placed = True
         used += 1
     return used
 
 
 @jit
-def note_extremum(
-    events, used, kind, s, at, side, time, energy, point, first, final, high, coarse, mu
-):  # fmt: skip
-    """Add an extremum between a panel's points `point` - 1 and `point`; returns how many.
+def note_extremum(scene, events, used, kind, work, panel, found, high):
+    """Add an extremum between a panel's points `found.point` - 1 and it; returns how many.
 
-    `time` and `energy` are those of the panel's left end, `first` and `final` the
-    acceleration there and at x = `high`; a `coarse` panel is not to be interpolated.
+    `found` is a `march.Extremum`; its `final` is the value at x = `high`.
     """
     if used >= events.shape[0]:
         return used
-    events[used, KIND], events[used, ANGLE], events[used, TIME] = kind, s[at + LEFT], time
-    events[used, PLACED], events[used, COARSE], events[used, POINT] = 0.0, coarse, point
-    events[used, WIDTH], events[used, SIDE], events[used, ENERGY] = s[at + HALF], side, energy
-    events[used, FIRST], events[used, FINAL], events[used, HIGH] = first, final, high
-    row = used & PLACES
-    for i in range(4 * points_of(s)):
-        events[row, VALUES + i] = s[F + i]
+    event = events[used]
+    event.kind = kind
+    event.angle, event.time, event.half = panel.left, found.time, panel.half
+    event.placed, event.coarse, event.point = False, found.coarse, found.point
+    event.side, event.left_energy = found.side, found.energy
+    event.first, event.final, event.high = found.first, found.final, high
+    for i in range(points_of(work)):
+        event.energy[i] = work.energy[i]
+        event.rate[i] = work.rate[i]
+        event.slowness[i] = work.slowness[i]
+    point = found.point
     if point == 0 or point == N or POINTS[point] >= high:
         # not between two points: nothing is known without placing it
-        events[used, SQUARE] = np.nan
-        return used + 1
-    # on the cubic through both points and slopes, where the chord of the slopes vanishes
-    one, two = point - 1, point
-    width, lost = 2.0 * s[at + HALF] * (POINTS[two] - POINTS[one]), bend(side, mu)
-    j_one = 1.0 / s[at + INVERSE + one] + lost * s[at + G + one] * s[at + U + one]
-    j_two = 1.0 / s[at + INVERSE + two] + lost * s[at + G + two] * s[at + U + two]
-    before, behind = width * s[A + one] / j_one, width * s[A + two] / j_two
-    x = before / (before - behind)
-    y = 1.0 - x
-    w = s[W + one] * (1.0 + 2.0 * x) * y * y + s[W + two] * (3.0 - 2.0 * x) * x * x
-    events[used, SQUARE] = w + (before * y - behind * x) * x * y
+        event.w = np.nan
+    else:
+        event.w = _rough_square(scene, work, panel, found.side, point)
     return used + 1
 
 
 @jit
-def place(events, i, s, path, rho, mu, load):
-    """Make angle, time and w of an event exact.
+def _rough_square(scene, work, panel, side, point):
+    """w at an extremum between two points, on the cubic through both points and slopes."""
+    one, two = point - 1, point
+    width = 2.0 * panel.half * (POINTS[two] - POINTS[one])
+    # slopes of w by share of the way between the points
+    before = width * work.rate[one] / reduced_inertia(panel.g[one], panel.u[one], side, scene)
+    behind = width * work.rate[two] / reduced_inertia(panel.g[two], panel.u[two], side, scene)
+    # the place is where the chord of the slopes vanishes
+    x = before / (before - behind)
+    y = 1.0 - x
+    w = work.w[one] * (1.0 + 2.0 * x) * y * y + work.w[two] * (3.0 - 2.0 * x) * x * x
+    return w + (before * y - behind * x) * x * y
+
+
+@jit
+def place(scene, store, events, i):
+    """Make angle, time and w of event i exact.
 
     The acceleration is rougher than what its panel was made for: last steps of Newton's
     have the transmission evaluated. A coarse panel is solved again up to the extremum.
     """
-    if events[i, PLACED] > 0.0:
+    work, event = store.workspace[0], events[i]
+    if event.placed:
         return
-    row = i & PLACES
-    for j in range(4 * points_of(s)):
-        s[F + j] = events[row, VALUES + j]
-    left, half, side = events[i, ANGLE], events[i, WIDTH], events[i, SIDE]
-    point, coarse = int(events[i, POINT]), events[i, COARSE] > 0.0
-    x, slope = locate(s, A, point, events[i, FIRST], events[i, FINAL], events[i, HIGH])
-    angle = left + half * (1.0 + x)
-    if coarse:
-        energy = events[i, ENERGY]
-        at_gauss_points(s)
-        survey(s, START, path, rho, left, angle)
-        solve_side(s, START, side, rho, mu, load)
-        run_over(s, START, side, energy, rho, mu, load)
-        elapsed = duration(s)[0]
-        to = solution_of(START, side)
-        energy = s[to + RIGHT] * energy + s[to + RIGHT + 1]
-    else:
-        weights_to(s, x)
-        cumulate(s, F, K)
-        elapsed, energy = dot(s, Q, K), dot(s, V, E)
-    g, u, dg = transmission_at(path, angle)
-    p, w = effective_ratio(g, u, side, mu), energy / (rho + g * g)
-    rate = 1.0 - p * (dg * w + load)
-    way = -rate * half / slope
-    way = way if abs(way) < 1e-2 * half else 0.0
-    w += way * rate / (rho + g * p)
-    if coarse and way != 0.0:
-        g, u, dg = transmission_at(path, angle + way)
-        left_over = 1.0 - effective_ratio(g, u, side, mu) * (dg * w + load)
+    x, slope = locate(work, event.rate, event.point, event.first, event.final, event.high)
+    angle = event.angle + event.half * (1.0 + x)
+    elapsed, energy = _up_to(scene, work, event, x, angle)
+    g, u, dg = transmission_at(scene.path, angle)
+    p, w = effective_ratio(g, u, event.side, scene), energy / (scene.rho + g * g)
+    rate = driving(g, u, dg, w, event.side, scene)
+    way = -rate * event.half / slope
+    way = way if abs(way) < NEAR * event.half else 0.0
+    w += way * rate / (scene.rho + g * p)
+    if event.coarse and way != 0.0:
+        g, u, dg = transmission_at(scene.path, angle + way)
+        left_over = driving(g, u, dg, w, event.side, scene)
         # where next to nothing was left before, it is rounding
         way *= rate / (rate - left_over) if abs(left_over) < 0.5 * abs(rate) else 1.0
-    events[i, ANGLE], events[i, SQUARE] = angle + way, w
-    events[i, TIME] += elapsed + way / np.sqrt(w)
-    events[i, PLACED] = 1.0
+    event.angle, event.w = angle + way, w
+    event.time += elapsed + way / np.sqrt(w)
+    event.placed = True
+
+
+@jit
+def _up_to(scene, work, event, x, angle):
+    """Time and E from the left end of an event's panel to the place x, at driver angle `angle`."""
+    if not event.coarse:
+        weights_to(work, x)
+        cumulate(event.slowness, work.series)
+        count = points_of(work)
+        return dot(work.from_left, work.series, count), dot(work.at_x, event.energy, count)
+    panel = work.start
+    at_gauss_points(work)
+    survey(work, panel, scene.path, scene.rho, event.angle, angle)
+    solve_side(scene, work, panel, event.side)
+    solution = solution_of(panel, event.side)
+    run_over(scene, work, panel, solution, event.side, event.left_energy)
+    return duration(work)[0], solution.alpha_end * event.left_energy + solution.beta_end
 
 
 @jit
@@ -146,5 +183,5 @@ def turned(events, first, used):
     """Whether the events from `first` on hold a pin reversal."""
     count = 0
     for i in range(first, used):
-        count += events[i, KIND] == REVERSAL
+        count += events[i].kind == EventKind.REVERSAL
     return count > 0

@@ -1,13 +1,15 @@
-"""Sixteen Gauss points: quadrature, Legendre series and their roots.
+"""Sixteen Gauss points on [-1, 1]: quadrature, Legendre series and their roots.
 
-Numbers are taken from, and put into, a flat array from a given place on.
+Functions take rows of N values, fields of a record. Where they take a `count` it is N, but
+read from the record: the compiler unrolls a loop whose length it knows, and makes vector code
+of one whose length it does not know.
 """
 
 import numpy as np
 from numpy.polynomial.legendre import leg2poly
 
 from escapement.jit import jit
-from escapement.mechanisms.slotted import BLOCK, PLACES
+from escapement.mechanisms.slotted import BLOCK
 
 N = BLOCK
 
@@ -39,110 +41,88 @@ CUMULATE = (_integrated(POINTS).T @ TRANSFORM).T.copy()
 """CUMULATE[k, i]: weight of the value at point k in the integral to point i."""
 
 
-@jit
-def points_of(s):
-    """N, unknown to the compiler.
-
-    A loop over the points that it knows the length of it unrolls; of this one it makes
-    vector code. The size of a store has the bit set (`new_store`).
-    """
-    return s.size & N
-
-
 def _product_with(m):
-    """Kernel for s[to + i] = sum over k of m[k, i] s[at + k], as vector code.
+    """Kernel for out[i] = sum over k of m[k, i] values[k], as vector code.
 
     The matrix is a constant of the kernel's: of an argument it could not be known
-    that writing to s leaves it as it is.
+    that writing to `out` leaves it as it is.
     """
 
     @jit
-    def product(s, at, to):
-        at &= PLACES
-        to &= PLACES
-        c0, c1, c2, c3 = s[at], s[at + 1], s[at + 2], s[at + 3]
-        c4, c5, c6, c7 = s[at + 4], s[at + 5], s[at + 6], s[at + 7]
-        d0, d1, d2, d3 = s[at + 8], s[at + 9], s[at + 10], s[at + 11]
-        d4, d5, d6, d7 = s[at + 12], s[at + 13], s[at + 14], s[at + 15]
+    def product(values, out):
+        c0, c1, c2, c3 = values[0], values[1], values[2], values[3]
+        c4, c5, c6, c7 = values[4], values[5], values[6], values[7]
+        d0, d1, d2, d3 = values[8], values[9], values[10], values[11]
+        d4, d5, d6, d7 = values[12], values[13], values[14], values[15]
         for i in range(N):
             low = (m[0, i] * c0 + m[1, i] * c1) + (m[2, i] * c2 + m[3, i] * c3)
             low += (m[4, i] * c4 + m[5, i] * c5) + (m[6, i] * c6 + m[7, i] * c7)
             high = (m[8, i] * d0 + m[9, i] * d1) + (m[10, i] * d2 + m[11, i] * d3)
             high += (m[12, i] * d4 + m[13, i] * d5) + (m[14, i] * d6 + m[15, i] * d7)
-            s[to + i] = low + high
+            out[i] = low + high
 
     return product
 
 
 cumulate = _product_with(CUMULATE)
-"""cumulate(s, at, to): integrals from the left end to every point."""
+"""cumulate(values, out): integrals from the left end to every point."""
 to_powers = _product_with(POWERS)
-"""to_powers(s, at, to): coefficients of a power series."""
+"""to_powers(values, out): coefficients of a power series."""
 
 
 @jit(reorders=True)
-def tail_of(s, at):
-    """Size of the last two Legendre coefficients of N values."""
-    at &= PLACES
+def tail_of(values, count):
+    """Size of the last two Legendre coefficients."""
     last = last_but_one = 0.0
-    for i in range(points_of(s)):
-        last += LAST[i] * s[at + i]
-        last_but_one += LAST_BUT_ONE[i] * s[at + i]
+    for i in range(count & N):
+        last += LAST[i] * values[i]
+        last_but_one += LAST_BUT_ONE[i] * values[i]
     return abs(last) + abs(last_but_one)
 
 
 @jit(reorders=True)
-def whole(s, at):
-    """Integral over [-1, 1] of N values."""
-    at &= PLACES
+def whole(values, count):
+    """Integral over [-1, 1]."""
     total = 0.0
-    for i in range(points_of(s)):
-        total += WEIGHTS[i] * s[at + i]
+    for i in range(count & N):
+        total += WEIGHTS[i] * values[i]
     return total
 
 
 @jit(reorders=True)
-def dot(s, at, to):
-    """Sum of the products of two rows of N values."""
-    at &= PLACES
-    to &= PLACES
+def dot(a, b, count):
+    """Sum of the products of two rows."""
     total = 0.0
-    for i in range(points_of(s)):
-        total += s[at + i] * s[to + i]
+    for i in range(count & N):
+        total += a[i] * b[i]
     return total
 
 
 @jit
-def root_between(s, at, x, low, high, rising):
-    """Root of a power series in a bracket, from a guess: Newton, kept in by bisection.
+def root_between(c, x, low, high, rising):
+    """Root of the power series with coefficients c in a bracket, from the guess x.
 
-    Parameters
-    ----------
-    at : place of the N coefficients.
-    rising : whether the values go from negative to positive.
-
-    Two terms at a time, so that the processor need not wait for one before the next.
+    Newton's method, kept inside the bracket by bisection; `rising` says whether the values
+    go from negative to positive. Terms are summed two at a time, so that the processor need
+    not wait for one before the next.
 
     Returns
     -------
     x, slope : the root, to some 1e-12 for a power series' rounding, and the slope there.
     """
-    at &= PLACES
     slope = 0.0
     for _ in range(60):
         y = x * x
         z = y * y
-        c0, c1, c2, c3 = s[at], s[at + 1], s[at + 2], s[at + 3]
-        c4, c5, c6, c7 = s[at + 4], s[at + 5], s[at + 6], s[at + 7]
-        d0, d1, d2, d3 = s[at + 8], s[at + 9], s[at + 10], s[at + 11]
-        d4, d5, d6, d7 = s[at + 12], s[at + 13], s[at + 14], s[at + 15]
-        first = (c0 + c1 * x + (c2 + c3 * x) * y) + (c4 + c5 * x + (c6 + c7 * x) * y) * z
-        second = (d0 + d1 * x + (d2 + d3 * x) * y) + (d4 + d5 * x + (d6 + d7 * x) * y) * z
+        first = c[0] + c[1] * x + (c[2] + c[3] * x) * y
+        first += (c[4] + c[5] * x + (c[6] + c[7] * x) * y) * z
+        second = c[8] + c[9] * x + (c[10] + c[11] * x) * y
+        second += (c[12] + c[13] * x + (c[14] + c[15] * x) * y) * z
         value = first + second * (z * z)
-        first = c1 + 2.0 * c2 * x + (3.0 * c3 + 4.0 * c4 * x) * y
-        first += (5.0 * c5 + 6.0 * c6 * x + (7.0 * c7 + 8.0 * d0 * x) * y) * z
-        second = 9.0 * d1 + 10.0 * d2 * x + (11.0 * d3 + 12.0 * d4 * x) * y
-        second += (13.0 * d5 + 14.0 * d6 * x + 15.0 * d7 * y) * z
+        first = c[1] + 2.0 * c[2] * x + (3.0 * c[3] + 4.0 * c[4] * x) * y
+        first += (5.0 * c[5] + 6.0 * c[6] * x + (7.0 * c[7] + 8.0 * c[8] * x) * y) * z
+        second = 9.0 * c[9] + 10.0 * c[10] * x + (11.0 * c[11] + 12.0 * c[12] * x) * y
+        second += (13.0 * c[13] + 14.0 * c[14] * x + 15.0 * c[15] * y) * z
         slope = first + second * (z * z)
         if (value < 0.0) == rising:
             low = x

@@ -1,64 +1,78 @@
 """Engagement after engagement: the times and speeds of handoffs, and nothing else."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from escapement.dynamics import beyond_painleve, free_turn
+from escapement.dynamics import free_turn
 from escapement.engines.energy.calls import march
-from escapement.engines.energy.events import EVENTS, NONE, most_events
-from escapement.engines.energy.march import OK, PAINLEVE, TIME
+from escapement.engines.energy.events import EVENT, NONE, most_events
+from escapement.engines.energy.march import OK, PAINLEVE, Record, Request
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
+from escapement.engines.energy.prepare import scene_of
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_at
+from escapement.painleve import beyond_painleve
+
+LITTLE = 0.1  # exponent of an engagement below which changes of w are summed, not w itself
+
+
+class Run(NamedTuple):
+    """Outcome of a run: status, engagements completed; of a stall its driver angle [rad]."""
+
+    status: int
+    done: int
+    angle: float
 
 
 @jit(allocates=True)
-def handoffs(
-    calls, cells, path, breaks, dwell, rho, mu, load, w, limit, rtol, clock, times, speeds
-):
+def handoffs(calls, plain, cells, w, limit, rtol, clock, times, speeds):
     """March engagements until `times` is full, `limit` is passed or a stall.
 
     Parameters
     ----------
-    dwell : driver angle between exit and handoff.
+    calls, plain, cells : as `prepare.prepared` gives them.
     w, limit : squared driver speed at the first entry, time after which to
         stop; natural units.
+    rtol : relative error asked for.
     clock : unit of time of the results.
     times, speeds : arrays to fill with handoff times and driver speeds.
 
     Returns
     -------
-    status, done, angle
-        Engagements completed; on a stall its angle, its time being in times[done].
+    Run
+        The time of a stall is in times[done].
     """
-    if beyond_painleve(path, rho, mu[1], breaks[0], breaks[-1]):
-        return PAINLEVE, 0, 0.0
+    scene = scene_of(plain)
+    if beyond_painleve(scene):
+        return Run(PAINLEVE, 0, 0.0)
     loose, strict = tolerances(rtol)
+    request = Request(np.int64(Record.TIME), loose, strict)
     store = new_store(MAX_PANELS)
-    events = np.empty((most_events(breaks), EVENTS))
+    events = np.empty(most_events(scene.edges), EVENT)
     count = NO_PANELS
     time, carry, carry_w = 0.0, 0.0, 0.0
-    inertia = transmission_at(path, breaks[0])[0] ** 2 + rho
+    rho, edges = scene.rho, scene.edges
+    inertia = transmission_at(scene.path, edges[0])[0] ** 2 + rho
+    same = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
+    free_gain = 2.0 * scene.dwell / rho
     start = w
-    record = TIME
-    same = inertia == transmission_at(path, breaks[-1])[0] ** 2 + rho
     for k in range(times.size):
-        status, out, length, exponent, source, _side, _r, count, _u = march(
-            calls, store, count, path, breaks, cells, rho, mu, load, w, 0.0, 0.0, loose, strict,
-            record, events, NONE,
-        )  # fmt: skip
-        if status != OK:
-            times[k] = (time + length) * clock
-            return status, k, out
-        out, free = free_turn(out, dwell, rho)
-        if mu[0] == 0.0 and same:
+        found = march(calls, scene, cells, store, count, request, w, 0.0, 0.0, events, NONE)
+        count = found.panels
+        if found.status != OK:
+            times[k] = (time + found.time) * clock
+            return Run(found.status, k, found.angle)
+        out, free = free_turn(found.w, scene)
+        if scene.mu_plus == 0.0 and same:
             # every engagement adds the same energy: no sum, no rounding that adds up
-            out = start + (k + 1) * (source / inertia + 2.0 * dwell / rho)
-        elif same and abs(exponent) < 0.1:
+            out = start + (k + 1) * (found.source / inertia + free_gain)
+        elif same and abs(found.exponent) < LITTLE:
             # little is lost: what changes is added, its rounding errors carried along
-            change = np.expm1(-exponent) * w + source / inertia + 2.0 * dwell / rho - carry_w
+            change = np.expm1(-found.exponent) * w + found.source / inertia + free_gain - carry_w
             out = w + change
             carry_w = (out - w) - change
-        length += free
+        length = found.time + free
         # Kahan's sum: the rounding errors of a million engagements must not add up
         step = length - carry
         total = time + step
@@ -67,16 +81,22 @@ def handoffs(
         times[k] = time * clock
         speeds[k] = np.sqrt(out) / clock
         if time >= limit:
-            return OK, k + 1, 0.0
+            return Run(OK, k + 1, 0.0)
         # what is left to converge, and what it can still do to the sum of times
-        gap = -np.expm1(-exponent)
+        gap = -np.expm1(-found.exponent)
         if abs(out - w) <= 0.05 * rtol * gap * gap * w:
-            for j in range(k + 1, times.size):
-                passed = time + (j - k) * length
-                times[j] = passed * clock
-                speeds[j] = speeds[k]
-                if passed >= limit:
-                    return OK, j + 1, 0.0
-            return OK, times.size, 0.0
+            return Run(OK, _repeat(k, time, length, limit, clock, times, speeds), 0.0)
         w = out
-    return OK, times.size, 0.0
+    return Run(OK, times.size, 0.0)
+
+
+@jit
+def _repeat(k, time, length, limit, clock, times, speeds):
+    """Repeat engagement k to the end or the limit; returns how many engagements there are."""
+    for j in range(k + 1, times.size):
+        passed = time + (j - k) * length
+        times[j] = passed * clock
+        speeds[j] = speeds[k]
+        if passed >= limit:
+            return j + 1
+    return times.size

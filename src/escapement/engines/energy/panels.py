@@ -1,173 +1,216 @@
 """Panels: an engagement cut into pieces on which the energy equation is solved.
 
-Values live at 16 Gauss points. Integrals over a whole panel converge twice as
-fast as interpolation inside it; a panel records the size of its last Legendre
-coefficients and is halved when what is asked of it needs better.
+Values live at 16 Gauss points, x in [-1, 1] from the left end of a panel to its right end.
+Integrals over a whole panel converge twice as fast as interpolation inside it; a panel
+records the size of its last Legendre coefficients, its tails, and is halved when what is
+asked of it needs better.
 
-Everything lies in one flat array, the store: first the scratch, then panel after
-panel. Functions get the store and a place in it: views would take as long to make
-as the sums they are made for.
+The panels of an engagement form a chain from left to right. What is evaluated on one panel
+at a time lies in a record of its own, the workspace.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
-from escapement.engines.energy.cells import AT_ENDS, AT_G
-from escapement.engines.energy.gauss import POINTS, N, points_of, tail_of
+from escapement.engines.energy.cells import END, put_end
+from escapement.engines.energy.gauss import POINTS, N, tail_of
 from escapement.jit import jit
-from escapement.mechanisms.slotted import PLACES, transmission_at, transmission_on
-from escapement.mechanisms.table import is_table
+from escapement.mechanisms.slotted import transmission_on
 
-# scratch: what two sides of a reversal differ by; w, time by x, contact, acceleration and
-# energy at the points; a power series, or times since the left end; weights that interpolate
-# to x, and that do so for what vanishes at the left end; a panel's two sources and its
-# solution while it is being solved
-WORK = np.int64(0)  # int64 as any place: for a plain constant numba compiles its users anew
-W, F, C, A, E, K, V, Q = (WORK + 2 * N + N * i for i in range(8))
-DECAY, GAIN, SOLVED = (WORK + N * i for i in (10, 11, 12))
-START = WORK + 16 * N  # the panel a motion starts in, over the square root of the angle
-PANELS = START
+_f, _i = np.float64, np.int64
+_ROW = (_f, (N,))
 
-# geometry of a panel. NEXT: panel to its right, or -1. KINK: whether its left end is a
-# break of the mechanism. INTERVAL, CELL: where the mechanism's cells have it. SHARP: size of
-# the last coefficients of INVERSE, 1/(rho + g^2), relative. STEP: driver angle by x at the
-# points, ENDS: g, |u|, g' at the left end, then at the right end
-LEFT, HALF, NEXT, KINK, INTERVAL, CELL, SHARP = range(7)
-G, U, DG, INVERSE, STEP = (WORK + 8 + N * i for i in range(5))
-ENDS = WORK + 8 + 5 * N
-# its solution for either side: alpha, beta, b = int B at the points, then the three at the
-# right end, the size of the last coefficients (UNBUILT: not solved) and the rounding in them
-FORWARD, BACKWARD = 8 * (ENDS // 8 + 1), 8 * (ENDS // 8 + 1) + 56
-ALPHA, BETA, B, RIGHT, TAIL, NOISE = 0, N, 2 * N, 3 * N, 3 * N + 3, 3 * N + 4
-SIZE = BACKWARD + 56
-UNBUILT = -1.0
-HEAD, MAX_PANELS = np.int64(0), np.int64(2048)
+SOLUTION = np.dtype(
+    [
+        # E(x) = alpha E_left + beta with alpha = exp(-b), b the integral of B; at the points
+        *(("alpha", *_ROW), ("beta", *_ROW), ("b", *_ROW)),
+        # the same three at the right end
+        *(("alpha_end", _f), ("beta_end", _f), ("b_end", _f)),
+        # size of the last coefficients, UNSOLVED before they are known, and their rounding
+        *(("tail", _f), ("noise", _f)),
+    ],
+    align=True,
+)
+"""Solution of the energy equation on a panel for one side of the slot."""
+
+PANEL = np.dtype(
+    [
+        *(("left", _f), ("half", _f)),  # driver angle of the left end, half the width
+        ("next", _i),  # panel to its right, LAST if there is none
+        ("kink", np.bool_),  # whether the left end is a break of the mechanism
+        *(("interval", _i), ("cell", _i)),  # where the mechanism's cells have it
+        *(("g", *_ROW), ("u", *_ROW), ("dg", *_ROW)),  # g, |u| and g' at the points
+        ("inverse", *_ROW),  # 1/(rho + g^2) at the points
+        ("sharp", _f),  # size of the last coefficients of `inverse`, relative
+        ("step", *_ROW),  # driver angle by x at the points
+        *(("entry", END), ("exit", END)),  # g, |u| and g' at the left and the right end
+        *(("plus", SOLUTION), ("minus", SOLUTION)),  # for the sides s = +1 and -1
+    ],
+    align=True,
+)
+"""A panel: its geometry, and its solution for either side of the slot."""
+
+WORKSPACE = np.dtype(
+    [
+        ("points", _i),  # N, see `points_of`
+        # E, w, X by s, J theta_ddot and dt/dx at the points of the panel at hand
+        *(("energy", *_ROW), ("w", *_ROW), ("contact", *_ROW), ("rate", *_ROW)),
+        ("slowness", *_ROW),
+        ("difference", *_ROW),  # of the slowness on the two sides of a reversal
+        ("series", *_ROW),  # a power series, points of a panel to be laid out, or times
+        *(("at_x", *_ROW), ("from_left", *_ROW)),  # weights of `locate.weights_to`
+        *(("decay", *_ROW), ("gain", *_ROW)),  # B and A by x while a panel is being solved
+        ("start", PANEL),  # the panel a motion starts in, over the square root of the angle
+    ],
+    align=True,
+)
+"""What is evaluated on one panel at a time."""
+
+
+class Store(NamedTuple):
+    """Memory of a march: records of `PANEL`, of which panel 0 is the first, and one workspace."""
+
+    panels: np.ndarray
+    workspace: np.ndarray
+
+
+UNSOLVED = -1.0
+FIRST, LAST = np.int64(0), np.int64(-1)  # int64: for a plain constant numba compiles users anew
+MAX_PANELS = np.int64(2048)
 NO_PANELS = np.int64(0)  # have been laid out yet
-MANY = 128  # more than one engagement needs
 COARSE = 0.1  # of the tail allowed: what is solved for is rougher than its coefficients
-SMALLEST = 1e-13  # of a radian: no panel is halved below this
+SMALLEST = 1e-13  # half width [rad] below which no panel is halved
 
 
 @jit(allocates=True)
 def new_store(most):
-    """An empty store for `most` panels, its size N more than a multiple of 2 N.
-
-    Untouched memory costs nothing.
-    """
-    return np.empty((place_of(most) // (2 * N) + 1) * 2 * N + N)
-
-
-@jit
-def place_of(panel):
-    """Where a panel of the chain begins in the store."""
-    return (PANELS + (1 + panel) * SIZE) & PLACES
+    """An empty store for `most` panels; memory that is never touched costs nothing."""
+    workspace = np.empty(1, WORKSPACE)
+    workspace[0].points = N
+    return Store(np.empty(most, PANEL), workspace)
 
 
 @jit
-def solution_of(at, side):
-    """Where a panel's solution for a side of the slot begins."""
-    return (at + (FORWARD if side > 0.0 else BACKWARD)) & PLACES
+def points_of(work):
+    """N, unknown to the compiler, which makes vector code of loops of such a length."""
+    return work.points & N
 
 
 @jit
-def at_gauss_points(s):
+def solution_of(panel, side):
+    """Solution of a panel for a side of the slot."""
+    return panel.plus if side > 0.0 else panel.minus
+
+
+@jit
+def at_gauss_points(work):
     """Have `survey` fill an ordinary panel."""
     for i in range(N):
-        s[K + i] = POINTS[i]
+        work.series[i] = POINTS[i]
 
 
 @jit
-def survey(s, at, path, rho, left, right):
-    """Fill a panel's geometry at the points that the scratch holds in K, from -1 to 1."""
-    at &= PLACES
+def survey(work, panel, path, rho, left, right):
+    """Fill the geometry of a panel at the points in `work.series`, from -1 to 1."""
     half = 0.5 * (right - left)
-    s[at + LEFT] = left
-    s[at + HALF] = half
-    transmission_on(path, left, half, s, K, at + G)
-    g, u, dg = transmission_at(path, left)
-    s[at + ENDS], s[at + ENDS + 1], s[at + ENDS + 2] = g, abs(u), dg
-    g, u, dg = transmission_at(path, right)
-    s[at + ENDS + 3], s[at + ENDS + 4], s[at + ENDS + 5] = g, abs(u), dg
-    complete(s, at, rho)
+    panel.left = left
+    panel.half = half
+    transmission_on(path, left, half, work.series, points_of(work), panel.g, panel.u, panel.dg)
+    put_end(panel.entry, path, left)
+    put_end(panel.exit, path, right)
+    complete(panel, rho, points_of(work))
 
 
 @jit
-def recall(s, at, path, cells, rho, left, right):
-    """Fill a panel's geometry from the mechanism's cells where they have it."""
-    at &= PLACES
-    if s[at + CELL] >= cells.shape[1]:
-        at_gauss_points(s)
-        survey(s, at, path, rho, left, right)
+def copy_end(end, other):
+    """Transmission at an end of another panel or cell."""
+    end.g, end.u, end.dg = other.g, other.u, other.dg
+
+
+@jit
+def recall(work, panel, path, cells, rho, left, right):
+    """Fill the geometry of a panel from the mechanism's cells where they have it."""
+    if panel.cell >= cells.shape[1]:
+        at_gauss_points(work)
+        survey(work, panel, path, rho, left, right)
         return
-    cell = int(s[at + CELL]) & PLACES
-    interval = int(s[at + INTERVAL]) & PLACES
-    s[at + LEFT] = left
-    s[at + HALF] = 0.5 * (right - left)
-    for i in range(3 * points_of(s)):
-        s[at + G + i] = cells[interval, cell, AT_G + i]
-    for i in range(6):
-        s[at + ENDS + i] = cells[interval, cell, AT_ENDS + i]
-    complete(s, at, rho)
+    cell = cells[panel.interval, panel.cell]
+    panel.left = left
+    panel.half = 0.5 * (right - left)
+    count = points_of(work)
+    _copy_row(panel.g, cell.g, count)
+    _copy_row(panel.u, cell.u, count)
+    _copy_row(panel.dg, cell.dg, count)
+    copy_end(panel.entry, cell.entry)
+    copy_end(panel.exit, cell.exit)
+    complete(panel, rho, points_of(work))
 
 
 @jit
-def complete(s, at, rho):
-    """Fill what follows from a panel's transmission and half width; it is not solved yet."""
-    at &= PLACES
-    half = s[at + HALF]
-    for i in range(points_of(s)):
-        s[at + INVERSE + i] = 1.0 / (rho + s[at + G + i] * s[at + G + i])
-        s[at + STEP + i] = half
-    largest = max(s[at + INVERSE], s[at + INVERSE + N - 1])
-    s[at + SHARP] = tail_of(s, at + INVERSE) / largest
-    s[at + FORWARD + TAIL] = UNBUILT
-    s[at + BACKWARD + TAIL] = UNBUILT
+def _copy_row(row, other, count):
+    for i in range(count & N):
+        row[i] = other[i]
 
 
 @jit
-def halve(s, panel, path, cells, rho, count):
-    """Split a panel in two; returns the new number of panels.
+def complete(panel, rho, count):
+    """Fill what follows from the transmission and the half width; it is not solved yet."""
+    half = panel.half
+    for i in range(count & N):
+        panel.inverse[i] = 1.0 / (rho + panel.g[i] * panel.g[i])
+        panel.step[i] = half
+    largest = max(panel.inverse[0], panel.inverse[N - 1])
+    panel.sharp = tail_of(panel.inverse, count) / largest
+    panel.plus.tail = UNSOLVED
+    panel.minus.tail = UNSOLVED
+
+
+@jit
+def halve(scene, cells, store, place, count):
+    """Split the panel at `place` in two; returns the new number of panels.
 
     The left half keeps the place, the right half gets place `count` and follows it
     in the chain.
     """
-    at, new = place_of(panel), place_of(count)
-    left = s[at + LEFT]
-    middle = left + s[at + HALF]
-    right = left + 2.0 * s[at + HALF]
-    following = s[at + NEXT]
+    work = store.workspace[0]
+    panel, new = store.panels[place], store.panels[count]
+    left = panel.left
+    middle = left + panel.half
+    right = left + 2.0 * panel.half
     # a break of the mechanism keeps its exact angle
-    if following >= 0.0:
-        right = s[place_of(int(following)) + LEFT]
-    s[new + INTERVAL] = s[at + INTERVAL]
-    s[new + CELL] = 2.0 * s[at + CELL] + 1.0
-    s[at + CELL] = 2.0 * s[at + CELL]
-    recall(s, at, path, cells, rho, left, middle)
-    recall(s, new, path, cells, rho, middle, right)
-    s[at + NEXT] = count
-    s[new + NEXT] = following
-    s[new + KINK] = 0.0
+    if panel.next != LAST:
+        right = store.panels[panel.next].left
+    new.interval = panel.interval
+    new.cell = 2 * panel.cell + 1
+    panel.cell = 2 * panel.cell
+    recall(work, panel, scene.path, cells, scene.rho, left, middle)
+    recall(work, new, scene.path, cells, scene.rho, middle, right)
+    new.next = panel.next
+    panel.next = count
+    new.kink = False
     return count + 1
 
 
 @jit
-def lay_out(s, path, breaks, cells, rho, loose):
+def lay_out(scene, cells, store, loose):
     """First panels of an engagement, fine enough for its geometry; returns their number."""
-    intervals = breaks.size - 1
+    edges = scene.edges
+    intervals = edges.size - 1
     for k in range(intervals):
-        at = place_of(k)
-        s[at + NEXT] = k + 1.0 if k + 1 < intervals else -1.0
+        panel = store.panels[k]
+        panel.next = k + 1 if k + 1 < intervals else LAST
         # a corner of a table is none of the friction in a slot
-        s[at + KINK] = 1.0 if k > 0 and not is_table(path) else 0.0
-        s[at + INTERVAL], s[at + CELL] = k, 1.0
-        recall(s, at, path, cells, rho, breaks[k], breaks[k + 1])
+        panel.kink = k > 0 and not scene.path.table
+        panel.interval = k
+        panel.cell = 1
+        recall(store.workspace[0], panel, scene.path, cells, scene.rho, edges[k], edges[k + 1])
     count = intervals
-    following = 0.0
-    while following >= 0.0:
-        panel = int(following)
-        at = place_of(panel)
-        while s[at + SHARP] > COARSE * loose and count < MAX_PANELS // 8:
-            count = halve(s, panel, path, cells, rho, count)
-        following = s[at + NEXT]
+    place = FIRST
+    while place != LAST:
+        while store.panels[place].sharp > COARSE * loose and count < MAX_PANELS // 8:
+            count = halve(scene, cells, store, place, count)
+        place = store.panels[place].next
     return count
 
 

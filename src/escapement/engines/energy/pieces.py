@@ -4,56 +4,55 @@ Nothing here is on the path of the figures of merit. A piece is solved again on
 panels of its own, fine enough to be interpolated, and its time is inverted.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from escapement.dynamics import bend
+from escapement.dynamics import power_lost
 from escapement.engines.energy.calls import march, place
-from escapement.engines.energy.events import ANGLE, EVENTS, KIND, NONE, REVERSAL, SQUARE, TIME
+from escapement.engines.energy.events import EVENT, NONE, EventKind
 from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
-from escapement.engines.energy.march import EVERYTHING
+from escapement.engines.energy.march import OK, Record, Request
 from escapement.engines.energy.panels import (
-    DG,
-    ENDS,
-    HEAD,
+    FIRST,
     MAX_PANELS,
     NO_PANELS,
-    NOISE,
-    RIGHT,
-    TAIL,
-    E,
-    F,
-    G,
-    K,
-    Q,
-    U,
-    V,
-    W,
     at_gauss_points,
     new_store,
-    place_of,
+    points_of,
     solution_of,
     survey,
     tolerances,
 )
+from escapement.engines.energy.prepare import scene_of
 from escapement.engines.energy.sampling import duration, run_over
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_at
+from escapement.scene import Scene
 
-EVENT_COLUMNS = 5  # engagement, kind, angle, time from the start, w
+HAPPENED = np.dtype(
+    [
+        *(("engagement", np.int64), ("kind", np.int64), ("angle", np.float64)),
+        *(("time", np.float64), ("w", np.float64), ("side", np.float64)),
+    ],
+    align=True,
+)
+"""An event of a motion: driver angle from dead centre, time from the start, w; at an entry
+the side of the slot."""
+
 ONE = np.int64(1)
-_MOST = 64  # events of one engagement
+_ROOM = 64  # events of one engagement
+_HALVINGS = 80  # of a piece, one inside the other
 _EVEN = 1e-12  # width below which the acceleration is constant [rad]
 
 
 @jit
-def _put(table, filled, engagement, kind, angle, time, w):
-    table[filled, 0] = engagement
-    table[filled, 1] = kind
-    table[filled, 2] = angle
-    table[filled, 3] = time
-    table[filled, 4] = w
+def _put(table, filled, engagement, kind, angle, time, w, side):
+    row = table[filled]
+    row.engagement, row.kind, row.side = engagement, kind, side
+    row.angle, row.time, row.w = angle, time, w
     return filled + 1
 
 
@@ -61,65 +60,84 @@ def _put(table, filled, engagement, kind, angle, time, w):
 def _copy(table, to, filled):
     # not by slices, whose error messages take a tenth of all compilation
     for i in range(filled):
-        for j in range(EVENT_COLUMNS):
-            to[i, j] = table[i, j]
+        row, other = to[i], table[i]
+        row.engagement, row.kind, row.side = other.engagement, other.kind, other.side
+        row.angle, row.time, row.w = other.angle, other.time, other.w
 
 
 @jit(allocates=True)
-def events_of(calls, cells, path, breaks, dwell, rho, mu, load, starts, squares, rtol):
+def events_of(calls, plain, cells, starts, squares, rtol):
     """All events of the engagements that start at `starts` with `squares`.
+
+    `calls`, `plain` and `cells` are as `prepare.prepared` gives them.
 
     Returns
     -------
-    ndarray, shape (events, 5)
-        Engagement, kind, angle, time and w; per engagement a row of kind -1
-        with the side at entry (in the angle's place) comes first.
+    ndarray of HAPPENED
+        The events of each engagement in turn; its entry comes first.
     """
+    scene = scene_of(plain)
     loose, strict = tolerances(rtol)
+    request = Request(np.int64(Record.EVERYTHING), loose, strict)
     store = new_store(MAX_PANELS)
-    events = np.empty((_MOST + 4 * breaks.size, EVENTS))
-    count = NO_PANELS
-    table = np.empty((8 * starts.size + 64, EVENT_COLUMNS))
-    filled = NONE
-    rising = 0.0
-    record = EVERYTHING
+    events = np.empty(_ROOM + 4 * scene.edges.size, EVENT)
+    table = np.empty(8 * starts.size + 64, HAPPENED)
+    count, filled, rising = NO_PANELS, NONE, 0.0
+    exit_ = scene.edges[-1]
     for k in range(starts.size):
-        status, out, length, _x, _s, side, rising, count, used = march(
-            calls, store, count, path, breaks, cells, rho, mu, load, squares[k], 0.0, rising,
-            loose, strict, record, events, NONE,
-        )  # fmt: skip
-        if filled + used + 2 > table.shape[0]:
-            larger = np.empty((2 * table.shape[0] + used, EVENT_COLUMNS))
+        w, start = squares[k], starts[k]
+        found = march(calls, scene, cells, store, count, request, w, 0.0, rising, events, NONE)
+        count, rising, used = found.panels, found.rising, found.used
+        if filled + used + 3 > table.shape[0]:
+            larger = np.empty(2 * table.shape[0] + used, HAPPENED)
             _copy(table, larger, filled)
             table = larger
-        flips = 0
+        side = _side_at_entry(found.side, events, used)
+        kind = np.int64(EventKind.ENTRY)
+        filled = _put(table, filled, k, kind, scene.edges[0], start, w, side)
         for i in range(used):
-            flips += events[i, KIND] == REVERSAL
-        first = side if flips % 2 == 0 else -side
-        filled = _put(table, filled, k, -1.0, first, starts[k], squares[k])
-        for i in range(used):
-            place(calls, events, i, store, path, rho, mu, load)
-            angle, time, w = events[i, ANGLE], events[i, TIME], events[i, SQUARE]
-            filled = _put(table, filled, k, events[i, KIND], angle, starts[k] + time, w)
-        if status != 0:
+            place(calls, scene, store, events, i)
+            event = events[i]
+            time = start + event.time
+            filled = _put(table, filled, k, event.kind, event.angle, time, event.w, 0.0)
+        if found.status != OK:
             break
-        if dwell > 0.0:
+        if scene.dwell > 0.0:
+            kind, time = np.int64(EventKind.MINIMUM), start + found.time
             if rising < 0.0:
-                filled = _put(table, filled, k, 1.0, breaks[-1], starts[k] + length, out)
-            filled = _put(table, filled, k, 4.0, breaks[-1], starts[k] + length, out)
+                filled = _put(table, filled, k, kind, exit_, time, found.w, 0.0)
+            kind = np.int64(EventKind.EXIT)
+            filled = _put(table, filled, k, kind, exit_, time, found.w, 0.0)
             rising = 1.0
-    found = np.empty((filled, EVENT_COLUMNS))
-    _copy(table, found, filled)
-    return found
+    happened = np.empty(filled, HAPPENED)
+    _copy(table, happened, filled)
+    return happened
+
+
+@jit
+def _side_at_entry(side, events, used):
+    """Side of the slot at the entry, from that at the exit."""
+    for i in range(used):
+        if events[i].kind == EventKind.REVERSAL:
+            side = -side
+    return side
+
+
+class Stretch(NamedTuple):
+    """A part of a piece: driver angles where it begins and ends, time and w where it begins."""
+
+    left: float
+    right: float
+    time: float
+    w: float
 
 
 @jit(allocates=True)
-def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta, squares):
+def states_in(scene, left, end, w, side, rtol, times, theta, squares):
     """Angles and squared speeds at times since the start of one piece.
 
     Parameters
     ----------
-    edges : driver angles that no panel passes over.
     left, end : driver angle where the piece starts and ends.
     w, side : squared speed at its start, side of the slot.
     times : since the start; clipped to the piece.
@@ -127,80 +145,102 @@ def states_in(path, edges, left, end, w, side, rho, mu, load, rtol, times, theta
 
     Returns
     -------
-    loss, length : work lost in friction over the piece, and its duration.
+    loss : work lost in friction over the piece.
     """
     _loose, strict = tolerances(rtol)
-    s = new_store(ONE)
-    at = place_of(HEAD)
-    to = solution_of(at, side)
-    ends = np.empty(80)
+    store = new_store(ONE)
+    work, panel = store.workspace[0], store.panels[FIRST]
+    ends = np.empty(_HALVINGS)
     waiting = 0
-    right = _next(edges, left, end)
+    part = Stretch(left, _next(scene.edges, left, end), 0.0, w)
     loss = 0.0
-    now = 0.0
     for j in range(times.size):
         theta[j], squares[j] = left, w
-    while left < end:
-        at_gauss_points(s)
-        survey(s, at, path, rho, left, right)
-        solve_side(s, at, side, rho, mu, load)
-        half = 0.5 * (right - left)
-        energy = w * (rho + s[at + ENDS] ** 2)
-        _against, stopped, _slower = run_over(s, at, side, energy, rho, mu, load)
-        good = s[to + TAIL] <= strict and stopped == 0
-        length, roughness = duration(s)
-        good = good and roughness <= max(strict, s[to + NOISE])
-        even = right - left <= _EVEN
-        middle = 0.5 * (left + right)
-        if not good and not even and waiting < 80 and left < middle < right:
-            ends[waiting] = right
+    while part.left < end:
+        good = _solve(scene, work, panel, part, side, strict)
+        even = part.right - part.left <= _EVEN
+        middle = 0.5 * (part.left + part.right)
+        if not good and not even and waiting < _HALVINGS and part.left < middle < part.right:
+            ends[waiting] = part.right
             waiting += 1
-            right = middle
+            part = Stretch(part.left, middle, part.time, part.w)
             continue
-        next_w = (s[to + RIGHT] * energy + s[to + RIGHT + 1]) / (rho + s[at + ENDS + 3] ** 2)
-        next_w = max(next_w, 0.0)
-        loss += half * _lost(s, at, side, rho, mu, load)
-        even = even and not good
-        if even:
-            length = 2.0 * (right - left) / (np.sqrt(w) + np.sqrt(next_w))
-        cumulate(s, F, K)
-        for j in range(times.size):
-            t = times[j] - now
-            if t < 0.0 or (t > length and right < end):
-                continue
-            t = min(t, length)
-            if even:
-                speed = np.sqrt(w) + t * (np.sqrt(next_w) - np.sqrt(w)) / length
-                theta[j] = left + 0.5 * t * (np.sqrt(w) + speed)
-                squares[j] = speed * speed
-                continue
-            x = _invert(s, t, length)
-            theta[j] = middle + half * x
-            g = transmission_at(path, theta[j])[0]
-            squares[j] = dot(s, V, E) / (rho + g * g)
-        now += length
-        w = next_w
-        left = right
-        if w == 0.0:
+        solution = solution_of(panel, side)
+        energy = part.w * (scene.rho + panel.entry.g**2)
+        after = solution.alpha_end * energy + solution.beta_end
+        after = max(after / (scene.rho + panel.exit.g**2), 0.0)
+        loss += panel.half * _lost(scene, work, panel, side)
+        length = duration(work)[0]
+        if even and not good:
+            length = 2.0 * (part.right - part.left) / (np.sqrt(part.w) + np.sqrt(after))
+            _read_even(part, length, after, end, times, theta, squares)
+        else:
+            _read(scene, work, panel, part, length, end, times, theta, squares)
+        now = part.time + length
+        if after == 0.0:
             # a stop, and nothing moves later
             for j in range(times.size):
                 if times[j] >= now:
-                    theta[j], squares[j] = left, 0.0
+                    theta[j], squares[j] = part.right, 0.0
             break
-        right = _next(edges, left, end)
+        right = _next(scene.edges, part.right, end)
         if waiting > 0:
             waiting -= 1
             right = ends[waiting]
-    return loss, now
+        part = Stretch(part.right, right, now, after)
+    return loss
 
 
-def follow(scene, start, end, times, rtol):
+@jit
+def _solve(scene, work, panel, part, side, strict):
+    """Solve a panel over a part of a piece; whether it is fine enough to be interpolated."""
+    at_gauss_points(work)
+    survey(work, panel, scene.path, scene.rho, part.left, part.right)
+    solve_side(scene, work, panel, side)
+    solution = solution_of(panel, side)
+    energy = part.w * (scene.rho + panel.entry.g**2)
+    _against, stopped, _slower = run_over(scene, work, panel, solution, side, energy)
+    roughness = duration(work)[1]
+    smooth = roughness <= max(strict, solution.noise)
+    return solution.tail <= strict and stopped == 0 and smooth
+
+
+@jit
+def _read(scene, work, panel, part, length, end, times, theta, squares):
+    """States at the times within a part, on its panel."""
+    cumulate(work.slowness, work.series)
+    for j in range(times.size):
+        t = times[j] - part.time
+        if t < 0.0 or (t > length and part.right < end):
+            continue
+        x = _invert(work, min(t, length), length)
+        theta[j] = 0.5 * (part.left + part.right) + panel.half * x
+        g = transmission_at(scene.path, theta[j])[0]
+        squares[j] = dot(work.at_x, work.energy, points_of(work)) / (scene.rho + g * g)
+
+
+@jit
+def _read_even(part, length, after, end, times, theta, squares):
+    """States at the times within a part so short that its acceleration is constant."""
+    before, gain = np.sqrt(part.w), np.sqrt(after) - np.sqrt(part.w)
+    for j in range(times.size):
+        t = times[j] - part.time
+        if t < 0.0 or (t > length and part.right < end):
+            continue
+        t = min(t, length)
+        speed = before + t * gain / length
+        theta[j] = part.left + 0.5 * t * (before + speed)
+        squares[j] = speed * speed
+
+
+def follow(
+    scene: Scene, start: tuple[float, float, float], end: float, times: np.ndarray, rtol: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Driver angles and squared speeds at times since the start of a piece; natural units.
 
     Parameters
     ----------
-    scene : tuple
-        As `numbers_of` returns it.
+    scene : Scene
     start : (float, float, float)
         Driver angle [rad], squared speed and side of the slot, 0 in a dwell.
     end : float
@@ -214,13 +254,12 @@ def follow(scene, start, end, times, rtol):
     -------
     theta, squares : ndarray, shape (n,)
     """
-    _calls, _cells, path, edges, _dwell, rho, mu, load = scene
-    angle, w, sign = start
-    if sign == 0.0:
-        speed = np.sqrt(w)
+    angle, w, side = start
+    if side == 0.0:
+        speed, rho = np.sqrt(w), scene.rho
         return angle + times * (speed + times / (2.0 * rho)), (speed + times / rho) ** 2
     theta, squares = np.empty_like(times), np.empty_like(times)
-    states_in(path, edges, angle, end, w, sign, rho, mu, load, rtol, times, theta, squares)
+    states_in(scene, angle, end, w, side, rtol, times, theta, squares)
     return theta, squares
 
 
@@ -234,34 +273,34 @@ def _next(edges, left, end):
 
 
 @jit
-def _lost(s, at, side, rho, mu, load):
+def _lost(scene, work, panel, side):
     """Work lost in friction over a panel, by x."""
     total = 0.0
     for i in range(N):
-        g, lost = s[at + G + i], bend(side, mu) * s[at + U + i]
-        moment = rho * (s[at + DG + i] * s[W + i] + load) + g
-        total += WEIGHTS[i] * abs(lost * moment / (rho + g * (g + lost)))
+        lost = power_lost(panel.g[i], panel.u[i], panel.dg[i], work.w[i], side, scene)
+        total += WEIGHTS[i] * lost
     return total
 
 
 @jit
-def _invert(s, target, whole_time):
-    """x in [-1, 1] at a time since the left end; leaves the weights to it in V and Q."""
+def _invert(work, target, whole_time):
+    """x in [-1, 1] at a time since the left end; leaves the weights to it in the workspace."""
+    count = points_of(work)
     x = 2.0 * target / whole_time - 1.0
     low, high = -1.0, 1.0
     for _ in range(60):
-        weights_to(s, x)
-        passed = dot(s, Q, K)
+        weights_to(work, x)
+        passed = dot(work.from_left, work.series, count)
         if passed > target:
             high = x
         else:
             low = x
-        guess = x + (target - passed) / dot(s, V, F)
+        guess = x + (target - passed) / dot(work.at_x, work.slowness, count)
         if not low <= guess <= high:
             guess = 0.5 * (low + high)
         step = abs(guess - x)
         x = guess
         if step <= 1e-8:
             break
-    weights_to(s, x)
+    weights_to(work, x)
     return x

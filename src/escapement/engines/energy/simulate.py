@@ -9,17 +9,16 @@ from functools import cached_property
 
 import numpy as np
 
-from escapement.engines.energy.events import BREAK, MAXIMUM, REVERSAL
+from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.handoffs import handoffs
 from escapement.engines.energy.march import OK, PAINLEVE, STALL
 from escapement.engines.energy.pieces import events_of, follow, states_in
-from escapement.engines.energy.scene import numbers_of
+from escapement.engines.energy.prepare import prepared
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
 from escapement.validate import fail
 
-_ENTRY, _EXIT = -1.0, 4.0
 _NOWHERE = np.empty(0)
 _START = np.zeros(1)
 _AT_ONCE = 1 << 15  # engagements between two moments at which Ctrl-C is heard
@@ -44,38 +43,40 @@ class EnergyTrajectory:
     end_time: float
 
     @cached_property
-    def _events(self) -> FloatArray:
+    def _events(self) -> np.ndarray:
+        """Every event of the motion, an array of `pieces.HAPPENED`."""
         clock = self.escapement.time_unit
         starts = np.concatenate([_START, self.times[: self.turns]]) / clock
         speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
         squares = (speeds * clock) ** 2
-        scene, tables = numbers_of(self.escapement.scene), []
+        known, tables = prepared(self.escapement), []
         for first in range(0, starts.size, _AT_ONCE):
             # from one engagement before: whether the speed was rising decides of an extremum
             some = slice(max(first - 1, 0), first + _AT_ONCE)
-            table = events_of(*scene, starts[some], squares[some], self.rtol)
-            table[:, 0] += some.start
-            tables.append(table[(table[:, 0] >= first) & (table[:, 3] * clock <= self.end_time)])
+            table = events_of(*known, starts[some], squares[some], self.rtol)
+            table["engagement"] += some.start
+            within = table["time"] * clock <= self.end_time
+            tables.append(table[(table["engagement"] >= first) & within])
         return np.concatenate(tables)
 
     @cached_property
     def _pieces(self) -> FloatArray:
-        """Start time, engagement, sign, start angle, end angle, w; shape (6, pieces)."""
+        """Start time, engagement, side, start angle, end angle, w; shape (6, pieces)."""
         rows: list[list[float]] = []
-        sign = 0.0
+        side = 0.0
         exit_ = self.escapement.mechanism.breaks[-1]
-        for engagement, kind, angle, time, w in self._events:
-            if kind == _ENTRY:
-                sign, angle = angle, self.escapement.mechanism.breaks[0]
-            elif kind == REVERSAL:
-                sign = -sign
-            elif kind == _EXIT:
-                sign = 0.0
-            elif kind != BREAK:
+        for engagement, kind, angle, time, w, at_entry in self._events.tolist():
+            if kind == EventKind.ENTRY:
+                side = at_entry
+            elif kind == EventKind.REVERSAL:
+                side = -side
+            elif kind == EventKind.EXIT:
+                side = 0.0
+            elif kind != EventKind.BREAK:
                 continue
             if rows and rows[-1][1] == engagement:
                 rows[-1][4] = angle
-            rows.append([time, engagement, sign, angle, exit_, w])
+            rows.append([time, engagement, side, angle, exit_, w])
         return np.array(rows).reshape(-1, 6).T
 
     @property
@@ -96,7 +97,7 @@ class EnergyTrajectory:
     @cached_property
     def friction_loss(self) -> FloatArray:
         """Work lost in friction over each piece [J]."""
-        _calls, _cells, path, edges, _dwell, *losses = numbers_of(self.escapement.scene)
+        scene = self.escapement.scene
         end_time = self.end_time / self.escapement.time_unit
         pieces = self._pieces[2:].T.copy()
         if pieces[-1, 0] != 0.0:
@@ -106,35 +107,33 @@ class EnergyTrajectory:
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
         none = (_NOWHERE, _NOWHERE, _NOWHERE)
         lost = [
-            states_in(path, edges, angle, end, w, sign, *losses, self.rtol, *none)[0]
-            if sign
-            else 0.0
-            for sign, angle, end, w in distinct
+            states_in(scene, angle, end, w, side, self.rtol, *none) if side else 0.0
+            for side, angle, end, w in distinct
         ]
         return np.array(lost)[which.reshape(-1)] * self.escapement.torque
 
     @cached_property
     def reversals(self) -> Events:
         """Every pin reversal."""
-        return Events(*self._select(self._events[:, 1] == REVERSAL))
+        return Events(*self._select(self._events["kind"] == EventKind.REVERSAL))
 
     @cached_property
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed."""
-        kinds = self._events[:, 1]
-        chosen = (kinds > REVERSAL) & (kinds <= MAXIMUM)
-        return Extrema(*self._select(chosen), maximum=kinds[chosen] == MAXIMUM)
+        kinds = self._events["kind"]
+        chosen = (kinds == EventKind.MINIMUM) | (kinds == EventKind.MAXIMUM)
+        return Extrema(*self._select(chosen), maximum=kinds[chosen] == EventKind.MAXIMUM)
 
     def _select(self, chosen: np.ndarray) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
-        engagement, _, angle, time, w = self._events[chosen].T
-        clock = self.escapement.time_unit
-        theta = angle + engagement * self.escapement.mechanism.cell_angle
-        return engagement.astype(int), time * clock, theta, np.sqrt(w) / clock
+        events, clock = self._events[chosen], self.escapement.time_unit
+        engagement = events["engagement"]
+        theta = events["angle"] + engagement * self.escapement.mechanism.cell_angle
+        return engagement, events["time"] * clock, theta, np.sqrt(events["w"]) / clock
 
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angles and squared speeds at times since the piece's start."""
         _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
-        return follow(numbers_of(self.escapement.scene), (angle, w, sign), end, times, self.rtol)
+        return follow(self.escapement.scene, (angle, w, sign), end, times, self.rtol)
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
@@ -157,13 +156,13 @@ def simulate(
 
     A duration of more than `longest` engagements is refused.
     """
-    clock, scene = escapement.time_unit, numbers_of(escapement.scene)
+    clock, known = escapement.time_unit, prepared(escapement)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64
     while True:
         times, speeds = np.empty(size), np.empty(size)
-        code, done, angle = handoffs(*scene, w, horizon, rtol, clock, times, speeds)
+        code, done, angle = handoffs(*known, w, horizon, rtol, clock, times, speeds)
         if code != OK or duration is None or done < size or times[-1] >= duration:
             break
         if size >= longest:

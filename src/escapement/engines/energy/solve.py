@@ -2,45 +2,28 @@
 
 Twice the kinetic energy, E = (rho + g^2) w, obeys on a panel with side s
 
-    E' = A - B E,   c = p - g,   J = rho + g^2 + g c,
-    A = 2 (1 - g load) - 2 c (rho load + g)/J,   B = 2 c rho g'/(J (rho + g^2)),
+    dE/dx = A - B E                   (`dynamics.energy_rates`)
 
 so E = alpha E_left + beta with alpha = exp(-int B), beta = alpha int A/alpha:
-two quadratures, whatever the energy at the left end. B vanishes without a loss,
-so nothing is lost by cancellation in the frictionless limit.
+two quadratures, whatever the energy at the left end.
 """
 
 import numpy as np
 
-from escapement.dynamics import bend
-from escapement.engines.energy.gauss import N, cumulate, points_of, tail_of, whole
-from escapement.engines.energy.panels import (
-    ALPHA,
-    BETA,
-    DECAY,
-    DG,
-    GAIN,
-    INVERSE,
-    NOISE,
-    RIGHT,
-    SHARP,
-    SOLVED,
-    STEP,
-    TAIL,
-    B,
-    G,
-    U,
-    solution_of,
-)
+from escapement.dynamics import bend, energy_rates
+from escapement.engines.energy.gauss import N, cumulate, tail_of, whole
+from escapement.engines.energy.panels import points_of, solution_of
 from escapement.jit import jit
-from escapement.mechanisms.slotted import PLACES
 
 LEAST = 1e-9  # of |u| g' by angle: less is lost next to a stop, or is a table's rounding
+ROUNDING = 1e-15  # relative error of the sums; J is a difference and loses digits to it
+STEEPEST = 20.0  # decay over a panel beyond which it is halved unseen
+SERIES = 0.7  # greatest exponent of the power series below
 
 
 @jit
 def _exponentials(b):
-    """exp(-b) and exp(b) for |b| <= 0.7, by their series: vector code."""
+    """exp(-b) and exp(b) for |b| <= SERIES, by their power series: vector code."""
     y = b * b
     z = y * y
     even = 1.0 + y * (1.0 / 2.0) + (1.0 / 24.0 + y * (1.0 / 720.0)) * z
@@ -55,61 +38,61 @@ def _exponentials(b):
 
 
 @jit
-def _decay(s):
-    """alpha = exp(-b) at the points and, in the gain, what is gained over alpha."""
+def _decay(solution, gain, count):
+    """Fill alpha = exp(-b) at the points, and divide the gain by it."""
     large = 0
-    for i in range(points_of(s)):
-        large += abs(s[SOLVED + B + i]) > 0.7
+    for i in range(count & N):
+        large += abs(solution.b[i]) > SERIES
     if large > 0:
         for i in range(N):
-            s[SOLVED + ALPHA + i] = np.exp(-s[SOLVED + B + i])
-            s[GAIN + i] /= s[SOLVED + ALPHA + i]
+            solution.alpha[i] = np.exp(-solution.b[i])
+            gain[i] /= solution.alpha[i]
         return
-    for i in range(points_of(s)):
-        falling, growing = _exponentials(s[SOLVED + B + i])
-        s[SOLVED + ALPHA + i] = falling
-        s[GAIN + i] *= growing
+    for i in range(count & N):
+        falling, growing = _exponentials(solution.b[i])
+        solution.alpha[i] = falling
+        gain[i] *= growing
 
 
 @jit
-def solve_side(s, at, side, rho, mu, load):
+def solve_side(scene, work, panel, side):
     """Solve the energy equation on a panel for one side of the slot."""
-    at &= PLACES
-    loss = bend(side, mu)
-    for k in range(points_of(s)):
-        g = s[at + G + k]
-        inverse = s[at + INVERSE + k]
-        c = loss * s[at + U + k]
-        share = 1.0 / (1.0 + g * c * inverse)  # (rho + g^2) / J
-        twice = 2.0 * s[at + STEP + k]
-        s[DECAY + k] = twice * c * rho * s[at + DG + k] * share * inverse * inverse
-        s[GAIN + k] = twice * ((1.0 - g * load) - c * (rho * load + g) * share * inverse)
-        s[SOLVED + BETA + k] = share
+    solution = solution_of(panel, side)
+    count = points_of(work)
+    for i in range(count & N):
+        gain, decay, share = energy_rates(
+            panel.g[i], panel.u[i], panel.dg[i], panel.inverse[i], panel.step[i], side, scene
+        )
+        work.gain[i], work.decay[i] = gain, decay
+        solution.beta[i] = share
     # J is a difference near the Painleve limit: finer panels cannot help below this
-    noise = 1e-15 * (1.0 + whole(s, SOLVED + BETA))
-    total = whole(s, DECAY)
-    cumulate(s, DECAY, SOLVED + B)
-    _decay(s)
-    source = whole(s, GAIN)
-    cumulate(s, GAIN, SOLVED + BETA)
-    for i in range(points_of(s)):
-        s[SOLVED + BETA + i] *= s[SOLVED + ALPHA + i]
-    largest = max(abs(s[SOLVED + BETA + N - 1]), abs(s[SOLVED + BETA + N // 2]))
-    alpha = _exponentials(total)[0] if abs(total) <= 0.7 else np.exp(-total)
+    noise = ROUNDING * (1.0 + whole(solution.beta, count))
+    total = whole(work.decay, count)
+    cumulate(work.decay, solution.b)
+    _decay(solution, work.gain, count)
+    source = whole(work.gain, count)
+    cumulate(work.gain, solution.beta)
+    for i in range(count & N):
+        solution.beta[i] *= solution.alpha[i]
+    alpha = _exponentials(total)[0] if abs(total) <= SERIES else np.exp(-total)
+    solution.alpha_end, solution.beta_end, solution.b_end = alpha, alpha * source, total
+    solution.noise = noise * max(1.0, abs(total))
+    solution.tail = _tail(scene, panel, solution, side, count)
+
+
+@jit
+def _tail(scene, panel, solution, side, count):
+    """Size of the last coefficients of a solution: 0 below its rounding, 1 where it is useless."""
+    middle, last = N // 2, N - 1
+    total = solution.b_end
     # next to a cycle that hardly loses, what is lost has to be accurate by itself
-    lost = max(abs(total), max(abs(s[SOLVED + B + N // 2]), abs(s[SOLVED + B + N - 1])))
-    lost = max(lost, LEAST * abs(loss) * rho * s[at + INVERSE + N // 2] ** 2)
-    tail = tail_of(s, SOLVED + B) / max(lost, 1e-300)
-    tail = max(tail, tail_of(s, SOLVED + ALPHA) / max(1.0, alpha))
-    tail = max(tail, tail_of(s, SOLVED + BETA) / max(largest, 1e-300))
-    tail = max(tail, s[at + SHARP])
-    noise *= max(1.0, abs(total))
-    if tail < noise:
+    lost = max(abs(total), max(abs(solution.b[middle]), abs(solution.b[last])))
+    lost = max(lost, LEAST * abs(bend(side, scene)) * scene.rho * panel.inverse[middle] ** 2)
+    largest = max(abs(solution.beta[last]), abs(solution.beta[middle]))
+    tail = tail_of(solution.b, count) / max(lost, 1e-300)
+    tail = max(tail, tail_of(solution.alpha, count) / max(1.0, solution.alpha_end))
+    tail = max(tail, tail_of(solution.beta, count) / max(largest, 1e-300))
+    tail = max(tail, panel.sharp)
+    if tail < solution.noise:
         tail = 0.0
-    if not tail < 1.0 or abs(total) > 20.0:
-        tail = 1.0
-    to = solution_of(at, side)
-    for i in range(3 * points_of(s)):
-        s[to + i] = s[SOLVED + i]
-    s[to + RIGHT], s[to + RIGHT + 1], s[to + RIGHT + 2] = alpha, alpha * source, total
-    s[to + TAIL], s[to + NOISE] = tail, noise
+    return 1.0 if not tail < 1.0 or abs(total) > STEEPEST else tail

@@ -1,89 +1,60 @@
-"""A start from rest, and a stop: what happens where there is next to no speed."""
+"""A start from rest: what happens where there is next to no speed."""
 
 import numpy as np
 
-from escapement.dynamics import bend
-from escapement.engines.energy.gauss import POINTS, N, points_of
-from escapement.engines.energy.panels import (
-    ENDS,
-    HALF,
-    LEFT,
-    SHARP,
-    START,
-    STEP,
-    TAIL,
-    C,
-    G,
-    K,
-    V,
-    complete,
-    solution_of,
-)
-from escapement.engines.energy.sampling import LEFT_END, rate_at_end
+from escapement.dynamics import reduced_inertia
+from escapement.engines.energy.gauss import POINTS, N
+from escapement.engines.energy.panels import complete, copy_end, points_of, solution_of
+from escapement.engines.energy.sampling import driving_at
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_on
 
 
 @jit
-def braking(s, at, side, w, rho, mu, load):
-    """Slope of w by driver angle at the left end."""
-    g = s[at + ENDS]
-    j = rho + g * (g + bend(side, mu) * s[at + ENDS + 1])
-    return 2.0 * rate_at_end(s, at, LEFT_END, side, w, mu, load) / j
+def braking(scene, panel, side, w):
+    """Slope of w by driver angle at the left end, 2 theta_ddot."""
+    end = panel.entry
+    return 2.0 * driving_at(end, side, w, scene) / reduced_inertia(end.g, end.u, side, scene)
 
 
 @jit
-def start_slowly(s, at, path, rho, way):
-    """Fill the start's panel: that at `at`, over the square root of the angle.
+def lay_out_start(scene, work, panel, way):
+    """Fill the start's panel: `panel`, over the square root of the angle.
 
     From rest w grows like the angle, and 1/sqrt(w) is singular; over
     y = sqrt(way + (theta - left)/length), with the speed zero at y = 0, neither is.
     `way` is how far before the left end that lies, in lengths of the panel.
     """
-    left, half = s[at + LEFT], s[at + HALF]
+    start = work.start
+    left, half = panel.left, panel.half
     first, last = np.sqrt(way), np.sqrt(1.0 + way)
     for i in range(N):
         y = 0.5 * ((last + first) + (last - first) * POINTS[i])
-        s[K + i] = 2.0 * (y * y - way) - 1.0
-        s[V + i] = 2.0 * half * (last - first) * y
-    transmission_on(path, left, half, s, K, START + G)
-    for i in range(6):
-        s[START + ENDS + i] = s[at + ENDS + i]
-    s[START + LEFT], s[START + HALF] = left, half
-    complete(s, START, rho)
+        work.series[i] = 2.0 * (y * y - way) - 1.0
+        work.difference[i] = 2.0 * half * (last - first) * y
+    count = points_of(work)
+    transmission_on(scene.path, left, half, work.series, count, start.g, start.u, start.dg)
+    copy_end(start.entry, panel.entry)
+    copy_end(start.exit, panel.exit)
+    start.left, start.half = left, half
+    complete(start, scene.rho, count)
     for i in range(N):
-        s[START + STEP + i] = s[V + i]
+        start.step[i] = work.difference[i]
 
 
 @jit
-def begin(s, at, side, path, rho, mu, load, w, strict):
-    """Solve the start's panel over that at `at`; returns where the panel to be passed lies."""
-    slope = braking(s, at, side, w, rho, mu, load)
+def begin(scene, work, panel, side, w, strict):
+    """Solve the start's panel in place of `panel`; whether that is the one to be passed."""
+    slope = braking(scene, panel, side, w)
     if not slope > 0.0:
-        return at
-    if s[at + SHARP] > strict:
+        return False
+    if panel.sharp > strict:
         # over the square root of the angle it would be rougher still
-        s[solution_of(at, side) + TAIL] = 1.0
-        return at
-    start_slowly(s, at, path, rho, w / (2.0 * slope * s[at + HALF]))
-    tail = solution_of(START, side) + TAIL
-    s[tail] = s[START + SHARP]
-    if s[tail] <= strict:
-        solve_side(s, START, side, rho, mu, load)
-    return START
-
-
-@jit
-def clearly_against(s):
-    """Points where the other side carries a force beyond rounding.
-
-    Next to the stop of a mesh, known from a table, g and g' are rounding errors.
-    """
-    largest = 0.0
-    for i in range(points_of(s)):
-        largest = max(largest, s[C + i])
-    count = 0
-    for i in range(N):
-        count += s[C + i] < -1e-9 * largest
-    return count
+        solution_of(panel, side).tail = 1.0
+        return False
+    lay_out_start(scene, work, panel, w / (2.0 * slope * panel.half))
+    solution_of(work.start, side).tail = work.start.sharp
+    if work.start.sharp <= strict:
+        solve_side(scene, work, work.start, side)
+    return True

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from escapement.engines.energy import simulate as energy_engine
+from escapement.engines.energy.batch import solve_scenes
 from escapement.engines.energy.cycle import (
     CONTRACTION,
     FIGURES,
@@ -14,8 +14,8 @@ from escapement.engines.energy.cycle import (
     V_MIN,
     W_HANDOFF,
 )
-from escapement.engines.energy.figures import figures, workspace
-from escapement.engines.energy.scene import numbers_of
+from escapement.engines.energy.prepare import prepared
+from escapement.engines.energy.simulate import simulate
 from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.motion import stall_message
@@ -26,11 +26,11 @@ def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
     """Figures of merit without a transient in time; see `escapement.terminal`."""
-    clock = escapement.time_unit
-    start = (initial_speed * clock) ** 2
-    out = np.empty(FIGURES)
-    scene = numbers_of(escapement.scene)
-    code = figures(*scene, start, rtol, *workspace(scene[3]), out)
+    clock, scene = escapement.time_unit, escapement.scene
+    numbers = (scene.rho, scene.mu_plus, scene.load, (initial_speed * clock) ** 2)
+    table, codes = np.empty((1, FIGURES)), np.empty(1, dtype=np.uint8)
+    solve_scenes(*prepared(escapement), *(np.array([x]) for x in numbers), rtol, table, codes)
+    out, code = table[0], int(codes[0])
     status = Status(code)
     if status is Status.STALL:
         message = stall_message(out[0], int(out[1]))
@@ -38,9 +38,7 @@ def terminal(
     if status is not Status.OK:
         return replace(base, status=status, message=MESSAGES[status])
     handoff = float(np.sqrt(out[W_HANDOFF]) / clock)
-    cycle = energy_engine.simulate(
-        escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol
-    )
+    cycle = simulate(escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol)
     # to the last digit that of the motion at hand, which may be asked for its end
     period = float(cycle.end_time)
     message = base.message

@@ -20,8 +20,8 @@ from escapement.engines.time.crossings import NOTHING, crossings, refine
 from escapement.engines.time.solution import Landed, Solution
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_at
-from escapement.mechanisms.table import is_table
 from escapement.model import FloatArray
+from escapement.scene import Scene
 
 MOST_STEPS = 25_000
 """Solver steps a piece may take, a second or two; DOP853 needs fifty."""
@@ -30,20 +30,6 @@ _LEAST = 1e-30  # an absolute tolerance of zero: no scale of the error is ever 0
 
 class NotConverged(Exception):
     """The solver gives up on a piece, or is given up; the argument says why."""
-
-
-class Scene(NamedTuple):
-    """What the equation of motion needs to know, in natural units."""
-
-    path: FloatArray
-    rho: float
-    mu: tuple[float, float]
-    load: float
-
-    @property
-    def table(self) -> bool:
-        """Whether the transmission is a table's, not a pin's."""
-        return bool(is_table(self.path))
 
 
 class Options(NamedTuple):
@@ -56,30 +42,30 @@ class Options(NamedTuple):
 
 
 @jit(allocates=True)
-def _derivative(x, y, path, anchor, unit, sign, rho, mu, load):
+def _derivative(x, y, scene, anchor, unit, side):
     """Slope of y = (angle from anchor, speed/unit, friction loss/unit^2) over time * unit."""
     out = np.empty(3)
-    g, u, dg = transmission_at(path, anchor + y[0])
+    g, u, dg = transmission_at(scene.path, anchor + y[0])
     w = (unit * y[1]) ** 2
     out[0] = y[1]
-    out[1] = acceleration(g, u, dg, w, sign, rho, mu, load) / unit**2
+    out[1] = acceleration(g, u, dg, w, side, scene) / unit**2
     # signed, so that it stays smooth where a step runs past the reversal
-    moment = contact_moment(g, u, dg, w, sign, rho, mu, load)
-    out[2] = bend(sign, mu) * abs(u) * moment * y[1] / unit**2
+    moment = contact_moment(g, u, dg, w, side, scene)
+    out[2] = bend(side, scene) * abs(u) * moment * y[1] / unit**2
     return out
 
 
 def starting_rate(scene: Scene, theta: float, sign: float) -> float:
     """Acceleration of a driver at rest."""
     g, u, dg = transmission_at(scene.path, theta)
-    return acceleration(g, u, dg, 0.0, sign, scene.rho, scene.mu, scene.load)
+    return acceleration(g, u, dg, 0.0, sign, scene)
 
 
 def _stops_soon(scene: Scene, start: tuple[float, float, float], end: float) -> bool:
     """Whether the driver, braked as at the start, would stop in the first part of a piece."""
     theta, speed, sign = start
     g, u, dg = transmission_at(scene.path, theta)
-    rate = acceleration(g, u, dg, speed**2, sign, scene.rho, scene.mu, scene.load)
+    rate = acceleration(g, u, dg, speed**2, sign, scene)
     return bool(-rate * 0.2 * (end - theta) > speed**2)
 
 
@@ -161,8 +147,7 @@ class _Piece:
 
     @property
     def numbers(self) -> tuple[Any, ...]:
-        path, *rest = self.scene
-        return (path, self.anchor, self.unit, self.sign, *rest)
+        return (self.scene, self.anchor, self.unit, self.sign)
 
     def rate(self, x: float, y: FloatArray) -> float:
         """Scaled acceleration."""
@@ -170,9 +155,8 @@ class _Piece:
 
     def force(self, y: FloatArray) -> float:
         """A number with the sign of the contact force."""
-        path, rho, _mu, load = self.scene
-        g, _u, dg = transmission_at(path, self.anchor + y[0])
-        return contact(g, dg, (self.unit * y[1]) ** 2, rho, load)
+        g, _u, dg = transmission_at(self.scene.path, self.anchor + y[0])
+        return contact(g, dg, (self.unit * y[1]) ** 2, self.scene)
 
     def events(self) -> Any:
         """Arrival, reversal and stop as solve_ivp's events; the first counts the steps."""
@@ -221,13 +205,12 @@ class _Piece:
 
     def looks(self, solved: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Times within every step, with the acceleration and the force there."""
-        path, rho, mu, load = self.scene
         grid = refine(solved.t)
         angle, pace = solved.sol(grid)[:2]
         w = (self.unit * pace) ** 2
         table = np.empty((4, grid.size))
-        tabulate_motion(path, angle + self.anchor, w, self.sign, rho, mu, load, table)
-        forces = rho * (table[1] * w + load) + table[0]
+        tabulate_motion(self.scene, angle + self.anchor, w, self.sign, table)
+        forces = self.scene.rho * (table[1] * w + self.scene.load) + table[0]
         forces[0] = self.sign * abs(forces[0])  # a start on the reversal itself is not one
         return grid, table[2], forces
 
@@ -278,7 +261,7 @@ def _absolute(
         g, u, dg = transmission_at(scene.path, middle)
         moment = (scene.rho * abs(dg) + abs(g) / unit**2) / (scene.rho + g * g)
         small = 1e-2 * options.rtol
-        scales = (small, small * share, small * scene.mu[0] * abs(u) * moment)
+        scales = (small, small * share, small * scene.mu_plus * abs(u) * moment)
     else:
         angle, speed, loss = options.atol
         scales = (angle, speed / unit, loss / unit**2)

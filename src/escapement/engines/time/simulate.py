@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics import critical_friction, side_at
-from escapement.engines.time.piece import NotConverged, Options, Scene, solve_piece, starting_rate
+from escapement.dynamics import side_at
+from escapement.engines.time.piece import NotConverged, Options, solve_piece, starting_rate
 from escapement.engines.time.solution import Free, Solution
 from escapement.mechanisms.slotted import transmission_at
-from escapement.mechanisms.table import smooth_intervals
 from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
 from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
+from escapement.painleve import critical_friction
+from escapement.scene import Path, Scene
 from escapement.status import MESSAGES, Status
 
 _TIGHTER = 0.02  # local tolerance over the one asked for: errors add up over a run
@@ -101,7 +102,7 @@ class _Run:
     def _engage(self, end: float, slow: float) -> None:
         """Advance to the break at `end`, through any reversals."""
         g, _, dg = transmission_at(self.scene.path, self.theta)
-        sign = side_at(g, dg, self.speed**2, self.scene.rho, self.scene.load)
+        sign = side_at(g, dg, self.speed**2, self.scene)
         while self.theta < end and not self.over:
             if self.speed <= 0.0 and starting_rate(self.scene, self.theta, sign) <= 0.0:
                 self._stand(sign)
@@ -127,7 +128,9 @@ class _Run:
         """Advance by one smooth piece; True if it ends in a pin reversal."""
         start = (self.theta, self.speed, sign)
         # a table's piece may lie next to a stop, where all that is lost is rounding
-        first, last = (self.edges[0], self.edges[-1]) if self.scene.table else (self.theta, end)
+        first, last = (
+            (self.edges[0], self.edges[-1]) if self.scene.path.table else (self.theta, end)
+        )
         goal = (end, slow, 0.5 * (first + last))
         solved = solve_piece(self.scene, start, goal, self.horizon - self.x, self.options)
         theta, speed, loss = (float(value) for value in solved(solved.length))
@@ -174,7 +177,7 @@ class _Run:
         self.x, self.theta, self.speed = self.x + length, end, float(arrival)
 
 
-def _ratio(path: FloatArray, theta: float) -> float:
+def _ratio(path: Path, theta: float) -> float:
     return float(transmission_at(path, theta)[0])
 
 
@@ -193,10 +196,9 @@ def simulate(
     mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque
     if escapement.friction >= critical_friction(mechanism, escapement.inertia):
         return no_motion(escapement, "ivp", rtol)
-    ratios = (escapement.inertia_ratio, escapement.loss, escapement.load_ratio)
     run = _Run(
-        Scene(mechanism.path, *ratios),
-        smooth_intervals(mechanism.path, np.array(mechanism.breaks)),
+        escapement.scene,
+        escapement.scene.edges,
         Options(
             min(max(rtol * _TIGHTER, _FLOOR), _CEILING),
             None if atol is None else (atol, atol * clock, atol / torque),

@@ -16,7 +16,6 @@ from scipy.optimize import toms748
 
 from escapement.engines.time import simulate as time_engine
 from escapement.mechanisms.slotted import transmission_at
-from escapement.mechanisms.table import is_table
 from escapement.metrics import BOUNDLESS, Figures, read_cycle, read_transient
 from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
@@ -130,7 +129,7 @@ def _rise(engage: Any, low: float, gain: float) -> tuple[float, float] | Motion:
             return trial.motion
         if not trial.gain > 0.0:
             return low, high
-        if is_table(trial.motion.escapement.mechanism.path) and trial.gain < BOUNDLESS * high:
+        if trial.motion.escapement.mechanism.path.table and trial.gain < BOUNDLESS * high:
             status = Status.NO_TERMINAL
             return replace(trial.motion, status=status, message=MESSAGES[status])
         low, high = high, 4.0 * high

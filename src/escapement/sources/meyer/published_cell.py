@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from escapement import validate
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
+from escapement.scene import Path
 
 _SLOTS = (3, 4, 6)
 
@@ -61,8 +62,8 @@ class PublishedCell:
         return float(end - start)
 
     @property
-    def path(self) -> FloatArray:
-        """Flat numbers of the pin path for the kernels."""
+    def path(self) -> Path:
+        """The pin path, as kernels evaluate it."""
         return self.geneva.path
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:

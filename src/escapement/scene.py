@@ -1,0 +1,71 @@
+"""What an engine sees of an escapement: a few dimensionless numbers and a pin path.
+
+The follower's inertia I_f, the driving torque tau and the time sqrt(I_f/tau) are the units
+of inertia, torque and time; angles are in radians. Two escapements with equal scenes move
+alike but for their clocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+from escapement.lazy import Lazy
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+else:
+    np = Lazy("numpy")
+
+
+class Path(NamedTuple):
+    """Flat numbers from which kernels evaluate the transmission of a mechanism.
+
+    table : False for the path of a pin in a slot, made by `mechanisms.slotted`; True for a
+        table of g over the driver angle, made by `mechanisms.table`.
+    numbers : shape (n,), as the maker lays them out.
+    corners : driver angles [rad], shape (k,), at which the transmission of a table is not
+        smooth; those of a pin path are the breaks of its mechanism.
+    """
+
+    table: bool
+    numbers: NDArray[np.float64]
+    corners: NDArray[np.float64]
+
+
+class Scene(NamedTuple):
+    """An escapement in natural units; `dynamics` alone knows what its law means.
+
+    path : transmission of the mechanism.
+    edges : driver angles [rad], shape (k,), ascending, from pin entry to pin exit; the motion
+        is smooth between neighbours but for pin reversals.
+    dwell : driver angle after the exit in which the follower is locked [rad].
+    rho : inertia ratio I_d/I_f.
+    mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
+        other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
+    load : load torque over driving torque.
+    """
+
+    path: Path
+    edges: NDArray[np.float64]
+    dwell: float
+    rho: float
+    mu_plus: float
+    mu_minus: float
+    load: float
+
+
+def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]:
+    """Driver angles between which the motion is smooth but for reversals [rad], ascending.
+
+    The breaks and, of a table, the corners between: over those no rule for smooth
+    functions keeps its accuracy. An edge that rounding alone tells from the one before,
+    or from the last, is left out.
+    """
+    edges = sorted({*breaks, *path.corners.tolist()})
+    gap = 1e-9 * (edges[-1] - edges[0])
+    chosen = edges[:1]
+    chosen += [b for a, b in pairwise(edges[:-1]) if b - a > gap and edges[-1] - b > gap]
+    return np.array([*chosen, edges[-1]], dtype=float)
