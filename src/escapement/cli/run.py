@@ -141,9 +141,8 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
                 f"the following arguments are required: {', '.join(missing)}; "
                 "see 'escapement run --help'"
             )
-        return _arguments.read_escapement(args), given | _arguments.typed(
-            args, {_START: model[_START]}
-        )
+        start = _arguments.typed(args, {_START: model[_START]})
+        return _arguments.read_escapement(args), given | start
     _refuse_beside_study(args)
     from escapement.cli._cases import load_case
 
