@@ -112,11 +112,11 @@ class Inertia(Declared):
 
     driver: float = field(metadata=quantity(
         "moment of inertia of the driver", "inertia", exclusive=True, name="driver_inertia",
-        remedy="give the moment of inertia"
+        remedy="give the moment of inertia", note=" and what turns with it"
     ))  # fmt: skip
     follower: float = field(metadata=quantity(
         "moment of inertia of the follower", "inertia", exclusive=True, name="follower_inertia",
-        remedy="give the moment of inertia"
+        remedy="give the moment of inertia", note=" and what turns with it"
     ))  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -168,7 +168,8 @@ class Escapement(Declared):
     ))  # fmt: skip
     efficiency: float = field(default=1.0, metadata=quantity(
         "share of the power that the mesh passes on", metavar="E", slotted=False,
-        instead="friction", minimum=1e-3, maximum=1.0, remedy="give a share of 1, 1 for no loss"
+        instead="friction", minimum=1e-3, maximum=1.0, note=", in place of friction",
+        remedy="give a share of 1, 1 for no loss"
     ))  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -73,7 +73,7 @@ class Setting:
         taken = self.typical if self.required else self.default
         shown = f"{taken:g}" if isinstance(taken, float) else taken
         told = "" if taken is None or isinstance(taken, bool) else f" (default: {shown})"
-        return self.long_name + self.units_shown + self.note + told
+        return self.long_name + self.note + self.units_shown + told
 
     @property
     def units_shown(self) -> str:
@@ -220,11 +220,7 @@ class Choice(Setting):
 
 
 class Numbers(Setting):
-    """A list of numbers."""
-
-    def check(self, label: str, value: Any) -> Any:
-        """`value` as it is: the class that declares it looks closer."""
-        return value
+    """A list of numbers; the constructor that takes them looks closer."""
 
     def read(self, label: str, value: Any) -> tuple[float, ...]:
         """`value` as a list of finite numbers."""

@@ -25,7 +25,7 @@ class EllipticalGears(Kind):
         note=", a + c of the ellipses", remedy="give the radius R1"
     ))  # fmt: skip
     planet_radius: float = field(metadata=quantity(
-        "pitch radius of the spur planet", "length", exclusive=True, note=", a - c",
+        "pitch radius of the spur planet", "length", exclusive=True, note=", a - c of the ellipses",
         remedy="give the radius R2, less than the sun's"
     ))  # fmt: skip
 
