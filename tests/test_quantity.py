@@ -30,6 +30,7 @@ INERTIA = esc.Inertia(1e-6, 1e-5)
     ("call", "wrong", "nearest"),
     [
         (lambda: esc.Geneva(slot=4), "slot", "slots"),
+        (lambda: esc.Geneva(4, kind="x"), "kind", "pins"),
         (lambda: esc.Geneva(4, internl=True), "internl", "internal"),
         (lambda: esc.GearDriven(4, 0, curv="epicycloid"), "curv", "curve"),
         (lambda: esc.EllipticalPlanetary(sun_radus=2.0), "sun_radus", "sun_radius"),

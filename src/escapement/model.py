@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from escapement import validate
 from escapement.lazy import Lazy
@@ -108,7 +108,7 @@ class Inertia(Declared):
         Follower and everything that turns with it [kg m^2], > 0.
     """
 
-    section: ClassVar[str] = "inertia"
+    section = "inertia"
 
     driver: float = field(metadata=quantity(
         "moment of inertia of the driver", "inertia", exclusive=True, name="driver_inertia",

@@ -256,7 +256,7 @@ class Declared:
 
     def __new__(cls, *args: Any, **keywords: Any) -> Self:
         """Refuse a keyword that there is none of, and name the nearest."""
-        if keywords and not keywords.keys() <= cls.__dataclass_fields__.keys():  # type: ignore[attr-defined]
+        if keywords and not keywords.keys() <= _names(cls):
             _refuse_unknown(cls, keywords)
         return object.__new__(cls)
 
@@ -267,6 +267,11 @@ class Declared:
             value = values[entry.key]
             if value is not entry.default or entry.required:
                 values[entry.key] = entry.check(entry.name, value)
+
+
+@per_class
+def _names(owner: Any) -> frozenset[str]:
+    return frozenset(field.name for field in fields(owner))
 
 
 def _refuse_unknown(cls: type, keywords: Mapping[str, Any]) -> None:

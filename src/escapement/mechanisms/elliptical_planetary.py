@@ -69,9 +69,9 @@ class EllipticalPlanetary(EllipticalGears):
     Source: Prikhodko (2020), eqs. 1 to 9.
     """
 
-    kind: ClassVar[str] = "elliptical-planetary"
-    summary: ClassVar[str] = "planetary drive with a pair of elliptical gears, always in mesh"
-    meshed: ClassVar[bool] = True
+    kind = "elliptical-planetary"
+    summary = "planetary drive with a pair of elliptical gears, always in mesh"
+    meshed = True
     report_units: ClassVar[dict[str, str]] = dict.fromkeys(_LENGTHS, "length")
 
     @property

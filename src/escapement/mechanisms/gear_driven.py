@@ -67,8 +67,8 @@ class GearDriven(GearTrain):
     Source: Dijksman (1974), eqs. 1 to 16.
     """
 
-    kind: ClassVar[str] = "gear-driven"
-    summary: ClassVar[str] = "such a wheel, pins on a planet gear (Dijksman)"
+    kind = "gear-driven"
+    summary = "such a wheel, pins on a planet gear (Dijksman)"
     report_units: ClassVar[dict[str, str]] = dict.fromkeys(("planet_radius", *_LENGTHS), "length")
 
     @property

@@ -51,8 +51,8 @@ class Geneva(Wheel):
     Source: Meyer (1973), eqs. 1-1 to 1-8; Filemon (1960), eqs. 2 and 3.
     """
 
-    kind: ClassVar[str] = "geneva"
-    summary: ClassVar[str] = "wheel with radial slots, pins on a crank"
+    kind = "geneva"
+    summary = "wheel with radial slots, pins on a crank"
     report_units: ClassVar[dict[str, str]] = {"centre_distance": "length"}
 
     slots: int = field(metadata=quantity(

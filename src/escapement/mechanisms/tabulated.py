@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from escapement import validate
 from escapement.errors import InputFileError, InvalidValue
@@ -77,9 +77,9 @@ class Tabulated(Kind):
     few rows.
     """
 
-    kind: ClassVar[str] = "tabulated"
-    summary: ClassVar[str] = "any drive that is always in mesh, from a table of its angles"
-    meshed: ClassVar[bool] = True
+    kind = "tabulated"
+    summary = "any drive that is always in mesh, from a table of its angles"
+    meshed = True
 
     theta: Sequence[float] = field(metadata=setting(
         Numbers(long_name="driver angles [rad]", remedy="give a list of angles in rad")
