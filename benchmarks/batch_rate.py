@@ -17,9 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement.benchmark import machine, tables
+from escapement.benchmark.measuring import describe_machine, write_csv
 from escapement.engines.energy import batch
 from escapement.painleve import painleve_limit
+from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 SLOTS = (3, 4, 6)
@@ -108,7 +109,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=200_000)
     parser.add_argument("--rtol", type=float, nargs="+", default=[1e-10, 1e-12])
-    parser.add_argument("--workers", type=int, default=machine.describe()["cores"])
+    parser.add_argument("--workers", type=int, default=describe_machine()["cores"])
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--seed", type=int, default=1973)
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "benchmarks" / "results")
@@ -118,8 +119,8 @@ def main() -> None:
         rate for rtol in args.rtol for rate in measure(blocks, rtol, args.workers, args.rounds)
     ]
     args.output.mkdir(parents=True, exist_ok=True)
-    tables.write_csv(args.output / "batch_rate.csv", rates)
-    print(tables.aligned(Rate._fields, rates), end="")
+    write_csv(args.output / "batch_rate.csv", rates)
+    print_columns([Rate._fields], rates)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement.benchmark import tables
+from escapement.benchmark.measuring import write_csv
+from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "reference"))
@@ -148,10 +149,10 @@ def main() -> int:
         cases.append(judge(scene, share, reference(scene, args.engagements), "34 digits"))
     lines = summaries(cases)
     args.output.mkdir(parents=True, exist_ok=True)
-    tables.write_csv(args.output / "energy_accuracy.csv", lines)
+    write_csv(args.output / "energy_accuracy.csv", lines)
     worst_first = sorted(cases, key=lambda case: -case.error_default)
-    tables.write_csv(args.output / "energy_accuracy_worst.csv", worst_first[:20])
-    print(tables.aligned(Summary._fields, lines), end="")
+    write_csv(args.output / "energy_accuracy_worst.csv", worst_first[:20])
+    print_columns([Summary._fields], lines)
     print(f"\nworst at the default tolerance: {worst_first[0]}")
     return 1 if any(line.broken_promises for line in lines) else 0
 

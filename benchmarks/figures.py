@@ -69,7 +69,7 @@ def above(figure, axes, columns):
 
 
 def work_precision():
-    """Error against run time of all solvers, as `escapement bench` measured them."""
+    """Error against run time of all solvers, as `standings.py` measured them."""
     points = [Point(**row) for row in table("work_precision")]
     machine = json.loads((RESULTS / "machine.json").read_text(encoding="utf-8"))
     names = {point.problem for point in points}

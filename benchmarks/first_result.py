@@ -17,7 +17,8 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from escapement.benchmark import tables
+from escapement.benchmark.measuring import write_csv
+from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -96,8 +97,8 @@ def main() -> None:
             walls, processors = zip(*times, strict=True)
             lines.append(Start(name, min(walls), min(processors), rounds))
     args.output.mkdir(parents=True, exist_ok=True)
-    tables.write_csv(args.output / "first_result.csv", lines)
-    print(tables.aligned(Start._fields, lines), end="")
+    write_csv(args.output / "first_result.csv", lines)
+    print_columns([Start._fields], lines)
 
 
 if __name__ == "__main__":

@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import escapement as esc
-from escapement.benchmark import tables
+from escapement.benchmark.measuring import write_csv
 from escapement.measurement import measure, read_readings
+from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
@@ -77,8 +78,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         costs = [cost(rows, Path(folder)) for rows in args.rows]
     args.output.mkdir(parents=True, exist_ok=True)
-    tables.write_csv(args.output / "many_readings.csv", costs)
-    print(tables.aligned(Cost._fields, costs), end="")
+    write_csv(args.output / "many_readings.csv", costs)
+    print_columns([Cost._fields], costs)
 
 
 if __name__ == "__main__":

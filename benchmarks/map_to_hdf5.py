@@ -19,8 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.benchmark import machine, tables
+from escapement.benchmark.measuring import describe_machine, write_csv
 from escapement.benchmark.problems import PROBLEMS
+from escapement.text import print_columns
 
 AXES = {"torque": "torque, friction", "friction": "friction, torque"}
 ROOT = Path(__file__).resolve().parents[1]
@@ -102,7 +103,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--side", type=int, default=1000, help="values of each axis")
     parser.add_argument("--first", nargs="+", default=list(AXES), choices=AXES, help="slow axis")
-    parser.add_argument("--workers", type=int, nargs="+", default=[1, machine.describe()["cores"]])
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, describe_machine()["cores"]])
     parser.add_argument("--rounds", type=int, default=3, help="runs, the fastest counts")
     parser.add_argument("--folder", type=Path, help="where the file goes (default: temporary)")
     parser.add_argument("--sweep", nargs=4, help=argparse.SUPPRESS)
@@ -123,8 +124,8 @@ def main() -> None:
         ]
     args.output.mkdir(parents=True, exist_ok=True)
     name = "map_to_hdf5.csv" if args.side == 1000 else f"map_to_hdf5_{args.side}.csv"
-    tables.write_csv(args.output / name, maps)
-    print(tables.aligned(Map._fields, maps), end="")
+    write_csv(args.output / name, maps)
+    print_columns([Map._fields], maps)
 
 
 if __name__ == "__main__":

@@ -17,14 +17,15 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
-from escapement.benchmark import tables
+from escapement.benchmark.measuring import write_csv
 from escapement.measurement import (
     anderson_darling,
     chi_squared,
     histogram,
     published_chi_squared,
 )
-from escapement.measurement.classes import counts
+from escapement.measurement.normality import counts
+from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 BATCH = 1000
@@ -183,8 +184,8 @@ def main() -> None:
     cases += [(law, *OTHER_LAWS_AT) for law in LAWS if law != "normal"]
     found = [rate for case in cases for rate in rates(*case, args.repetitions, args.seed)]
     args.output.mkdir(parents=True, exist_ok=True)
-    tables.write_csv(args.output / "normality_level.csv", found)
-    print(tables.aligned(Rate._fields, found), end="")
+    write_csv(args.output / "normality_level.csv", found)
+    print_columns([Rate._fields], found)
 
 
 if __name__ == "__main__":

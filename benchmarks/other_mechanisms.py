@@ -20,9 +20,10 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement.benchmark import tables
+from escapement.benchmark.measuring import write_csv
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
+from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 RTOL = 1e-10
@@ -134,8 +135,8 @@ def main() -> int:
         unlike = errors.size - alike.size
         lines.append(Line(kind, args.cases, *quantiles, unlike, float(residuals.max())))
     args.output.mkdir(parents=True, exist_ok=True)
-    tables.write_csv(args.output / "other_mechanisms.csv", lines)
-    print(tables.aligned(Line._fields, lines), end="")
+    write_csv(args.output / "other_mechanisms.csv", lines)
+    print_columns([Line._fields], lines)
     return int(any(line.largest > 20.0 or line.unlike for line in lines))
 
 

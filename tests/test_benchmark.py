@@ -1,4 +1,4 @@
-"""The benchmark measures what it says: its reference, its error, its contestants, its files.
+"""The benchmark measures what it says: its reference, its error, its solvers, its files.
 
 Nothing here looks at a time.
 """
@@ -15,22 +15,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from escapement.benchmark import candidates, headline, suite, tables
+from escapement.benchmark import suite
+from escapement.benchmark.measuring import write_csv
 from escapement.benchmark.problems import PROBLEMS, REFERENCE
-from escapement.benchmark.work_precision import Point, time_at
+from escapement.benchmark.solvers import MeasuredSolver, own_solvers
+from escapement.benchmark.work_precision import Point, standings, time_at
 from escapement.cli import main
 from escapement.errors import StorageError
 
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+import peers  # noqa: E402
+
 MEYER = PROBLEMS[0]
-HERE = list(candidates.contestants())
-PEERS = candidates.PEERS
+OWN = list(own_solvers())
+ALL = [*OWN, *peers.peer_solvers()]
 RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8, "CyRK": 1e-8}
 
 PAIRS = [
-    (contestant, problem)
-    for contestant in HERE
+    (solver, problem)
+    for solver in ALL
     for problem in PROBLEMS
-    if problem is MEYER or contestant.family != "solve_ivp"
+    if problem is MEYER or solver.family != "solve_ivp"
 ]
 
 each_problem = pytest.mark.parametrize("problem", PROBLEMS, ids=lambda problem: problem.name)
@@ -43,8 +49,8 @@ def reference_file():
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-def point(error, time, contestant="x", rtol=1e-9):
-    return Point("meyer", contestant, contestant, "", "", rtol, error, time, 1.0)
+def point(error, time, solver="x", rtol=1e-9):
+    return Point("meyer", solver, solver, "", "", rtol, error, time, 1.0)
 
 
 @each_problem
@@ -78,22 +84,41 @@ def test_error_is_the_largest_relative_one():
 
 
 @pytest.mark.parametrize(
-    ("contestant", "problem"), PAIRS, ids=[f"{c.name}, {p.name}" for c, p in PAIRS]
+    ("solver", "problem"), PAIRS, ids=[f"{c.solver}, {p.name}" for c, p in PAIRS]
 )
-def test_contestants_solve_the_problem(contestant, problem):
-    rtol = RTOL.get(contestant.family, 1e-4)
-    run = contestant.prepare(problem, rtol)
+def test_solvers_solve_the_problem(solver, problem):
+    rtol = RTOL.get(solver.family, 1e-4)
+    run = solver.prepare(problem, rtol)
     error = problem.error(*run())
     assert error < 100 * rtol
-    if contestant.family in PEERS:
+    if solver.family in peers.PEERS:
         assert problem.error(*run()) == error  # a reset leaves nothing behind
 
 
-def test_peers_take_part_where_they_are_installed():
-    assert candidates.installed_peers() == [name for name in PEERS if find_spec(name) is not None]
-    families = {contestant.family for contestant in HERE}
-    assert families == {"energy", "ivp", "solve_ivp", *candidates.installed_peers()}
-    assert len({contestant.name for contestant in HERE}) == len(HERE)
+def test_the_package_measures_its_engines_and_scipy_alone():
+    assert {solver.family for solver in OWN} == {"energy", "ivp", "solve_ivp"}
+
+
+def test_peers_are_added_where_they_are_installed():
+    here = [name for name in peers.PEERS if find_spec(name) is not None]
+    assert peers.installed_peers() == here
+    assert {solver.family for solver in peers.peer_solvers()} == set(here)
+    assert len({solver.solver for solver in ALL}) == len(ALL)
+
+
+def test_a_further_solver_stands_in_every_table(tmp_path, monkeypatch):
+    small = suite.Effort([MEYER], 5, 0.0, 1, (1,), (1, 4), ("energy",))
+    monkeypatch.setattr(suite, "QUICK", small)
+    further = MeasuredSolver("heyoka", "heyoka", "Taylor", "LLVM", -6, -6, OWN[0].prepare)
+    results = suite.run(quick=True, further=[further])
+    assert {row.solver for row in results.standings} == {"energy", "heyoka"}
+    written = {path.name for path in suite.write(results, tmp_path)}
+    assert written == {
+        "machine.json", "standings.csv", "work_precision.csv", "scenes.csv", "scaling.csv",
+        "work_precision.svg", "scaling.svg",
+    }  # fmt: skip
+    header = (tmp_path / "standings.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert header == "problem,solver,error,time,ratio,first"
 
 
 def test_time_at_an_error_lies_between_the_points_around_it():
@@ -117,31 +142,32 @@ def test_energy_stands_at_its_default_tolerance_and_the_others_at_the_error():
         point(1e-12, 40.0, "peer"),
         point(1e-3, 1.0, "coarse"),
     ]
-    energy, peer, coarse = headline.standings(points)
-    assert (energy.contestant, energy.time, energy.error) == ("energy", 2.0, 1e-15)
-    assert (peer.contestant, peer.time, peer.ratio) == (
+    energy, peer, coarse = standings(points)
+    assert (energy.solver, energy.time, energy.error) == ("energy", 2.0, 1e-15)
+    assert (peer.solver, peer.time, peer.ratio) == (
         "peer",
         pytest.approx(20.0),
         pytest.approx(10.0),
     )
-    assert coarse.contestant == "coarse"
+    assert coarse.solver == "coarse"
     assert math.isnan(coarse.time)
 
 
-def test_tables_leave_out_what_does_not_exist():
-    assert tables.as_csv([point(math.nan, 0.5)]).splitlines()[1] == "meyer,x,x,,,1e-09,,0.5,1"
-    assert tables.aligned(("a", "b"), [("x", math.nan)]) == "a  b\nx  -\n"
+def test_tables_leave_out_what_does_not_exist(tmp_path):
+    path = write_csv(tmp_path / "a.csv", [point(math.nan, 0.5)])
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert lines[1] == "meyer,x,x,,,1e-09,,0.5,1"
 
 
 def test_full_disk_keeps_the_old_table(tmp_path, monkeypatch):
     def full(_descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    path = tables.write_csv(tmp_path / "a.csv", [point(1e-9, 1.0)])
+    path = write_csv(tmp_path / "a.csv", [point(1e-9, 1.0)])
     before = path.read_bytes()
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(StorageError, match="No space left"):
-        tables.write_csv(path, [point(1e-9, 2.0)])
+        write_csv(path, [point(1e-9, 2.0)])
     assert (path.read_bytes(), os.listdir(tmp_path)) == (before, ["a.csv"])
 
 
@@ -155,7 +181,7 @@ def test_what_was_measured_is_kept_where_it_can_be(tmp_path, monkeypatch, capsys
     def left(record):
         raise BrokenPipeError
 
-    results = suite.Results({}, True, [], [], [], [], [])
+    results = suite.Results({}, True, [], [], [], [])
     monkeypatch.setattr(suite, "run", lambda **_: results)
     monkeypatch.setattr(suite, "write", full)
     assert main(["bench", "--quick", "-o", str(folder), "--json"]) == 74
@@ -167,7 +193,7 @@ def test_what_was_measured_is_kept_where_it_can_be(tmp_path, monkeypatch, capsys
 
 
 def test_what_crash_safety_costs_can_be_measured(tmp_path):
-    script = Path(__file__).parents[1] / "benchmarks" / "crash_cost.py"
+    script = BENCHMARKS / "crash_cost.py"
     sizes = ["--cases", "20000", "--rounds", "1", "--workers", "1", "--folder", str(tmp_path)]
     done = subprocess.run(
         [sys.executable, str(script), *sizes], capture_output=True, text=True, check=False

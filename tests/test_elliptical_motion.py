@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from elliptical_tools import PAPER, drives
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.mechanisms.slotted import transmission
+from escapement.mechanisms.table import read_table
 from escapement.model import Mechanism
 
 places = st.floats(-1.0, 1.0)
@@ -126,11 +127,12 @@ def test_kernels_see_the_same_transmission(drive):
     slope = np.abs(mine.dg).max()
     assert np.abs(mine.g - theirs.g).max() <= 1e-14 * drive.ratio_max + moved * slope
     # a rounding error in every coefficient of order k comes out k^2 times as great
-    pieces, order = int(drive.path[1]), drive.path[2]
-    length = np.diff(drive.path[3 : 4 + pieces])
-    piece = np.clip(np.searchsorted(drive.path[3 : 3 + pieces], theta, "right") - 1, 0, pieces - 1)
-    tops = np.maximum(mine.g, drive.transmission(drive.path[3 + piece]).g)
-    tops = np.maximum(tops, drive.transmission(drive.path[3 + piece] + length[piece]).g)
+    edges, series = read_table(drive.path)
+    pieces, order = series.shape
+    length = np.diff(edges)
+    piece = np.clip(np.searchsorted(edges[:-1], theta, "right") - 1, 0, pieces - 1)
+    tops = np.maximum(mine.g, drive.transmission(edges[piece]).g)
+    tops = np.maximum(tops, drive.transmission(edges[piece] + length[piece]).g)
     rounding = np.finfo(float).eps * tops * 2.0 / length[piece] * order**3
     bend = np.abs(drive.jerk(theta)).max()
     assert (np.abs(mine.dg - theirs.dg) <= rounding + moved * bend).all()

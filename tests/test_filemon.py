@@ -13,9 +13,7 @@ import escapement as esc
 from escapement.constant_speed import geneva
 from escapement.errors import InvalidValue
 from escapement.plots import plot_drive_torque
-from escapement.sources.digits import digits
-from escapement.sources.filemon import figures as figures
-from escapement.sources.filemon import reversal_figures as reversal_figures
+from escapement.sources.filemon import figures, reversal_figures
 from escapement.sources.filemon.cells import (
     COLUMNS,
     as_rows,
@@ -24,8 +22,9 @@ from escapement.sources.filemon.cells import (
     right_values,
     table_1,
 )
-from escapement.sources.filemon.nomograms import SHEETS, plot_nomogram
+from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.filemon.slips import equations
+from escapement.sources.printed import digits
 from escapement.units import INCH_POUND
 from figure_tools import by_id
 
@@ -182,10 +181,10 @@ def test_figure_9_puts_the_limits_on_the_curve():
         assert -1.0 / geneva.acceleration(8, math.radians(angle)) == pytest.approx(ratio)
 
 
-@pytest.mark.parametrize("name", SHEETS)
+@pytest.mark.parametrize("name", NOMOGRAMS)
 def test_nomograms_can_be_read_by_hand(name):
     """A ruler on the printed sheet gives the torque; rulings are at least 0.4 mm apart."""
-    sheet = SHEETS[name]
+    sheet = NOMOGRAMS[name]
     figure = plot_nomogram(sheet)
     figure.draw_without_rendering()
     left, right = figure.axes

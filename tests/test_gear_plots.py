@@ -10,7 +10,7 @@ from matplotlib.path import Path
 from escapement import GearDriven
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
-from escapement.outlines.gear_driven import GearWheels
+from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.plots import gear_driven
 
 WHEELS = [
@@ -32,7 +32,7 @@ def named(wheel):
 
 @pytest.mark.parametrize("wheel", WHEELS, ids=named)
 def test_a_pin_stands_in_a_slot_while_it_drives(wheel):
-    shapes = GearWheels(wheel)
+    shapes = GearDrivenOutline(wheel)
     pitch = 2.0 * math.pi / wheel.slots
     for cell in range(-3, 40):
         for place in (-0.499, -0.2, 0.0, 0.4, 0.499):
@@ -49,11 +49,11 @@ def test_a_pin_stands_in_a_slot_while_it_drives(wheel):
 
 @pytest.mark.parametrize("wheel", WHEELS, ids=named)
 def test_the_path_closes_and_gears_touch(wheel):
-    shapes = GearWheels(wheel)
+    shapes = GearDrivenOutline(wheel)
     path = shapes.path()
     assert abs(path[0] - path[-1]) < 1e-12
     k = float(wheel.gear_ratio)
-    distance = 1.0 + shapes.planet if k < 0.0 else abs(1.0 - shapes.planet)
+    distance = 1.0 + shapes.planet_radius if k < 0.0 else abs(1.0 - shapes.planet_radius)
     assert wheel.carrier_over_fixed == pytest.approx(distance, rel=1e-14)
     assert abs(path).max() <= shapes.reach
     ax = gear_driven.plot_gear_driven(wheel, 0.3)
@@ -87,7 +87,7 @@ def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
         place = np.linspace(-0.5, 0.5, 41) * wheel.alpha
         # every pin passes in the same way: the one that comes at this lobe
         ahead = lobe * wheel.cell_angle
-        at = np.exp(1j * ahead) * GearWheels(wheel).pin_at(place, 0)
+        at = np.exp(1j * ahead) * GearDrivenOutline(wheel).pin_at(place, 0)
         turned = np.unwrap(np.angle(at * np.exp(-0.5j * sense * wheel.follower_step)))
         low, high = turned.min() - 1e-9, turned.max() + 1e-9
         swept.append(math.floor(high / pitch) >= math.ceil(low / pitch))
@@ -95,17 +95,17 @@ def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
         with pytest.raises(InvalidValue, match="unused_lobes must leave the pin"):
             GearDriven(n, m, curve, pins, unused)
     else:
-        shapes = GearWheels(GearDriven(n, m, curve, pins, unused))
+        shapes = GearDrivenOutline(GearDriven(n, m, curve, pins, unused))
         assert shapes.mechanism.slots == slots
-        assert len(shapes.reliefs()) == unused * slots
+        assert len(shapes.relief_edges()) == unused * slots
 
 
 @pytest.mark.parametrize("curve", CURVES)
 def test_the_wheel_is_cut_away_where_unused_lobes_pass(curve):
     m, unused = ("1/2", 1) if "hypo" in curve else (0, 2)
     wheel = GearDriven(12, m, curve, unused_lobes=unused)
-    shapes = GearWheels(wheel)
-    bands = [Path(np.column_stack([b.real, b.imag])) for b in shapes.reliefs()]
+    shapes = GearDrivenOutline(wheel)
+    bands = [Path(np.column_stack([b.real, b.imag])) for b in shapes.relief_edges()]
     lobe = 2.0 * math.pi / abs(float(wheel.gear_ratio))
     for cell in range(5):
         for passing in range(1, unused + 1):
@@ -117,8 +117,8 @@ def test_the_wheel_is_cut_away_where_unused_lobes_pass(curve):
 
 def test_rings_of_slots_do_not_cross():
     for wheel in WHEELS[:-1]:
-        shapes = GearWheels(wheel)
-        outline = shapes.outlines()[0]
+        shapes = GearDrivenOutline(wheel)
+        outline = shapes.wheel_edges()[0]
         assert np.all(np.diff(np.unwrap(np.angle(outline))) < 0.9 * math.pi)
         steps = np.unwrap(np.angle(outline))
         assert steps[-1] - steps[0] == pytest.approx(2.0 * math.pi, abs=2.0 * math.pi / wheel.slots)

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.dynamics import acceleration
+from escapement.scene import Scene
 from escapement.status import Status
 from random_drives import close, dense, drives, few, speeds, very_few, wheels
 
@@ -116,10 +117,8 @@ def test_without_friction_both_halves_are_mirror_images(wheel, exponent, place, 
     left, right = wheel.transmission(-theta), wheel.transmission(theta)
     assert (float(left.g), float(left.u)) == (float(right.g), -float(right.u))
     assert float(left.dg) == -float(right.dg)
-    a = [
-        acceleration(float(x.g), float(x.u), float(x.dg), w, 1.0, rho, (0.0, 0.0), 0.0)
-        for x in (left, right)
-    ]
+    scene = Scene(wheel.path, np.array(wheel.breaks), 0.0, rho, 0.0, 0.0, 0.0)
+    a = [acceleration(float(x.g), float(x.u), float(x.dg), w, 1.0, scene) for x in (left, right)]
     reduced = rho + right.g**2
     close(0.5 * (a[0] + a[1]), 1.0 / reduced, scale=abs(a[0]))
     close(0.5 * (a[0] - a[1]), right.g * right.dg * w / reduced, scale=abs(a[0]))

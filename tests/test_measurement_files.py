@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import escapement as esc
 from escapement import measurement
 from escapement.errors import CannotCreate, InputFileError, InvalidValue, MissingInput
-from escapement.measurement import _lines
+from escapement.measurement import csv_layout
 
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
 ANGLES = np.linspace(0.0, 900.0, 61)
@@ -68,7 +68,7 @@ GOOD = {
 @pytest.mark.parametrize("block", [64, 1 << 22])
 @pytest.mark.parametrize("content", GOOD.values(), ids=GOOD)
 def test_what_is_understood(file, monkeypatch, content, block):
-    monkeypatch.setattr(_lines, "_BLOCK_BYTES", block)
+    monkeypatch.setattr(csv_layout, "_BLOCK_BYTES", block)
     check(esc.read_readings(file(content)))
 
 
@@ -167,7 +167,7 @@ BAD = {
 @pytest.mark.parametrize("block", [64, 1 << 22])
 @pytest.mark.parametrize(("content", "said"), [(c, s) for c, *s in BAD.values()], ids=BAD)
 def test_what_is_not_understood(file, monkeypatch, content, said, block):
-    monkeypatch.setattr(_lines, "_BLOCK_BYTES", block)
+    monkeypatch.setattr(csv_layout, "_BLOCK_BYTES", block)
     if block == 64 and "..." in said:
         pytest.skip("one block is shorter")
     with pytest.raises(InputFileError) as caught:
@@ -224,7 +224,7 @@ def test_whatever_happens_to_a_file_it_is_read_or_refused_in_one_line(file, cuts
 
 
 def test_a_file_without_line_ends(file, monkeypatch):
-    monkeypatch.setattr(_lines, "_BLOCK_BYTES", 1000)
+    monkeypatch.setattr(csv_layout, "_BLOCK_BYTES", 1000)
     with pytest.raises(InputFileError, match="line 1 must be a row of angles"):
         esc.read_readings(file("input,output," + "1," * 5000))
 

@@ -11,7 +11,7 @@ import pytest
 from escapement import plots
 from escapement.errors import CannotCreate, InvalidValue, StorageError
 from escapement.plots import style
-from escapement.plots.labels import label, number, print_unit, scaled
+from escapement.plots.style import label, number_text, print_unit, scaled
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_prefixes_keep_numbers_readable():
     assert scaled("N m", [-0.2]) == (1e3, "mN·m")
     assert scaled("s", [np.nan]) == (1.0, "s")
     assert scaled("rad s-1", [1e-4]) == (1.0, "rad/s")
-    assert number(5.65e-6) == "5.65×10⁻⁶"
+    assert number_text(5.65e-6) == "5.65×10⁻⁶"
     assert label("moment of inertia of the driving wheel", "in·lbf·s²").count("\n") == 1
 
 

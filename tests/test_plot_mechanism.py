@@ -10,7 +10,10 @@ from matplotlib.path import Path as Outline
 import escapement as esc
 from escapement import plots
 from escapement.errors import InvalidValue
-from escapement.outlines.geneva import Wheels, locking_disc, pose
+from escapement.outlines.body import Body, locked_angle
+from escapement.outlines.elliptical import EllipticalOutline
+from escapement.outlines.gear_driven import GearDrivenOutline
+from escapement.outlines.geneva import GenevaOutline, locking_disc
 from figure_tools import by_id
 
 DRIVES = [
@@ -59,43 +62,43 @@ def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
 
 @pytest.mark.parametrize("slots", [3, 4, 8])
 def test_crescent_of_an_internal_wheel_has_a_smooth_edge(slots):
-    disc = locking_disc(Wheels(esc.Geneva(slots=slots, internal=True)))
+    disc = locking_disc(GenevaOutline(esc.Geneva(slots=slots, internal=True)))
     hollow = np.abs(disc[disc.size // 2 :])  # from the driver's axis, edge after edge
     waves = np.abs(np.diff(hollow, 2))[1:-1]
     assert np.quantile(waves, 0.95) < 3e-3  # crank radii
 
 
 def test_pins_never_touch_the_follower(drive):
-    wheels = Wheels(drive)
+    outline = GenevaOutline(drive)
     for theta in np.linspace(drive.breaks[0], drive.breaks[0] + drive.cell_angle, 4):
         ax = plots.plot_mechanism(drive, theta, Figure().add_subplot())
-        edge = by_id(ax, "follower").get_path().vertices[: wheels.outline.size] @ [1, 1j]
+        edge = by_id(ax, "follower").get_path().vertices[: outline.follower_edge.size] @ [1, 1j]
         dense = np.concatenate([np.linspace(a, b, 12) for a, b in pairwise(edge)])
         for k in range(drive.pins):
             pin = complex(*by_id(ax, f"pin-{k}").center)
-            assert abs(dense - pin).min() > wheels.pin
+            assert abs(dense - pin).min() > outline.pin_radius
 
 
 def test_locking_disc_clears_the_turning_follower(drive):
-    wheels = Wheels(drive)
-    if not wheels.locks:
+    outline = GenevaOutline(drive)
+    if not outline.locks:
         pytest.skip("no dwell")
-    disc = locking_disc(wheels)
+    disc = locking_disc(outline)
     body = np.concatenate([disc * s for s in (0.2, 0.6, 1.0)]) if not drive.internal else disc
     for theta in np.linspace(drive.breaks[0], drive.breaks[0] + drive.cell_angle, 301):
-        world = drive.centre_distance + body * np.exp(1j * wheels.side * theta)
-        assert wheels.clearance(world * np.exp(-1j * pose(drive, theta))).min() > 0.0
+        world = drive.centre_distance + body * np.exp(1j * outline.side * theta)
+        assert outline.clearance(world * np.exp(-1j * locked_angle(drive, theta))).min() > 0.0
 
 
 def test_clearance_agrees_with_the_outline(drive):
-    wheels = Wheels(drive)
-    size = wheels.body
+    outline = GenevaOutline(drive)
+    size = outline.follower_radius
     grid = np.linspace(-size, size, 60) * 0.98
     points = (grid[:, None] + 1j * grid[None, :]).ravel()
-    clear = wheels.clearance(points)
-    inside = Outline(np.column_stack([wheels.outline.real, wheels.outline.imag])).contains_points(
-        np.column_stack([points.real, points.imag])
-    )
+    clear = outline.clearance(points)
+    inside = Outline(
+        np.column_stack([outline.follower_edge.real, outline.follower_edge.imag])
+    ).contains_points(np.column_stack([points.real, points.imag]))
     solid = ~inside if drive.internal else inside
     sure = abs(clear) > 0.01  # arcs are drawn as chords
     np.testing.assert_array_equal(solid[sure], clear[sure] < 0.0)
@@ -107,14 +110,14 @@ def test_follower_stands_still_in_the_dwell():
         by_id(plots.plot_mechanism(drive, theta), "follower").get_path().vertices
         for theta in (1.0, 3.0, 5.4)
     ]
-    assert pose(drive, 1.0) == pose(drive, 3.0) == pytest.approx(np.pi / 4)
+    assert locked_angle(drive, 1.0) == locked_angle(drive, 3.0) == pytest.approx(np.pi / 4)
     np.testing.assert_allclose(shapes[1], shapes[0], atol=1e-12)
     np.testing.assert_allclose(shapes[2], shapes[0], atol=1e-12)
 
 
-def test_pose_is_continuous_and_counts_on(drive):
+def test_follower_angle_is_continuous_and_counts_on(drive):
     theta = np.linspace(-3.0, 3.0, 4001) * drive.cell_angle
-    phi = np.array([pose(drive, t) for t in theta])
+    phi = np.array([locked_angle(drive, t) for t in theta])
     assert (np.diff(phi) >= -1e-12).all()
     assert np.diff(phi).max() < 3.0 * abs(drive.transmission(0.0).g) * np.diff(theta)[0]
     assert phi[-1] - phi[0] == pytest.approx(6.0 * drive.follower_step, abs=1e-9)
@@ -162,3 +165,23 @@ def test_other_drives_are_sent_to_their_drawing(name):
     with pytest.raises(InvalidValue, match=name):
         plots.plot_mechanism(esc.EllipticalPlanetary(0.016, 0.009))
     assert callable(getattr(plots, name))
+
+
+@pytest.mark.parametrize(
+    "outline",
+    [
+        *map(GenevaOutline, DRIVES),
+        GearDrivenOutline(esc.GearDriven(12, 3, "hypocycloid")),
+        GearDrivenOutline(esc.GearDriven(4, 1, "epicycloid")),
+        GearDrivenOutline(esc.GearDriven(4, 0, "hypocycloid")),
+        EllipticalOutline(esc.EllipticalPlanetary(0.016, 0.009)),
+    ],
+    ids=lambda outline: repr(outline.mechanism),
+)
+def test_bodies_have_names_of_their_own_and_closed_edges(outline):
+    bodies = outline.bodies(0.7)
+    assert len({body.name for body in bodies}) == len(bodies)
+    edges = [edge for body in bodies if isinstance(body, Body) for edge in body.edges]
+    assert edges
+    for edge in edges:
+        assert abs(edge[0] - edge[-1]) < 1e-12

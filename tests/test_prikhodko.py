@@ -10,9 +10,11 @@ from scipy.special import gammaincc
 
 import escapement as esc
 from escapement.errors import InvalidValue
+from escapement.measurement import sturges
+from escapement.outlines.elliptical import EllipticalOutline
 from escapement.plots import planetary
 from escapement.sources import prikhodko
-from escapement.sources.prikhodko import figures as figures
+from escapement.sources.prikhodko import figures
 from escapement.study.parse import parse_plan
 from escapement.units import INCH
 from figure_tools import by_id
@@ -49,7 +51,7 @@ def test_statistics_by_other_means():
     assert rows["significance"] == pytest.approx(100.0 * by_hand, rel=1e-12)
     assert math.erf(rows["quantile"] / math.sqrt(2.0)) == pytest.approx(0.99, abs=1e-14)
     assert rows["half_width"] == pytest.approx(3.33586, abs=1e-12)
-    assert prikhodko.sturges(148) == pytest.approx(3.32 * math.log10(148) + 1.0)
+    assert sturges(148) == pytest.approx(3.32 * math.log10(148) + 1.0)
     assert rows["degrees_of_freedom"] == 6.0
 
 
@@ -124,14 +126,14 @@ def test_ellipses_touch_where_the_dot_is_and_nowhere_overlap(drive, theta):
     size = 1e3 * drive.centre_distance
     pivots, semi = (0.0, size * along), 1e3 * drive.semi_major_axis
     for name, pivot in zip(("driven", "driving"), pivots, strict=True):
-        edge = by_id(ax, name).get_xy() @ [1, 1j]
+        edge = by_id(ax, name).get_path().vertices @ [1, 1j]
         # the other focus lies opposite: distances to both make up 2a
         ends = edge[[0, (edge.size - 1) // 2]]
         other = ends.sum() - pivot
         np.testing.assert_allclose(np.abs(edge - pivot) + np.abs(edge - other), 2 * semi)
         assert abs(dot - pivot) + abs(dot - other) == pytest.approx(2 * semi, rel=1e-12)
-    driven = by_id(ax, "driven").get_xy() @ [1, 1j]
-    other = by_id(ax, "driving").get_xy() @ [1, 1j]
+    driven = by_id(ax, "driven").get_path().vertices @ [1, 1j]
+    other = by_id(ax, "driving").get_path().vertices @ [1, 1j]
     focus = other[[0, (other.size - 1) // 2]].sum() - size * along
     # outside of an ellipse is beyond 2a from its focuses
     apart = np.abs(driven - size * along) + np.abs(driven - focus)
@@ -139,9 +141,10 @@ def test_ellipses_touch_where_the_dot_is_and_nowhere_overlap(drive, theta):
 
 
 def test_output_turns_in_the_drawing_as_it_should():
-    first, second = (planetary.outlines(PAPER, theta)[0] for theta in (0.3, 1.4))
+    _, _, first, _ = EllipticalOutline(PAPER).bodies(0.3, carrier=0.0)
+    _, _, second, _ = EllipticalOutline(PAPER).bodies(1.4, carrier=0.0)
     # seen from the carrier; in space the carrier's turn is added
-    turned = np.angle(second[0] / first[0]) + (1.4 - 0.3)
+    turned = np.angle(second.edges[0][0] / first.edges[0][0]) + (1.4 - 0.3)
     expected = -np.diff(PAPER.follower_angle([0.3, 1.4]))[0]
     assert turned == pytest.approx(expected, abs=1e-9)
 

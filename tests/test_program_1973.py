@@ -7,7 +7,7 @@ from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.sources.meyer import listing
 from escapement.sources.meyer.program import program_1973, read_printout
-from escapement.sources.meyer.rows import INERTIAS, PrintedRow, printed_rows
+from escapement.sources.meyer.rows import INERTIAS, PrintedRun, printed_rows
 from escapement.units import INCH_POUND
 
 HIGH_RATE = (4, 0.35, 0.20, *INERTIAS[4])  # the run of recommendation 2
@@ -18,11 +18,11 @@ def readings():
     return [(row, read_printout(program_1973(*_arguments(row)))) for row in printed_rows()]
 
 
-def _arguments(row: PrintedRow):
+def _arguments(row: PrintedRun):
     return row.slots, row.friction, row.torque_inlbf, *INERTIAS[row.slots]
 
 
-def _where(row: PrintedRow) -> str:
+def _where(row: PrintedRun) -> str:
     return f"{row.slots} slots, friction {row.friction}, torque {row.torque_inlbf}"
 
 

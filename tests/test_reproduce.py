@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from escapement.cli import main
 from escapement.errors import StorageError
-from escapement.sources.filemon.nomograms import SHEETS
+from escapement.sources.filemon.nomograms import NOMOGRAMS
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_meyer_prints_rows_reasons_and_counts(command):
 def test_filemon_fills_a_folder(reproduced):
     folder = reproduced[0] / "filemon"
     names = {path.name for path in folder.iterdir()}
-    sheets = {f"filemon_figure_{name}.pdf" for name in SHEETS}
+    sheets = {f"filemon_figure_{name}.pdf" for name in NOMOGRAMS}
     plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}
     assert names == sheets | plain | {"filemon_table_1.json", "filemon_table_1.csv"}
     with open(folder / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:

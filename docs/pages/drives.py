@@ -9,7 +9,7 @@ from escapement.plots.planetary import plot_planetary
 from escapement.plots.style import legend_above
 from escapement.plots.tabulated import plot_table
 from escapement.sources import meyer
-from escapement.sources.filemon.nomograms import SHEETS, plot_nomogram
+from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.filemon.reversal_figures import plot_reversal_curves
 from escapement.sources.prikhodko.figures import plot_position_function, plot_velocity_plans
 from escapement.units import INCH_POUND
@@ -32,7 +32,7 @@ def reversal_curves() -> Figure:
 @drawn
 def nomogram() -> Figure:
     """A sheet to be read by hand."""
-    figure = plot_nomogram(SHEETS["16b"])
+    figure = plot_nomogram(NOMOGRAMS["16b"])
     figure.set_size_inches(9.6, 6.6)
     return figure
 

@@ -23,23 +23,23 @@ integrates them over the time (`acceleration`) or over the angle (`energy_rates`
 
 import numpy as np
 
-from escapement.jit import jit
+from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 
 
-@jit
+@inner_jit
 def losses(path, forward):
     """Pair of losses on the two sides, from friction or a mesh's 1/efficiency - 1."""
     return forward, forward / (1.0 + forward) if path.table else forward
 
 
-@jit
+@inner_jit
 def bend(side, scene):
     """Signed loss s mu_s of the side that carries the force."""
     return scene.mu_plus if side > 0.0 else -scene.mu_minus
 
 
-@jit
+@inner_jit
 def effective_ratio(g, u, side, scene):
     """Transmission function as friction bends it, p = g + s mu_s |u|."""
     return g + bend(side, scene) * abs(u)
@@ -55,13 +55,13 @@ def contact(g, dg, w, scene):
     return scene.rho * (dg * w + scene.load) + g
 
 
-@jit
+@inner_jit
 def driving(g, u, dg, w, side, scene):
     """Torque left to accelerate the driver, J_s theta_ddot = 1 - p_s (g' w + load)."""
     return 1.0 - effective_ratio(g, u, side, scene) * (dg * w + scene.load)
 
 
-@jit
+@inner_jit
 def reduced_inertia(g, u, side, scene):
     """J_s = rho + g p_s; it vanishes at the Painleve limit."""
     return scene.rho + g * effective_ratio(g, u, side, scene)
@@ -73,13 +73,13 @@ def acceleration(g, u, dg, w, side, scene):
     return driving(g, u, dg, w, side, scene) / reduced_inertia(g, u, side, scene)
 
 
-@jit
+@inner_jit
 def contact_moment(g, u, dg, w, side, scene):
     """Moment N R on the follower in units of the driving torque."""
     return contact(g, dg, w, scene) / reduced_inertia(g, u, side, scene)
 
 
-@jit
+@inner_jit
 def energy_rates(g, u, dg, inverse, step, side, scene):
     """Coefficients of dE/dx = A - B E for E = (rho + g^2) w, twice the kinetic energy.
 
@@ -107,14 +107,14 @@ def energy_rates(g, u, dg, inverse, step, side, scene):
     return gain, decay, share
 
 
-@jit
+@inner_jit
 def power_lost(g, u, dg, w, side, scene):
     """Work lost in the contact by driver angle, mu_s |u| |N R|."""
     lost = bend(side, scene) * u
     return abs(lost * contact(g, dg, w, scene) / (scene.rho + g * (g + lost)))
 
 
-@jit
+@inner_jit
 def free_turn(w, scene):
     """Squared speed after the dwell, in which the driver turns free, and the time it takes."""
     after = w + 2.0 * scene.dwell / scene.rho

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 from escapement import validate
 from escapement.lazy import Lazy
 from escapement.quantity import Declared, Quantity, per_class, quantities, quantity
-from escapement.scene import Path, Scene, smooth_intervals
+from escapement.scene import Path, Scene, smooth_intervals, writeable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -210,8 +210,7 @@ class Escapement(Declared):
         """The escapement as an engine sees it."""
         path = self.mechanism.path
         return Scene(
-            # kernels take arrays that they could write to and that have no gaps
-            Path(path.table, np.array(path.numbers), np.array(path.corners)),
+            writeable(path),
             smooth_intervals(path, self.mechanism.breaks),
             dwell_angle(self.mechanism),
             self.inertia_ratio,

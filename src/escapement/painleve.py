@@ -6,7 +6,7 @@ none. The side in question is the one that holds the follower back, s = -sign(g)
 
 import numpy as np
 
-from escapement.jit import jit
+from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import circle, transmission_at
 from escapement.model import Inertia, Mechanism
 
@@ -19,7 +19,7 @@ def painleve_ratio(path, theta, rho):
     return (rho + g * g) / product if product > 0.0 else np.inf
 
 
-@jit
+@inner_jit
 def _stationary(first, second, rho, end):
     """Root between 0 and `end` of the cubic for stationary painleve_ratio.
 
@@ -76,7 +76,7 @@ def painleve_limit(path, rho, entry, exit_):
     return limit, angle
 
 
-@jit
+@inner_jit
 def beyond_painleve(scene):
     """Whether friction is at or above the Painleve limit.
 

@@ -69,3 +69,8 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
     chosen = edges[:1]
     chosen += [b for a, b in pairwise(edges[:-1]) if b - a > gap and edges[-1] - b > gap]
     return np.array([*chosen, edges[-1]], dtype=float)
+
+
+def writeable(path: Path) -> Path:
+    """A path in arrays of its own: kernels take none that are read-only or have gaps."""
+    return Path(path.table, np.array(path.numbers), np.array(path.corners))

@@ -7,9 +7,9 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement.benchmark.machine import in_a_line
+from escapement.benchmark.costs import Cost
+from escapement.benchmark.measuring import machine_in_a_line
 from escapement.benchmark.problems import Problem
-from escapement.benchmark.scaling import Cost
 from escapement.benchmark.work_precision import Point
 from escapement.plots.style import (
     BLACK,
@@ -27,6 +27,7 @@ from escapement.plots.style import (
     new_figure,
 )
 
+# The package itself does not measure heyoka and CyRK; `benchmarks/standings.py` does.
 _COLORS = {
     "energy": BLACK,
     "ivp": GREY,
@@ -62,7 +63,7 @@ def work_precision_figure(
         ncols=4,
         fontsize=SMALL_SIZE,
         frameon=False,
-        title=_FOOT.format(in_a_line(machine)),
+        title=_FOOT.format(machine_in_a_line(machine)),
         title_fontsize=6.0,
     )
     legend.get_title().set_multialignment("center")
@@ -70,8 +71,8 @@ def work_precision_figure(
 
 
 def plot_work_precision(points: Sequence[Point], ax: Axes) -> Axes:
-    """Run time against measured error, a line for each contestant."""
-    for name, group in groupby(points, key=lambda point: point.contestant):
+    """Run time against measured error, a line for each solver."""
+    for name, group in groupby(points, key=lambda point: point.solver):
         line = sorted(group, key=lambda point: -point.rtol)
         first = line[0]
         own = first.family == "energy"
@@ -131,5 +132,5 @@ def scaling_figure(costs: Sequence[Cost], machine: dict[str, Any]) -> Figure:
     right.legend(fontsize=SMALL_SIZE, frameon=False)
     for ax in (left, middle, right):
         dress(ax)
-    figure.supxlabel(in_a_line(machine), fontsize=6.0)
+    figure.supxlabel(machine_in_a_line(machine), fontsize=6.0)
     return figure

@@ -1,18 +1,32 @@
-"""What every contestant solves, and how wrong its answer is.
+"""The problem that every solver gets, its equation, and how wrong an answer is.
 
 Four slots, four pins and Meyer's inertias (1973, Appendix E) under 0.10 in-lbf, twenty
 engagements from rest. The answer is the time and the driver speed at each handoff; the
 error is the largest relative difference from a reference of twenty digits.
+
+The package's engines get an `Escapement`. A solver that knows nothing of the package gets
+the textbook's equation in natural units (inertia of the follower, torque, `clock`).
+Between entry, dead centre, the one reversal and the exit the side s of the slot and the
+sense of sliding are fixed, so p = g + kappa u with kappa = s mu sign(u):
+
+    theta_ddot = (1 - p g' w) / (rho + g p),      w = theta_dot^2
+
+With n = a cos - 1, L = a^2 + 1 - 2 a cos, g = n/L, u = a sin/L and g' = -(a^2 - 1) u/L
+(Meyer 1-7, 1-8) one division is left. The same source serves Python and Numba; the contact
+function, whose zero is the reversal, is multiplied by L^2.
 """
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
+from typing import NamedTuple
 
 import numpy as np
 
+from escapement.jit import jit
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, FloatArray, Inertia
 from escapement.units import INCH_POUND
@@ -94,6 +108,83 @@ class Problem:
 
 PROBLEMS = (
     Problem("meyer", r"four slots, $\mu$ = 0.35", 0.35),
-    # the Painleve limit is 0.406079: the reduced inertia falls to a hundredth
+    # the Painleve limit is 0.406079, so the reduced inertia falls to a hundredth
     Problem("near-limit", r"$\mu$ = 0.402, 99 % of the Painlevé limit", 0.402),
 )
+
+
+Parameters = tuple[float, float, float]
+"""Centre distance a, inertia ratio rho, signed friction kappa."""
+State = Sequence[float] | FloatArray
+"""Driver angle and driver speed."""
+
+
+class SmoothPiece(NamedTuple):
+    """One smooth piece of an engagement.
+
+    parameters : of the equation of motion.
+    start : driver angle where it starts; None at the reversal.
+    end : driver angle where it ends; None at the reversal.
+    """
+
+    parameters: Parameters
+    start: float | None
+    end: float | None
+
+
+def pieces_of(problem: Problem) -> tuple[SmoothPiece, SmoothPiece, SmoothPiece]:
+    """Entry to dead centre, on to the reversal, on to the handoff."""
+    a, rho, mu, end = problem.numbers
+    return (
+        SmoothPiece((a, rho, -mu), -end, 0.0),
+        SmoothPiece((a, rho, mu), 0.0, None),
+        SmoothPiece((a, rho, -mu), None, end),
+    )
+
+
+def driver_acceleration(theta: float, speed: float, a: float, rho: float, kappa: float) -> float:
+    """Driver acceleration."""
+    n = a * math.cos(theta) - 1.0
+    q = a * a - 1.0
+    length = q - 2.0 * n
+    slide = a * math.sin(theta)
+    p = n + kappa * slide
+    square = length * length
+    return (square * length + q * p * slide * speed * speed) / (length * (rho * square + n * p))
+
+
+def contact_function(theta: float, speed: float, a: float, rho: float) -> float:
+    """A function that falls through zero at the pin reversal."""
+    n = a * math.cos(theta) - 1.0
+    q = a * a - 1.0
+    return n * (q - 2.0 * n) - rho * q * a * math.sin(theta) * speed * speed
+
+
+def derivative(t: float, y: State, a: float, rho: float, kappa: float) -> list[float]:
+    """Right-hand side for y = (theta, theta_dot) in plain Python."""
+    return [y[1], driver_acceleration(y[0], y[1], a, rho, kappa)]
+
+
+def reversal(t: float, y: State, a: float, rho: float, kappa: float) -> float:
+    """Event of the reversal in plain Python."""
+    return contact_function(y[0], y[1], a, rho)
+
+
+compiled_acceleration = jit(driver_acceleration)
+compiled_contact = jit(contact_function)
+
+
+@jit(allocates=True)
+def compiled_derivative(t: float, y: FloatArray, a: float, rho: float, kappa: float) -> FloatArray:
+    """Right-hand side for y = (theta, theta_dot), compiled."""
+    out = np.empty(2)
+    out[0] = y[1]
+    out[1] = compiled_acceleration(y[0], y[1], a, rho, kappa)
+    return out
+
+
+@jit
+def compiled_reversal(t: float, y: FloatArray, a: float, rho: float, kappa: float) -> float:
+    """Event of the reversal, compiled."""
+    value: float = compiled_contact(y[0], y[1], a, rho)
+    return value

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from escapement.benchmark import candidates as _contestants
-from escapement.benchmark import figures, headline, machine, scaling, scenes, tables
+from escapement.benchmark import costs, figures
+from escapement.benchmark.measuring import describe_machine, write_csv
 from escapement.benchmark.problems import PROBLEMS, Problem
-from escapement.benchmark.work_precision import Point, sweep_tolerances
+from escapement.benchmark.solvers import MeasuredSolver, own_solvers
+from escapement.benchmark.work_precision import Point, Standing, standings, sweep_tolerances
 from escapement.files.whole import replace_whole
 from escapement.plots import save
 
@@ -43,9 +44,9 @@ QUICK = Effort(
     rounds=2,
     engagements=(1, 10, 100, 1000),
     cases=(1, 10, 100, 1000, 10_000),
-    solvers=("energy", "ivp", "solve_ivp DOP853 Numba", "heyoka"),
+    solvers=("energy", "ivp", "solve_ivp DOP853 Numba"),
 )
-"""About twenty seconds: one of SciPy's methods, and not the peer that takes long to compile."""
+"""About twenty seconds, with one of SciPy's methods."""
 
 
 @dataclass(frozen=True)
@@ -54,18 +55,16 @@ class Results:
 
     machine: dict[str, Any]
     quick: bool
-    missing: list[str]
     points: list[Point]
-    standings: list[headline.Standing]
-    scenes: list[scenes.SceneTime]
-    costs: list[scaling.Cost]
+    standings: list[Standing]
+    scenes: list[costs.QuestionTime]
+    costs: list[costs.Cost]
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values by name, for JSON."""
         return {
             "machine": self.machine,
             "quick": self.quick,
-            "not_installed": self.missing,
             "standings": [row._asdict() for row in self.standings],
             "work_precision": [row._asdict() for row in self.points],
             "scenes": [row._asdict() for row in self.scenes],
@@ -73,55 +72,67 @@ class Results:
         }
 
 
-def run(*, quick: bool = False, note: Callable[[str], object] | None = None) -> Results:
+def run(
+    *,
+    quick: bool = False,
+    further: Sequence[MeasuredSolver] = (),
+    note: Callable[[str], object] | None = None,
+) -> Results:
     """Measure everything.
 
     Parameters
     ----------
     quick : bool
         A version of about twenty seconds instead of many minutes.
+    further : sequence of MeasuredSolver
+        Solvers to measure beside the package's engines and SciPy's; their families name
+        the packages they come from.
     note : callable, optional
         Told what is being measured.
     """
     effort, say = (QUICK if quick else FULL), note or (lambda text: None)
-    here = machine.describe()
-    field = [
-        contestant
-        for contestant in _contestants.contestants()
-        if effort.solvers is None or contestant.name in effort.solvers
+    machine = describe_machine(list(dict.fromkeys(each.family for each in further)))
+    chosen = [
+        *(
+            each
+            for each in own_solvers()
+            if effort.solvers is None or each.solver in effort.solvers
+        ),
+        *further,
     ]
     points: list[Point] = []
     for problem in effort.problems:
-        say(f"{len(field)} solvers on problem {problem.name!r}")
+        say(f"{len(chosen)} solvers on problem {problem.name!r}")
         points += sweep_tolerances(
             problem,
-            field,
+            chosen,
             decades=effort.decades,
             longest=effort.longest,
             rounds=effort.rounds,
         )
     first = effort.problems[0]
-    most = max(effort.cases)
     say("kinds of scene")
-    kinds = scenes.scene_times(first, most, effort.rounds)
+    scenes = costs.question_times(first, max(effort.cases), effort.rounds)
     say("cost against engagements, cases and workers")
-    workers = range(1, here["cores"] + 1)
-    costs = [
-        *scaling.against_engagements(first, effort.engagements, effort.longest, effort.rounds),
-        *scaling.against_cases(first, effort.cases, effort.rounds),
-        # many blocks for each worker, or the last one's solo counts
-        *scaling.against_workers(first, workers, 4 * most, min(effort.rounds, 3)),
-    ]
-    installed = _contestants.installed_peers()
     return Results(
-        machine=here,
+        machine=machine,
         quick=quick,
-        missing=[name for name in _contestants.PEERS if name not in installed],
         points=points,
-        standings=headline.standings(points),
-        scenes=kinds,
-        costs=costs,
+        standings=standings(points),
+        scenes=scenes,
+        costs=_growth(effort, machine["cores"]),
     )
+
+
+def _growth(effort: Effort, cores: int) -> list[costs.Cost]:
+    """Costs against engagements, cases and workers."""
+    problem, most = effort.problems[0], max(effort.cases)
+    return [
+        *costs.against_engagements(problem, effort.engagements, effort.longest, effort.rounds),
+        *costs.against_cases(problem, effort.cases, effort.rounds),
+        # each worker needs many blocks, or the time in which the last works alone counts
+        *costs.against_workers(problem, range(1, cores + 1), 4 * most, min(effort.rounds, 3)),
+    ]
 
 
 def write(results: Results, folder: Path) -> list[Path]:
@@ -131,10 +142,10 @@ def write(results: Results, folder: Path) -> list[Path]:
     replace_whole(description, [text.encode()])
     paths = [
         description,
-        tables.write_csv(folder / "standings.csv", results.standings),
-        tables.write_csv(folder / "work_precision.csv", results.points),
-        tables.write_csv(folder / "scenes.csv", results.scenes),
-        tables.write_csv(folder / "scaling.csv", results.costs),
+        write_csv(folder / "standings.csv", results.standings),
+        write_csv(folder / "work_precision.csv", results.points),
+        write_csv(folder / "scenes.csv", results.scenes),
+        write_csv(folder / "scaling.csv", results.costs),
     ]
     measured = {point.problem for point in results.points}
     problems = [problem for problem in PROBLEMS if problem.name in measured]

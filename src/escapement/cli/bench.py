@@ -1,4 +1,4 @@
-"""`escapement bench`: run time against error, all engines and their peers."""
+"""`escapement bench`: run time against error of the engines and of SciPy's solvers."""
 
 import argparse
 import sys
@@ -12,7 +12,7 @@ from escapement.text import print_columns
 if TYPE_CHECKING:
     from escapement.benchmark.suite import Results
 
-SUMMARY = "Run time against error of the engines, SciPy's solvers and the peers installed here."
+SUMMARY = "Run time against error of the engines and of SciPy's solvers."
 
 FOLDER = Path("benchmarks") / "results"
 
@@ -44,13 +44,11 @@ def execute(args: argparse.Namespace) -> int:
     from escapement.benchmark import suite
 
     results = suite.run(quick=args.quick, note=_output.note)
-    for peer in results.missing:
-        _output.note(f"{peer} is not installed and takes no part; it is in the extra 'bench'")
     try:
         if args.json:
             _output.print_json(results.as_dict())
         else:
-            _print_tables(results)
+            print_tables(results)
         sys.stdout.flush()
     finally:  # neither a full disk nor a reader that left may cost many minutes of work
         for path in suite.write(results, folder) if folder is not None else []:
@@ -58,13 +56,14 @@ def execute(args: argparse.Namespace) -> int:
     return 0
 
 
-def _print_tables(results: "Results") -> None:
+def print_tables(results: "Results") -> None:
+    """The machine, the standings, the kinds of scene and the growth of cost."""
     print(", ".join(f"{name} {value}" for name, value in results.machine.items()), end="\n\n")
     print_columns(
         [("problem", "solver", "error", "time", "times energy", "first call"),
          ("", "", "", "us", "", "s")],
         [
-            (row.problem, row.contestant, row.error, 1e6 * row.time, row.ratio, row.first)
+            (row.problem, row.solver, row.error, 1e6 * row.time, row.ratio, row.first)
             for row in results.standings
         ],
     )  # fmt: skip

@@ -63,7 +63,7 @@ def execute(args: argparse.Namespace) -> int:
                 f"--units must be SI for a motion, got {args.units!r}; leave it out, only the "
                 "axes of a study are drawn in other units"
             )
-        from escapement.plots.motion_sheet import plot_motion
+        from escapement.plots.motion import plot_motion
 
         holds, figure = "motion", plot_motion(read_motion(args.file))
     else:

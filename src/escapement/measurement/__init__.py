@@ -1,23 +1,23 @@
 """Encoder readings against a mechanism's position function (Prikhodko 2020)."""
 
-from escapement.measurement._csv import read_readings
-from escapement.measurement._fit import Fit
-from escapement.measurement._position import position, slope
-from escapement.measurement._result import Measurement
-from escapement.measurement._write import write_errors, write_readings
-from escapement.measurement.classes import Histogram, class_count, histogram, sturges
-from escapement.measurement.comparison import measure
+from escapement.measurement.comparison import Measurement, measure
+from escapement.measurement.csv_files import read_readings, write_errors, write_readings
 from escapement.measurement.encoder import (
     Encoder,
     SensorShare,
     sensor_share,
     sensor_uncertainty,
 )
+from escapement.measurement.fit import Fit, position, slope
 from escapement.measurement.normality import (
+    Histogram,
     NormalityTest,
     anderson_darling,
     chi_squared,
+    class_count,
+    histogram,
     published_chi_squared,
+    sturges,
 )
 from escapement.measurement.readings import Readings
 from escapement.measurement.shafts import ShaftError

@@ -1,19 +1,165 @@
-"""Comparing readings with a mechanism's position function."""
+"""Measured positions against a mechanism's position function."""
 
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike
 
 import numpy as np
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.measurement._checks import check_drive, checked_zero
-from escapement.measurement._csv import read_readings
-from escapement.measurement._fit import fit
-from escapement.measurement._result import Measurement
-from escapement.measurement.classes import class_count
-from escapement.measurement.encoder import Encoder
+from escapement.measurement.cautions import cautions
+from escapement.measurement.csv_files import read_readings
+from escapement.measurement.encoder import (
+    Encoder,
+    SensorShare,
+    check_drive,
+    checked_zero,
+    sensor_share,
+)
+from escapement.measurement.fit import Fit, fit, position
+from escapement.measurement.normality import (
+    Histogram,
+    NormalityTest,
+    anderson_darling,
+    chi_squared,
+    class_count,
+    histogram,
+    published_chi_squared,
+)
 from escapement.measurement.readings import TURN, Readings, wraps
-from escapement.model import Mechanism
+from escapement.measurement.shafts import ShaftError, shaft_errors
+from escapement.measurement.spectrum import Periodogram, periodogram
+from escapement.model import FloatArray, Mechanism
+
+_EXPECTED = 5  # the chi-squared law needs so many errors in a class on average
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Errors of measured positions, and what they tell.
+
+    Attributes
+    ----------
+    mechanism, readings, encoder, confidence :
+        As given to `measure`.
+    input, output : ndarray, shape (n,)
+        Complete samples, the input counting on [rad].
+    fit : Fit
+        Zeros of the encoders, theory, errors and transmission at each sample.
+    bins : int
+        Number of classes.
+    """
+
+    mechanism: Mechanism
+    readings: Readings
+    encoder: Encoder | None
+    confidence: float
+    bins: int
+    input: FloatArray = field(repr=False)
+    output: FloatArray = field(repr=False)
+    fit: Fit = field(repr=False)
+
+    @property
+    def errors(self) -> FloatArray:
+        """Measured less theoretical position of the output, shape (n,) [rad]."""
+        return self.fit.errors
+
+    @cached_property
+    def mean(self) -> float:
+        """Mean error [rad]; zero but for rounding where the offset was fitted."""
+        return float(self.errors.mean())
+
+    @cached_property
+    def standard_deviation(self) -> float:
+        """Standard deviation of the errors about their mean, n - 1 [rad]."""
+        return float(self.errors.std(ddof=1))
+
+    @cached_property
+    def histogram(self) -> Histogram:
+        """Errors in classes of equal width, and what a normal law expects."""
+        return histogram(self.errors, self.bins)
+
+    @cached_property
+    def published_test(self) -> NormalityTest:
+        """Normality as the paper tests it; see `published_chi_squared`."""
+        return published_chi_squared(self.histogram)
+
+    @cached_property
+    def chi_squared_test(self) -> NormalityTest:
+        """Normality by a chi-squared test that keeps its level; see `chi_squared`.
+
+        With the same number of classes, or as many as leave five errors in each.
+        """
+        return chi_squared(self.errors, min(self.bins, self.errors.size // _EXPECTED))
+
+    @cached_property
+    def anderson_darling_test(self) -> NormalityTest:
+        """Normality by the Anderson-Darling test."""
+        return anderson_darling(self.errors)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Where a normal law with this mean and deviation has its errors [rad].
+
+        mean -+ m sd with Phi(m) - Phi(-m) = confidence, the paper's eq. 19 and
+        there called the confidence interval of the mean, which it is not.
+        """
+        from scipy.special import ndtri
+
+        half = float(ndtri(0.5 + 0.5 * self.confidence)) * self.standard_deviation
+        return self.mean - half, self.mean + half
+
+    @property
+    def mean_interval(self) -> tuple[float, float]:
+        """Confidence interval of the mean error, by Student's law [rad]."""
+        from scipy.special import stdtrit
+
+        n = self.errors.size
+        share = 0.5 + 0.5 * self.confidence
+        half = float(stdtrit(n - 1, share)) * self.standard_deviation / math.sqrt(n)
+        return self.mean - half, self.mean + half
+
+    @cached_property
+    def autocorrelation(self) -> float:
+        """Correlation of each error with the next one, -1 to 1 [-]."""
+        rest = self.errors - self.mean
+        return float(rest[1:] @ rest[:-1] / (rest @ rest))
+
+    @property
+    def shaft_errors(self) -> tuple[ShaftError, ...]:
+        """Sinusoidal errors of each shaft; see `escapement.measurement.ShaftError`."""
+        return self._shaft_errors[0]
+
+    @property
+    def rest_autocorrelation(self) -> float:
+        """`autocorrelation` of what phase, offset and significant shaft errors leave [-]."""
+        return self._shaft_errors[1]
+
+    @cached_property
+    def _shaft_errors(self) -> tuple[tuple[ShaftError, ...], float]:
+        driver = self.input + self.fit.phase
+        follower = position(self.mechanism, driver)
+        cell = self.mechanism.cell_angle
+        return shaft_errors(driver, follower, self.fit.slope, cell, self.errors)
+
+    @cached_property
+    def periodogram(self) -> Periodogram:
+        """Periodogram of the errors over the input angle."""
+        return periodogram(self.input, self.errors)
+
+    @cached_property
+    def sensor_share(self) -> SensorShare | None:
+        """Errors that the encoders alone explain; None without an encoder."""
+        if self.encoder is None:
+            return None
+        return sensor_share(self.encoder, self.fit.slope)
+
+    @cached_property
+    def message(self) -> str:
+        """What a reader of these figures must know, "" where there is nothing."""
+        return "; ".join(cautions(self))
 
 
 def measure(
@@ -70,18 +216,18 @@ def measure(
             "readings", "Readings or a path", readings, "give Readings(input, output) in rad"
         )
     taken = readings if isinstance(readings, Readings) else read_readings(readings)
-    # turns are counted before samples without an output are left out: their input tells
+    # the input of samples without an output helps to count turns, so they are left out last
     angle, output = taken.counted_input[taken.complete], taken.output[taken.complete]
     found = fit(mechanism, angle, output, wraps(output), known)
     first = np.flatnonzero(np.isfinite(taken.input))[0]
     turns = round(float(taken.input[first] - taken.counted_input[first]) / TURN)
     if known is not None and turns != 0:
-        # a first reading of nearly a turn may be jitter below zero, or just that
+        # a first reading of nearly a turn may be one a little below zero; the better fit decides
         other = angle + turns * TURN
         standing = fit(mechanism, other, output, wraps(output), known)
         if standing.errors @ standing.errors < found.errors @ found.errors:
             angle, found = other, standing
-    # rounding alone is no measurement
+    # errors that rounding alone makes are no measurement
     if not np.ptp(found.errors) > 1e-13 * max(1.0, float(np.abs(output).max())):
         raise InvalidValue(
             "readings must differ from theory in some way, got theory itself; give measured ones"

@@ -1,14 +1,14 @@
-"""What the data sheet of an encoder says of the errors it makes."""
+"""Encoders: what their data sheet says of their errors, and checks of what they are given."""
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from escapement import validate
-from escapement.measurement.readings import TURN
-from escapement.model import FloatArray
+from escapement.measurement.readings import FARTHEST, TURN, WITHIN
+from escapement.model import FloatArray, is_mechanism
 
 
 @dataclass(frozen=True)
@@ -90,3 +90,20 @@ def sensor_uncertainty(encoder: Encoder, slope: FloatArray) -> FloatArray:
     """Standard uncertainty of the error at each sample, both encoders [rad]."""
     one = math.hypot(0.5 * encoder.quantum, encoder.greatest_deviation) / math.sqrt(3.0)
     return one * np.hypot(1.0, slope)
+
+
+def check_drive(mechanism: Any, encoder: Any) -> None:
+    """Refuse what is no mechanism, and what is no encoder and not None."""
+    if not is_mechanism(mechanism):
+        raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+    if encoder is not None and not isinstance(encoder, Encoder):
+        raise validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
+
+
+def checked_zero(name: str, angle: Any) -> float:
+    """Zero of an encoder [rad]."""
+    remedy = "give an angle in rad"
+    value = validate.number(name, angle, remedy)
+    if abs(value) > FARTHEST:
+        raise validate.fail(name, WITHIN, angle, remedy)
+    return value

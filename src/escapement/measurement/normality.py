@@ -1,16 +1,124 @@
-"""Are errors normally distributed? Three tests of the same errors.
+"""Are errors normally distributed? Classes of errors, and three tests.
 
-Sets of errors may be tested many at once: leading axes are sets. All three assume
+Sets of errors may be tested many at once: leading axes are sets. All tests assume
 errors that are independent of each other.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.measurement.classes import Histogram, counts
+from escapement import validate
 from escapement.model import FloatArray
+
+RULES = ("sturges", "scott", "freedman-diaconis", "square-root")
+MOST_CLASSES = 1000
+
+
+class Histogram(NamedTuple):
+    """Errors counted in k classes of equal width; leading axes: sets of errors.
+
+    edges : of the classes, shape (..., k + 1) [rad].
+    observed : errors in each, shape (..., k).
+    expected : errors in each by the normal law with this mean and standard
+        deviation, shape (..., k). Nothing is expected outside the classes.
+    mean, standard_deviation : of the class midpoints weighted by frequency [rad].
+    """
+
+    edges: FloatArray
+    observed: np.ndarray
+    expected: FloatArray
+    mean: FloatArray
+    standard_deviation: FloatArray
+
+
+def sturges(samples: int) -> float:
+    """Sturges' number of classes before rounding, 1 + 3.32 lg n.
+
+    Source: Prikhodko (2020), eq. 10; 3.32 stands for 1/lg 2.
+    """
+    return 3.32 * math.log10(samples) + 1.0
+
+
+def class_count(errors: FloatArray, bins: int | str = "sturges") -> int:
+    """Number of classes by a rule, or as given.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (n,)
+        Errors, not all equal.
+    bins : int or str
+        A number, or a rule: "sturges", rounded up; "scott" and
+        "freedman-diaconis", which fit the width to the spread; "square-root".
+
+    Raises
+    ------
+    InvalidValue
+        When the rule is unknown or the number below 4: two moments and the sum
+        leave such a test no degree of freedom.
+    """
+    if not isinstance(bins, str):
+        count = validate.integer("bins", bins, 4, "a chi-squared test needs 4 classes or more")
+        if count > MOST_CLASSES:
+            raise validate.fail("bins", f"at most {MOST_CLASSES}", count, "give fewer classes")
+        return count
+    rule = validate.choice("bins", bins, RULES)
+    n, spread = errors.size, float(np.ptp(errors))
+    if rule == "sturges":
+        return max(4, math.ceil(sturges(n)))
+    if rule == "square-root":
+        return min(max(4, math.ceil(math.sqrt(n))), MOST_CLASSES)
+    if rule == "scott":
+        width = 3.49 * float(errors.std(ddof=1)) / n ** (1 / 3)
+    else:
+        quarter = np.percentile(errors, [25.0, 75.0])
+        width = 2.0 * float(np.diff(quarter)[0]) / n ** (1 / 3)
+    return max(4, min(math.ceil(spread / width), MOST_CLASSES)) if width > 0.0 else MOST_CLASSES
+
+
+def histogram(errors: ArrayLike, bins: int) -> Histogram:
+    """Classes of equal width from the least error to the greatest.
+
+    Parameters
+    ----------
+    errors : array_like, shape (..., n)
+        Errors [rad], not all equal.
+    bins : int
+        Number of classes.
+
+    Source: Prikhodko (2020), eqs. 11 to 14. Eq. 12 lacks the sum over the classes.
+    """
+    values = np.asarray(errors, dtype=float)
+    n = values.shape[-1]
+    low = values.min(axis=-1, keepdims=True)
+    width = (values.max(axis=-1, keepdims=True) - low) / bins
+    observed = counts(np.minimum(((values - low) / width).astype(int), bins - 1), bins)
+    edges = low + width * np.arange(bins + 1)
+    middle = edges[..., :-1] + 0.5 * width
+    mean = (observed * middle).sum(axis=-1, keepdims=True) / n
+    variance = (observed * (middle - mean) ** 2).sum(axis=-1, keepdims=True) / n
+    deviation = np.sqrt(variance)
+    expected = n * _shares((edges - mean) / deviation)
+    return Histogram(edges, observed, expected, mean[..., 0], deviation[..., 0])
+
+
+def _shares(edges: FloatArray) -> FloatArray:
+    """Probability of each class; from the nearer tail, where ends differ by little."""
+    from scipy.special import ndtr
+
+    low, high = edges[..., :-1], edges[..., 1:]
+    above = low > 0.0
+    return np.asarray(ndtr(np.where(above, -low, high)) - ndtr(np.where(above, -high, low)))
+
+
+def counts(classes: np.ndarray, bins: int) -> np.ndarray:
+    """How often each class number below `bins` stands in the last axis."""
+    sets = classes.reshape(-1, classes.shape[-1])
+    apart = sets + bins * np.arange(len(sets))[:, None]
+    found = np.bincount(apart.reshape(-1), minlength=bins * len(sets))
+    return found.reshape(*classes.shape[:-1], bins)
 
 
 class NormalityTest(NamedTuple):
@@ -38,7 +146,7 @@ def published_chi_squared(classes: Histogram) -> NormalityTest:
     Source: Prikhodko (2020), eqs. 15 and 16.
     """
     observed, expected = classes.observed, classes.expected
-    with np.errstate(all="ignore"):  # classes in which nothing is expected
+    with np.errstate(all="ignore"):  # nothing may be expected in a class
         terms = (observed - expected) ** 2 / expected
     statistic = np.where(observed == expected, 0.0, terms).sum(axis=-1)
     return _compared(statistic, classes.observed.shape[-1] - 3)
@@ -72,7 +180,7 @@ def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
     deviation = (observed - expected) / np.sqrt(expected)
     inner = ndtri(np.arange(1, bins) / bins)
     density = np.exp(-0.5 * inner**2) / np.sqrt(2.0 * np.pi)
-    # rates of the classes' probabilities by mean and deviation, in deviations
+    # how fast the classes' probabilities change with mean and deviation, in units of the latter
     rates = np.diff([density, inner * density], prepend=0.0, append=0.0, axis=-1)
     rates *= -np.sqrt(bins)
     information = np.diag([1.0, 2.0]) - rates @ rates.T
@@ -126,4 +234,5 @@ def _compared(statistic: FloatArray, degrees_of_freedom: int) -> NormalityTest:
 
 def _standardised(values: FloatArray, ddof: int) -> FloatArray:
     centred = values - values.mean(axis=-1, keepdims=True)
-    return centred / values.std(axis=-1, ddof=ddof, keepdims=True)
+    scaled: FloatArray = centred / values.std(axis=-1, ddof=ddof, keepdims=True)
+    return scaled

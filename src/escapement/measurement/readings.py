@@ -35,7 +35,7 @@ class Readings:
     synthetic : bool
         Whether the readings were computed and not measured.
     remark : str
-        What whoever reads the figures must know of them.
+        A sentence that a reader of the figures must know.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def _shape(array: np.ndarray) -> str:
     return f"{array.dtype} of shape {array.shape}"
 
 
-def spread(count: int, most: int) -> np.ndarray:
+def spread_samples(count: int, most: int) -> np.ndarray:
     """Indices of at most `most` of `count` samples, in step with no period of theirs.
 
     Every tenth sample of an even motion could always meet the same pin; steps of the
@@ -163,4 +163,5 @@ def unwrapped(angle: FloatArray, place: np.ndarray) -> FloatArray:
         pace = float(np.median((step + TURN * turns)[near]))
         turns = np.where(near, turns, np.round((pace * apart - step) / TURN))
     first = -np.round(angle[0] / TURN)
-    return angle + TURN * (first + np.concatenate([[0.0], np.cumsum(turns)]))
+    counted: FloatArray = angle + TURN * (first + np.concatenate([[0.0], np.cumsum(turns)]))
+    return counted

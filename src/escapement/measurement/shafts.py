@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement._position import blocks
+from escapement.measurement.fit import blocks
 from escapement.measurement.readings import TURN
 from escapement.model import FloatArray
 
@@ -13,12 +13,12 @@ ORDERS = (1, 2)
 """Cycles a turn: 1 an eccentric disc, 2 a tilted or an oval one."""
 _SURE = 1e-3
 """Chance of taking any wave for real that is none."""
-_COLLINEAR = 1e-9  # share of a wave's squares that others leave: rounding is far below
-_NOTHING = (math.nan, math.nan, math.nan)
+_COLLINEAR = 1e-9  # a wave of which others leave less is not told from them; rounding is far below
+_UNKNOWN = (math.nan, math.nan, math.nan)
 
 
 class ShaftError(NamedTuple):
-    """A sinusoidal error of one shaft, beside all others that are there for sure.
+    """A sinusoidal error of one shaft, fitted beside all others that are significant.
 
     shaft : "input", "output" or "cell", which comes back with the mechanism.
     order : cycles a turn of the shaft, or a cell.
@@ -60,7 +60,7 @@ def shaft_errors(
 ) -> tuple[tuple[ShaftError, ...], float]:
     """Sinusoidal errors once and twice a turn of the input, the output, and a cell.
 
-    Beside them the correlation of neighbours in what the sure ones leave, -1 to 1.
+    The second result is the correlation of neighbours in what the significant ones leave, -1 to 1.
 
     Over few turns one looks much like another. So the surest is fitted first, with a
     phase and an offset, then the surest of what is left, as long as one in a thousand
@@ -83,22 +83,22 @@ def shaft_errors(
         _Shaft("cell", driver * (TURN / cell), 1.0),
     ]
     seen = [shaft for shaft in shafts if shaft.all_round]
-    sums = _summed(seen, slope, errors)
-    sure = _chosen(sums)
+    sums = _normal_equations(seen, slope, errors)
+    sure = _significant(sums)
     names = [(shaft.name, order) for shaft in seen for order in ORDERS]
     found = {
         name: sums.test(pair, _columns([other for other in sure if other != pair]))
         for name, pair in zip(names, sums.pairs, strict=True)
     }
     errors_of_shafts = tuple(
-        ShaftError(shaft.name, order, *found.get((shaft.name, order), _NOTHING), shaft.turns)
+        ShaftError(shaft.name, order, *found.get((shaft.name, order), _UNKNOWN), shaft.turns)
         for shaft in shafts
         for order in ORDERS
     )
     return errors_of_shafts, sums.correlation(_columns(sure))
 
 
-class _Sums(NamedTuple):
+class _NormalEquations(NamedTuple):
     """Normal equations of all columns: offset, phase, then a pair for each wave.
 
     gram, products, total : of the columns, with the errors, of the errors.
@@ -129,7 +129,7 @@ class _Sums(NamedTuple):
         own = self.gram[np.ix_(two, two)]
         left = own - across @ self.gram[np.ix_(base, two)]
         if np.linalg.eigvalsh(left)[0] <= _COLLINEAR * np.trace(own):
-            return _NOTHING
+            return _UNKNOWN
         value = np.linalg.solve(left, self.products[two] - across @ self.products[base])
         explained = float(value @ left @ value)
         before = self.total - float(self.products[base] @ inverse @ self.products[base])
@@ -137,7 +137,7 @@ class _Sums(NamedTuple):
         variance = max(before - explained, 0.0) / freedom
         amplitude = float(np.hypot(*value))
         if not (variance > 0.0 and amplitude > 0.0):
-            return _NOTHING
+            return _UNKNOWN
         along = value / amplitude
         error = math.sqrt(variance * float(along @ np.linalg.solve(left, along)))
         return amplitude, error, float(f.sf(explained / (2.0 * variance), 2, freedom))
@@ -155,8 +155,8 @@ class _Sums(NamedTuple):
         return float(rest @ self.following @ rest) / left
 
 
-def _chosen(sums: _Sums) -> list[int]:
-    """Waves that are there for sure, the surest first, each beside those before."""
+def _significant(sums: _NormalEquations) -> list[int]:
+    """Significant waves, the most significant first, each tested beside those before."""
     found: list[int] = []
     while len(found) < len(sums.pairs):
         tests = {
@@ -173,7 +173,9 @@ def _columns(pairs: list[int]) -> list[int]:
     return [column for pair in pairs for column in (pair, pair + 1)]
 
 
-def _summed(shafts: list[_Shaft], slope: FloatArray, errors: FloatArray) -> _Sums:
+def _normal_equations(
+    shafts: list[_Shaft], slope: FloatArray, errors: FloatArray
+) -> _NormalEquations:
     """Sums over all samples, a block of them at a time."""
     size = 2 + 2 * len(ORDERS) * len(shafts)
     gram, following = (np.zeros((size + 1, size + 1)) for _ in range(2))
@@ -186,6 +188,8 @@ def _summed(shafts: list[_Shaft], slope: FloatArray, errors: FloatArray) -> _Sum
                 columns += [effect * wave.real, effect * wave.imag]
         table = np.array([*columns, errors[part]])
         gram += table @ table.T
-        # without the few pairs that a block's end parts
+        # the few pairs that the end of a block separates are left out
         following += table[:, 1:] @ table[:, :-1].T
-    return _Sums(gram[:-1, :-1], gram[:-1, -1], float(gram[-1, -1]), following, errors.size)
+    return _NormalEquations(
+        gram[:-1, :-1], gram[:-1, -1], float(gram[-1, -1]), following, errors.size
+    )

@@ -17,10 +17,10 @@ from escapement.model import FloatArray
 
 MOST_TURNS = 1000.0
 """Turns looked at; later ones tell nothing new of errors that come back."""
-_PER_TURN = 12.0  # highest frequency, unless samples or cells ask for another
-_FINE = 64  # nodes to a period of the highest frequency
+_PER_TURN = 12.0  # this is the highest frequency unless the caller or the samples set another
+_FINE = 64  # a period of the highest frequency has so many nodes
 _OVERSAMPLING = 6
-_SINGULAR = 1e-3  # of a greatest value of 1/4; far above the error of the sums
+_SINGULAR = 1e-3  # the determinant is at most 1/4, and its error far below this
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,8 @@ class Periodogram:
             * (1.0 - height) ** ((self.samples - 4) / 2.0)
             * np.sqrt(0.5 * (self.samples - 1) * height)
         )  # fmt: skip
-        return -np.expm1(-many) + one * np.exp(-many)
+        bound: FloatArray = -np.expm1(-many) + one * np.exp(-many)
+        return bound
 
     def level(self, probability: float) -> float:
         """Power that white noise exceeds anywhere with a probability in (0, 1)."""
@@ -73,7 +74,7 @@ class Periodogram:
         def excess(power: float) -> float:
             return float(self.false_alarm_probability(power)) - chance
 
-        # the bound falls from its greatest value on, and is no use before
+        # the bound falls only beyond its greatest value, so the last crossing is the level
         powers = np.linspace(0.0, 1.0, 2001)
         above = np.flatnonzero(self.false_alarm_probability(powers) > chance)
         return float(brentq(excess, powers[above[-1]], 1.0))
@@ -126,7 +127,7 @@ def periodogram(angle: ArrayLike, errors: ArrayLike, highest: float | None = Non
     turns, values, top = _bounded(turns, values, highest)
     span = float(np.ptp(turns))
     top = max(top, 1.0 / span)
-    sums = _Sums(turns, values - values.mean(), top, span)
+    sums = _FourierSums(turns, values - values.mean(), top, span)
     power, amplitude = sums.power()
     width = top * math.sqrt(4.0 * math.pi * float(turns.var()))
     return Periodogram(sums.frequency, power, amplitude, values.size, span, width)
@@ -146,7 +147,7 @@ def _row(name: str, values: ArrayLike) -> FloatArray:
     return row
 
 
-class _Sums:
+class _FourierSums:
     """Means of w, w e^{i a}, y e^{i a} and e^{2 i a} at all frequencies, by FFT."""
 
     def __init__(self, turns: FloatArray, values: FloatArray, highest: float, span: float) -> None:
@@ -172,7 +173,7 @@ class _Sums:
         ss = 0.5 * (1.0 - self.ww.real) - s * s
         cs = -0.5 * self.ww.imag - c * s
         scale = cc * ss - cs * cs
-        told = scale > _SINGULAR  # else all samples lie at one phase, or two opposite ones
+        told = scale > _SINGULAR  # otherwise all samples lie at one phase or two opposite ones
         scale = np.where(told, scale, np.nan)
         a, b = (yc * ss - ys * cs) / scale, (ys * cc - yc * cs) / scale
         return np.clip((a * yc + b * ys) / self.variance, 0.0, 1.0), np.hypot(a, b)

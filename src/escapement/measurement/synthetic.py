@@ -3,13 +3,12 @@
 import numpy as np
 
 from escapement import validate
-from escapement.measurement._checks import check_drive, checked_zero
-from escapement.measurement._position import position
-from escapement.measurement.encoder import Encoder
+from escapement.measurement.encoder import Encoder, check_drive, checked_zero
+from escapement.measurement.fit import position
 from escapement.measurement.readings import LEAST_SAMPLES, TURN, Readings
 from escapement.model import FloatArray, Mechanism
 
-_HARMONICS = range(2, 6)  # once a turn is eccentricity's own
+_HARMONICS = range(2, 6)  # an error once a turn is that of eccentricity
 
 
 def synthetic_readings(
@@ -105,10 +104,11 @@ def _shaft(
     weights = [random.standard_normal(2) for _ in _HARMONICS]
 
     def bent(at: FloatArray) -> FloatArray:
-        return sum(
+        waves = [
             a * np.cos(k * at) + b * np.sin(k * at)
             for k, (a, b) in zip(_HARMONICS, weights, strict=True)
-        )
+        ]
+        return np.asarray(sum(waves))
 
     greatest = float(np.abs(bent(np.linspace(0.0, TURN, 3600))).max())
     return eccentricity * np.sin(angle + start) + deviation / greatest * bent(angle)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.jit import jit
+from escapement.jit import inner_jit, jit
 from escapement.mechanisms.table import ratio_at
 from escapement.model import FloatArray
 from escapement.scene import Path
@@ -67,7 +67,7 @@ def circle(path):
     return first, (c[3] + c[4]) / (c[1] + c[2])
 
 
-@jit
+@inner_jit
 def transmission_on(path, left, half, points, count, g, u, dg):
     """Fill g, |u| and g' at the driver angles left + half (1 + points[i]), i < count.
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.model import FloatArray
 from escapement.scene import Path
 
@@ -20,7 +20,7 @@ _RESOLVED = 1e-15  # last coefficients over the largest: rounding
 _MOST = 4096
 
 
-@jit
+@inner_jit
 def ratio_at(numbers, theta):
     """g and g' of a table at one driver angle; beyond its ends the last piece goes on."""
     pieces, order = int(numbers[0]), int(numbers[1])

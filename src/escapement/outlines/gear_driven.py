@@ -1,4 +1,4 @@
-"""Shapes of a gear-driven Geneva wheel in fixed-gear radii, as complex numbers.
+"""Bodies of a gear-driven Geneva wheel in radii of the fixed gear.
 
 As for the ordinary wheel, widths are chosen here so that nothing collides.
 """
@@ -7,26 +7,26 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from escapement.mechanisms import GearDriven
 from escapement.model import FloatArray
+from escapement.outlines.body import Body, ComplexArray, Disc, circle_edge, locked_angle
 
-ComplexArray = NDArray[np.complex128]
 _FINE = 181
 
 
 @dataclass(frozen=True)
-class GearWheels:
-    """Proportions of a drawing; the common axis is the origin.
+class GearDrivenOutline:
+    """Proportions and bodies of a gear-driven wheel.
 
-    Slot 0 lies along the positive real axis when carrier and wheel are at zero.
+    All lengths are in radii of the fixed gear. The common axis is the origin, and slot 0
+    lies along the positive real axis when carrier and wheel are at zero.
     """
 
     mechanism: GearDriven
 
     @property
-    def planet(self) -> float:
+    def planet_radius(self) -> float:
         """Pitch radius of the planet."""
         return abs(1.0 / float(self.mechanism.gear_ratio))
 
@@ -46,7 +46,7 @@ class GearWheels:
         return self.slot_end < self.mouth
 
     @property
-    def pin(self) -> float:
+    def pin_radius(self) -> float:
         """Pin radius: small beside the path, and slots must not meet."""
         narrow = min(self.mouth, self.slot_end) if self.mouth > 0.0 else self.slot_end
         between = narrow * math.pi / max(self.mechanism.slots, 3)
@@ -55,10 +55,10 @@ class GearWheels:
     @property
     def half_slot(self) -> float:
         """Half the slot width: the pin with a little play."""
-        return 1.1 * self.pin
+        return 1.1 * self.pin_radius
 
     @property
-    def rim(self) -> float:
+    def rim_radius(self) -> float:
         """Outer radius of the wheel."""
         if self.inward:
             return math.hypot(self.mouth, self.half_slot)
@@ -67,15 +67,44 @@ class GearWheels:
     @property
     def reach(self) -> float:
         """Radius of the whole drawing."""
-        return max(self.rim, self.mechanism.reach_over_fixed + self.pin)
+        return max(self.rim_radius, self.mechanism.reach_over_fixed + self.pin_radius)
 
-    def outlines(self) -> list[ComplexArray]:
-        """Closed outlines of the wheel at zero: its body with the slots cut out."""
+    def bodies(self, theta: float) -> list[Body | Disc]:
+        """Everything where it stands at a carrier angle: wheel, pitch circles and pins."""
+        return [self.wheel(theta), *self.gears(theta), *self.pins(theta)]
+
+    def wheel(self, theta: float) -> Body:
+        """The "follower" at a carrier angle."""
+        return Body("follower", tuple(self.wheel_edges())).turned(self.wheel_at(theta))
+
+    def gears(self, theta: float) -> tuple[Disc, Disc]:
+        """The pitch circles "fixed-gear" and "planet" at a carrier angle."""
+        planet = Disc("planet", self.carrier_end(theta), self.planet_radius)
+        return Disc("fixed-gear", 0.0, 1.0), planet
+
+    def pins(self, theta: float) -> list[Disc]:
+        """Every "pin-k" at a carrier angle, k counted from 0."""
+        return [
+            Disc(f"pin-{k}", complex(self.pin_at(theta, k)), self.pin_radius)
+            for k in range(self.mechanism.pins)
+        ]
+
+    def reliefs(self, theta: float) -> list[Body]:
+        """Every "relief" at a carrier angle: where unused lobes pass through the wheel."""
+        turn = self.wheel_at(theta)
+        return [Body("relief", (edge,)).turned(turn) for edge in self.relief_edges()]
+
+    def wheel_edges(self) -> list[ComplexArray]:
+        """Closed edges of the wheel at zero: its body with the slots cut out."""
         turns = np.exp(2j * np.pi * np.arange(self.mechanism.slots) / self.mechanism.slots)
-        if self.mouth == 0.0:  # slots right across, through the centre
+        if self.mouth == 0.0:
+            # the slots run right across the wheel, through its centre
             slot = self._stadium()
-            return [_circle(self.rim), *(slot * turn for turn in turns[: max(1, len(turns) // 2)])]
-        edge = self.rim if self.inward else math.sqrt(self.mouth**2 - self.half_slot**2)
+            return [
+                circle_edge(self.rim_radius),
+                *(slot * turn for turn in turns[: max(1, len(turns) // 2)]),
+            ]
+        edge = self.rim_radius if self.inward else math.sqrt(self.mouth**2 - self.half_slot**2)
         aside = math.asin(self.half_slot / edge)
         sense = 1.0 if self.inward else -1.0
         cap = np.exp(1j * np.linspace(0.5, 1.5, 19) * np.pi) * sense * self.half_slot
@@ -84,24 +113,24 @@ class GearWheels:
         arc = np.linspace(aside, 2.0 * np.pi / self.mechanism.slots - aside, 31)
         tooth = np.concatenate([slot, edge * np.exp(1j * arc)])
         body = np.concatenate([tooth * turn for turn in turns])
-        return [body] if self.inward else [body, _circle(self.rim)]
+        return [body] if self.inward else [body, circle_edge(self.rim_radius)]
 
-    def reliefs(self) -> list[ComplexArray]:
-        """Outlines of the room that unused lobes need while the wheel is locked, at zero."""
+    def relief_edges(self) -> list[ComplexArray]:
+        """Closed edges of the room that unused lobes need in the locked wheel, at zero."""
         mechanism = self.mechanism
         theta = np.linspace(-0.6, 0.6, 61) * mechanism.alpha
         along = self.pin_at(theta, 0)
         outside = np.gradient(along)
         outside *= 1j * self.half_slot / np.abs(outside)
-        deeper = outside[30].real < 0.0  # at dead centre, on the real axis
+        deeper = outside[30].real < 0.0  # the middle point is dead centre, on the real axis
         lobe = along + (outside if deeper == self.inward else -outside)
         back = np.linspace(np.angle(lobe[-1]), np.angle(lobe[0]), 31)
         beyond = self.mouth * (1.1 if self.inward else 0.9)
-        band = np.concatenate([lobe, beyond * np.exp(1j * back)])
+        band = np.concatenate([lobe, beyond * np.exp(1j * back), lobe[:1]])
         sense = 1.0 if mechanism.turns_with_driver else -1.0
         lobe_turn = 2.0 * np.pi / (mechanism.pins * abs(float(mechanism.gear_ratio)))
         places = [
-            # the lobe's direction from a wheel that is half a step beyond dead centre
+            # the wheel is locked half a step beyond dead centre while this lobe passes
             lobe * lobe_turn
             - 0.5 * sense * mechanism.follower_step
             + 2.0 * np.pi * slot / mechanism.slots
@@ -112,7 +141,7 @@ class GearWheels:
 
     def _stadium(self) -> ComplexArray:
         cap = self.slot_end + self.half_slot * np.exp(1j * np.linspace(-0.5, 0.5, 19) * np.pi)
-        return np.concatenate([cap, -cap])
+        return np.concatenate([cap, -cap, cap[:1]])
 
     def path(self) -> ComplexArray:
         """The pin path until it closes."""
@@ -127,17 +156,15 @@ class GearWheels:
         first, _, second, rate = self.mechanism.arms
         phase = 2.0 * np.pi * number / self.mechanism.pins * np.sign(1.0 - rate)
         angles = np.asarray(theta, dtype=float)
-        return first * np.exp(1j * angles) + second * np.exp(1j * (rate * angles + phase))
+        arm = second * np.exp(1j * (rate * angles + phase))
+        place: ComplexArray = first * np.exp(1j * angles) + arm
+        return place
+
+    def carrier_end(self, theta: float) -> complex:
+        """The planet's axis at a carrier angle."""
+        return complex(self.mechanism.arms.first * np.exp(1j * theta))
 
     def wheel_at(self, theta: float) -> float:
-        """Angle of the wheel at a carrier angle: locked between engagements."""
-        mechanism = self.mechanism
-        half = mechanism.alpha / 2.0
-        cell = math.floor((theta + half) / mechanism.cell_angle)
-        local = min(theta - cell * mechanism.cell_angle, half)
-        turned = cell * mechanism.follower_step + float(mechanism.follower_angle(local))
-        return turned if mechanism.turns_with_driver else -turned
-
-
-def _circle(size: float) -> ComplexArray:
-    return size * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361))
+        """Angle of the wheel at a carrier angle [rad]: locked between engagements."""
+        turned = locked_angle(self.mechanism, theta)
+        return turned if self.mechanism.turns_with_driver else -turned

@@ -10,9 +10,9 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from escapement.plots.animation import animate
-from escapement.plots.drawing import plot_configurations, plot_mechanism
 from escapement.plots.drive_torque import plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven
+from escapement.plots.geneva import plot_configurations, plot_mechanism
 from escapement.plots.measurement import (
     plot_error_histogram,
     plot_errors,

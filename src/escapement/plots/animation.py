@@ -11,11 +11,11 @@ from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.model import FloatArray, Mechanism
 from escapement.motion import Motion
 from escapement.plots import style
-from escapement.plots.drawing import plot_mechanism
 from escapement.plots.gear_driven import plot_gear_driven
-from escapement.plots.labels import scaled
+from escapement.plots.geneva import plot_mechanism
 from escapement.plots.motion import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
+from escapement.plots.style import scaled
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation

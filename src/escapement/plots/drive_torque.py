@@ -11,7 +11,7 @@ from matplotlib.patheffects import withStroke
 from escapement import validate
 from escapement.constant_speed import DriveTorque
 from escapement.plots import style
-from escapement.plots.labels import label, number, scaled
+from escapement.plots.style import label, number_text, scaled
 from escapement.units import SYSTEMS, factor, unit_name
 
 
@@ -89,7 +89,7 @@ def _mark_mean(ax: Axes, result: DriveTorque, scale: float) -> None:
 def _mark_maximum(ax: Axes, result: DriveTorque, scale: float, unit: str) -> None:
     x, y = math.degrees(result.torque_max_angle), result.torque_max * scale
     ax.plot(x, y, "v", color=style.BLACK, ms=5, label="greatest torque", zorder=4, clip_on=False)
-    _write(ax, f"{number(y)} {unit} at {x:.2f}°", (x, y), (0.0, 10.0))
+    _write(ax, f"{number_text(y)} {unit} at {x:.2f}°", (x, y), (0.0, 10.0))
 
 
 def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
@@ -102,7 +102,7 @@ def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
         text = f"{place:.2f}°"
         half = _half_width(ax, text)
         free = [side for side, end in ends.items() if place - half > end]
-        if free:  # above, else below, else there is no room
+        if free:  # the number goes above the axis or below it, or is left out
             _write(ax, text, (place, 0.0), (0.0, free[0]))
             ends[free[0]] = place + half
 

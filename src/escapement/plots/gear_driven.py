@@ -1,17 +1,17 @@
 """Gear-driven Geneva wheels drawn to scale, and the curves their pins trace."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, PathPatch
-from matplotlib.path import Path
 
 from escapement import validate
 from escapement.mechanisms import GearDriven
-from escapement.outlines.gear_driven import GearWheels
+from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.plots import style
+from escapement.plots.bodies import draw_body
 
 _FOLLOWER, _PLANET, _PIN = "#F5D7A9", "#DCE9F7", "#00446B"
 _CHAIN = (0, (8, 2, 1.5, 2))
@@ -51,13 +51,13 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     style.check_drawn("slots", mechanism.slots)
     ratio = mechanism.gear_ratio
     style.check_drawn("lobes of the whole path", max(abs(ratio.numerator), ratio.denominator))
-    wheels = GearWheels(mechanism)
+    outline = GearDrivenOutline(mechanism)
     if ax is None:
         ax = style.new_axes(style.ONE_COLUMN, style.ONE_COLUMN)
-    _draw_wheel(ax, wheels, angle)
-    _draw_gears(ax, wheels, angle)
-    _draw_pins(ax, wheels, angle)
-    room = 1.06 * wheels.reach
+    _draw_wheel(ax, outline, angle)
+    _draw_gears(ax, outline, angle)
+    _draw_pins(ax, outline, angle)
+    room = 1.06 * outline.reach
     ax.set(xlim=(-room, room), ylim=(-room, room), aspect="equal")
     ax.set_axis_off()
     return ax
@@ -89,10 +89,10 @@ def plot_curves() -> Figure:
     )
     figure = style.new_figure(style.TWO_COLUMN, 2.35)
     for ax, mechanism in zip(figure.subplots(1, 4), cases, strict=True):
-        wheels = GearWheels(mechanism)
-        _draw_gears(ax, wheels, 0.5)
-        _draw_pins(ax, wheels, 0.5)
-        room = 1.06 * wheels.reach
+        outline = GearDrivenOutline(mechanism)
+        _draw_gears(ax, outline, 0.5)
+        _draw_pins(ax, outline, 0.5)
+        room = 1.06 * outline.reach
         ax.set(xlim=(-room, room), ylim=(-room, room), aspect="equal")
         ax.set_axis_off()
         name = {"hypocycloid": "protracted\nhypocycloid"}.get(mechanism.curve, mechanism.curve)
@@ -102,47 +102,38 @@ def plot_curves() -> Figure:
     return figure
 
 
-def _draw_wheel(ax: Axes, wheels: GearWheels, theta: float) -> None:
-    turn = np.exp(1j * wheels.wheel_at(theta))
-    rings = [Path(_points(outline * turn), closed=True) for outline in wheels.outlines()]
-    body = PathPatch(
-        Path.make_compound_path(*rings), facecolor=_FOLLOWER, edgecolor=style.BLACK,
-        linewidth=0.8, zorder=1, joinstyle="round", gid="follower",
+def _draw_wheel(ax: Axes, outline: GearDrivenOutline, theta: float) -> None:
+    """The wheel, cut away where unused lobes pass."""
+    wheel = draw_body(
+        ax, outline.wheel(theta), facecolor=_FOLLOWER, edgecolor=style.BLACK, linewidth=0.8,
+        zorder=1, joinstyle="round",
     )  # fmt: skip
-    ax.add_patch(body)
-    for outline in wheels.reliefs():
-        shape = Path(_points(outline * turn), closed=True)
-        # fills hide the inner half of all edges, and what one relief cuts off another
-        edge = PathPatch(shape, fill=False, edgecolor=style.BLACK, linewidth=1.6)
-        ax.add_patch(edge).set(zorder=1.1, clip_path=body, gid="relief")
-        ax.add_patch(PathPatch(shape, color="white", linewidth=0, zorder=1.2))
+    for relief in outline.reliefs(theta):
+        # the white fill hides the inner half of an edge, and where reliefs overlap
+        look: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 1.6, "zorder": 1.1}
+        draw_body(ax, relief, fill=False, **look).set_clip_path(wheel)
+        draw_body(ax, relief, color="white", linewidth=0, zorder=1.2)
 
 
-def _draw_gears(ax: Axes, wheels: GearWheels, theta: float) -> None:
+def _draw_gears(ax: Axes, outline: GearDrivenOutline, theta: float) -> None:
     """Pitch circles of the fixed gear and the planet, the carrier between their axes."""
-    centre = wheels.mechanism.arms.first * np.exp(1j * theta)
-    place = (centre.real, centre.imag)
+    fixed, planet = outline.gears(theta)
     pitch: dict[str, Any] = {"linewidth": 0.9, "linestyle": _CHAIN, "zorder": 2.2}
-    ax.add_patch(Circle((0, 0), 1.0, fill=False, ec=style.GREY, gid="fixed-gear", **pitch))
-    ax.add_patch(Circle(place, wheels.planet, fc=_PLANET, alpha=0.55, lw=0, zorder=2.1))
-    ax.add_patch(Circle(place, wheels.planet, fill=False, ec=style.BLUE, gid="planet", **pitch))
-    ax.plot([0, place[0]], [0, place[1]], color=style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
-    ax.plot([0, place[0]], [0, place[1]], "o", color="white", mec=style.BLACK, ms=3.2, mew=0.8,
-            zorder=2.6)  # fmt: skip
-    path = wheels.path()
+    draw_body(ax, fixed, fill=False, ec=style.GREY, **pitch)
+    draw_body(ax, planet, fc=_PLANET, alpha=0.55, lw=0, zorder=2.1)
+    draw_body(ax, planet, fill=False, ec=style.BLUE, **pitch)
+    x, y = [0.0, planet.centre.real], [0.0, planet.centre.imag]
+    ax.plot(x, y, color=style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
+    ax.plot(x, y, "o", color="white", mec=style.BLACK, ms=3.2, mew=0.8, zorder=2.6)
+    path = outline.path()
     ax.plot(path.real, path.imag, color=style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
 
 
-def _draw_pins(ax: Axes, wheels: GearWheels, theta: float) -> None:
-    centre = wheels.mechanism.arms.first * np.exp(1j * theta)
-    for number in range(wheels.mechanism.pins):
-        pin = complex(wheels.pin_at(theta, number))
-        ax.plot([centre.real, pin.real], [centre.imag, pin.imag], color=_PIN, lw=1.2, zorder=2.7)
-        size = max(wheels.pin, 0.018 * wheels.reach)
-        ax.add_patch(Circle((pin.real, pin.imag), size, color=_PIN, lw=0, zorder=3,
-                            gid=f"pin-{number}"))  # fmt: skip
-
-
-def _points(values: np.ndarray) -> np.ndarray:
-    """Complex numbers as rows of x and y."""
-    return np.column_stack([values.real, values.imag])
+def _draw_pins(ax: Axes, outline: GearDrivenOutline, theta: float) -> None:
+    """Pins large enough to be seen, and the arms that carry them."""
+    start = outline.carrier_end(theta)
+    for pin in outline.pins(theta):
+        ends = np.array([start, pin.centre])
+        ax.plot(ends.real, ends.imag, color=_PIN, lw=1.2, zorder=2.7)
+        seen = replace(pin, radius=max(pin.radius, 0.018 * outline.reach))
+        draw_body(ax, seen, color=_PIN, lw=0, zorder=3)

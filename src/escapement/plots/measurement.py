@@ -7,12 +7,12 @@ from matplotlib.figure import Figure
 from escapement import validate
 from escapement.measurement import Measurement, position
 from escapement.measurement.encoder import sensor_uncertainty
-from escapement.measurement.readings import spread
+from escapement.measurement.readings import spread_samples
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label
+from escapement.plots.style import label
 
-_MOST_POINTS = 4000  # more than a print can tell apart
+_MOST_POINTS = 4000  # a print cannot show more points apart
 _CURVE = 400
 _FALSE_ALARM = 0.01
 
@@ -40,7 +40,7 @@ def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
     angles = np.linspace(driver.min(), driver.max(), _CURVE)
     phi = position(result.mechanism, angles)
     ax.plot(np.degrees(angles), np.degrees(phi), color=style.BLUE, lw=1.0, label="theory", zorder=3)
-    some = spread(driver.size, _MOST_POINTS)
+    some = spread_samples(driver.size, _MOST_POINTS)
     found = position(result.mechanism, driver[some]) + result.fit.sense * result.errors[some]
     ax.plot(
         np.degrees(driver[some]), np.degrees(found), "o", ms=2.5, mfc="none", mew=0.7,
@@ -71,7 +71,7 @@ def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
     Source: Prikhodko (2020), figure 7.
     """
     ax = _ready(result, ax)
-    some = spread(result.errors.size, _MOST_POINTS)
+    some = spread_samples(result.errors.size, _MOST_POINTS)
     angle = np.degrees(result.input[some] - result.input[0])
     if result.encoder is not None:
         width = 2.0 * np.degrees(sensor_uncertainty(result.encoder, result.fit.slope[some]))

@@ -1,20 +1,21 @@
-"""Figures of a motion: velocities, phase portrait, contact moment."""
+"""Figures of a motion: velocities, phase portrait, contact moment, or all on one sheet."""
 
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.plots import style
-from escapement.plots.labels import label, scaled
+from escapement.plots.style import label, scaled
 
-_CROWDED = 30  # handoffs beyond which full-height lines would grey the figure
-_REPEATS = 0.01  # two handoff speeds this close, relatively: the cycle is terminal
+_CROWDED = 30  # lines of full height at more handoffs would grey the figure
+_REPEATS = 0.01  # a cycle is terminal when its two handoff speeds agree within this share
 
 
 def plot_velocities(motion: Motion, ax: Axes | None = None) -> Axes:
@@ -173,7 +174,7 @@ def _repeats(motion: Motion) -> bool:
 def _mark_handoffs(ax: Axes, motion: Motion, factor: float) -> None:
     times = motion.handoff_times * factor
     if times.size:
-        # short ones at the top, where no curve of a motion hides them
+        # many handoffs get short lines at the top, where no curve hides them
         bottom, line = (0.0, ":") if times.size <= _CROWDED else (0.97, "-")
         ax.vlines(
             times, bottom, 1.0, transform=ax.get_xaxis_transform(), color=style.LIGHT_GREY,
@@ -191,3 +192,24 @@ def _degrees(span: float) -> MultipleLocator:
     """Ticks at round angles, for a span in degrees."""
     steps = [step for step in (5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0) if span / step <= 8.0]
     return MultipleLocator(steps[0] if steps else 90.0)
+
+
+def plot_motion(motion: Motion) -> Figure:
+    """Velocities and contact moment against time, and the phase portrait.
+
+    Parameters
+    ----------
+    motion : Motion
+        What `escapement.simulate` returns.
+
+    Raises
+    ------
+    InvalidValue
+        For a motion without length.
+    """
+    figure = style.new_figure(style.TWO_COLUMN, 8.2)
+    velocities, moment, phase = (style.dress(ax) for ax in figure.subplots(3, 1))
+    plot_velocities(motion, velocities)
+    plot_contact_moment(motion, moment)
+    plot_phase_portrait(motion, phase)
+    return figure

@@ -4,17 +4,17 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon
-from matplotlib.path import Path
 
 from escapement import validate
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.model import FloatArray
+from escapement.outlines.elliptical import EllipticalOutline
 from escapement.plots import style
+from escapement.plots.bodies import draw_arrow, draw_body, draw_length
 
-_SPUR, _DRIVING, _DRIVEN = "#e4e4e4", "#9cc7e8", "#f6d9a8"
-_MARGIN = 0.12  # of the centre distance
-_POINTS = 241
+_SPUR: dict[str, Any] = {"facecolor": "#e4e4e4", "linewidth": 0.8, "zorder": 1}
+_DRIVEN: dict[str, Any] = {"facecolor": "#f6d9a8", "linewidth": 0.9, "zorder": 2.0, "alpha": 0.85}
+_DRIVING: dict[str, Any] = {"facecolor": "#9cc7e8", "linewidth": 0.9, "zorder": 2.1, "alpha": 0.85}
+_MARGIN = 0.12  # the room around the gears is this share of the centre distance
 
 
 def plot_planetary(
@@ -59,85 +59,42 @@ def plot_planetary(
     return ax
 
 
-def draw_planetary(
-    ax: Axes, mechanism: EllipticalPlanetary, theta: float, carrier: float
-) -> FloatArray:
-    """Gears and line of centres; the carrier points along `carrier` [rad].
-
-    Returns
-    -------
-    ndarray, shape (4,)
-        Distances of A, B, C and D from the carrier's axis along the carrier [mm]:
-        the axis, the rolling point of the spur gears, the planet's shaft and the
-        contact of the ellipses.
-    """
-    sun, planet = 1e3 * mechanism.sun_radius, 1e3 * mechanism.planet_radius
-    distance = sun + planet
-    along = np.exp(1j * carrier)
-    shaft = distance * along
-    edge: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 0.8}
-    place = (shaft.real, shaft.imag)
-    for centre, radius, name in (((0.0, 0.0), sun, "sun"), (place, planet, "planet")):
-        ax.add_patch(Circle(centre, radius, facecolor=_SPUR, zorder=1, gid=name, **edge))
-    driven, driving = outlines(mechanism, theta)
-    ax.add_patch(_body(driven * along, _DRIVEN, "driven", 2.0))
-    ax.add_patch(_body(shaft + driving * along, _DRIVING, "driving", 2.1))
-    for centre, radius in (((0.0, 0.0), sun), (place, planet)):  # what the ellipses hide
-        ax.add_patch(
-            Circle(centre, radius, fill=False, ec=style.GREY, lw=0.6, ls=(0, (4, 2.5)), zorder=2.4)
-        )
-    for line in (driven * along, shaft + driving * along):  # long axes tell how they are turned
-        ends = line[[0, _POINTS // 2]]
+def draw_planetary(ax: Axes, mechanism: EllipticalPlanetary, theta: float, carrier: float) -> None:
+    """Gears and line of centres in millimetres; the carrier points along `carrier` [rad]."""
+    outline = EllipticalOutline(mechanism)
+    sun, planet, driven, driving = outline.bodies(theta, carrier)
+    for body, look in ((sun, _SPUR), (planet, _SPUR), (driven, _DRIVEN), (driving, _DRIVING)):
+        draw_body(ax, body, edgecolor=style.BLACK, **look)
+    for gear in (sun, planet):  # broken lines show what the ellipses hide
+        draw_body(ax, gear, fill=False, ec=style.GREY, lw=0.6, ls=(0, (4, 2.5)), zorder=2.4)
+    for ellipse in (driven, driving):
+        # the long axis shows how an ellipse is turned
+        ends = ellipse.edges[0][[0, ellipse.edges[0].size // 2]]
         ax.plot(ends.real, ends.imag, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
+    points = outline.line_of_centres(theta)
+    along = np.exp(1j * carrier)
+    shaft, contact = points.shaft * along, points.contact * along
     ax.plot(
         [0, shaft.real], [0, shaft.imag], "o-", color=style.BLACK, lw=1.6, ms=4, mfc="white",
         zorder=3, gid="carrier",
     )  # fmt: skip
-    rho = 1e3 * float(mechanism.pitch_ellipses[0].radius(mechanism.ratio * theta))
-    contact = (distance - rho) * along
     ax.plot(contact.real, contact.imag, "o", color=style.VERMILLION, ms=4, zorder=4, gid="contact")
-    return np.array([0.0, sun, distance, distance - rho])
-
-
-def outlines(mechanism: EllipticalPlanetary, theta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Edges of driven and driving ellipse, as complex numbers [mm].
-
-    Each about its own pivot, the carrier along the real axis from the driven
-    ellipse's pivot to the driving one's.
-    """
-    driving, driven = mechanism.pitch_ellipses
-    sweep = np.linspace(0.0, 2.0 * np.pi, _POINTS)
-    turned = theta + float(mechanism.follower_angle(theta))
-    inner = 1e3 * driven.radius(sweep) * np.exp(1j * (sweep - turned))
-    outer = -1e3 * driving.radius(sweep) * np.exp(1j * (sweep + mechanism.ratio * theta))
-    return inner, outer
-
-
-def _body(edge: np.ndarray, colour: str, name: str, order: float) -> Polygon:
-    return Polygon(
-        np.column_stack([edge.real, edge.imag]), facecolor=colour, edgecolor=style.BLACK,
-        linewidth=0.9, zorder=order, gid=name, alpha=0.85,
-    )  # fmt: skip
 
 
 def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     """Letters at the pivots, and arrows for carrier and output."""
     distance = 1e3 * mechanism.centre_distance
     shaft = distance * np.exp(1j * theta)
-    # letters to the right of the carrier, arrows to its left and behind it
+    # letters stand to the right of the carrier, arrows to its left and behind it
     aside = 10.0 * np.exp(1j * (theta - 0.5 * np.pi))
-    style.write(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
-    style.write(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
-    # the carrier turns counter-clockwise, the output the other way
+    style.annotate(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
+    style.annotate(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
+    # the carrier turns counter-clockwise and the output the other way
     for arc in (
         distance * np.exp(1j * (theta + np.linspace(0.1, 0.4, 21))),
         0.42e3 * mechanism.sun_radius * np.exp(1j * (theta + np.pi - np.linspace(-0.9, 0.9, 31))),
     ):
-        arrow = FancyArrowPatch(
-            path=Path(np.column_stack([arc.real, arc.imag])), arrowstyle="-|>", mutation_scale=8
-        )
-        ax.add_patch(arrow)
-        arrow.set(color=style.BLACK, linewidth=0.8, zorder=5, fill=True)
+        draw_arrow(ax, arc)
 
 
 def extent(mechanism: EllipticalPlanetary, theta: float) -> tuple[float, float, float, float]:
@@ -161,9 +118,5 @@ def _draw_scale(
     distance = 1e3 * mechanism.centre_distance
     power = 10.0 ** np.floor(np.log10(0.5 * distance))
     length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= 0.5 * distance) * power)
-    x, y = box[0] + 0.04 * distance, box[2] + _MARGIN * distance
-    ax.plot([x, x + length], [y, y], "-|", color=style.BLACK, lw=0.9, ms=6, mew=0.9)
-    ax.annotate(
-        f"{length:g} mm", (x + length, y), (5, 0), textcoords="offset points", va="center",
-        fontsize=style.SMALL_SIZE,
-    )  # fmt: skip
+    place = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
+    draw_length(ax, place, length, f"{length:g} mm")

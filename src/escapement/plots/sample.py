@@ -14,23 +14,23 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots._quantiles import QUANTILES, counted, missing, quantile, ran
-from escapement.plots._table import NoResult, Study, printed_name, single_case
-from escapement.plots.labels import label, number, print_unit, scaled, superscript
+from escapement.plots.spread import QUANTILES, counted, missing, quantile, ran
+from escapement.plots.study_table import NoResult, StudyData, printed_name, single_case
+from escapement.plots.style import label, number_text, print_unit, scaled, superscript
 
 _RESULTS = ("period", "velocity_max", "rise_time")
-_MOST_PANELS = 3  # parameters beside one another
-_FEW, _MANY = 30, 300  # points that are large, and beyond which they are small
+_MOST_PANELS = 3  # so many parameters have room beside one another
+_FEW, _MANY = 30, 300  # up to the one points are drawn large, beyond the other small
 _MOST_POINTS = 1500
 _BINS = (8, 40)
-_LINE = 20  # characters of a label beside a panel
+_LINE = 20  # so many characters of a label fit beside a panel
 _BESIDE = dict(zip(QUANTILES, ("top", "center", "bottom"), strict=True))
 _LOST: dict[str, Any] = {"marker": "x", "color": style.VERMILLION, "ms": 3.5, "mew": 0.8}
 _LONGER: dict[str, Any] = {"marker": "^", "color": style.PURPLE, "ms": 3.5, "mew": 0.0}
-_APART = 0.06  # least distance of two numbers, of a panel's height
+_APART = 0.06  # numbers closer than this share of a panel's height would overlap
 
 
-def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
+def plot_sample(study: StudyData, results: Sequence[str] = _RESULTS) -> Figure:
     """Results against each sampled parameter, and how they are distributed.
 
     Parameters
@@ -96,7 +96,7 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
 
 
 @dataclass(frozen=True)
-class _Flat:
+class _FlatSample:
     """A sample as columns of shape (n,).
 
     results : infinite where a case that has an answer lacks one, NaN where it has none.
@@ -108,7 +108,7 @@ class _Flat:
     failed: np.ndarray
 
 
-def _flat(study: Study) -> _Flat:
+def _flat(study: StudyData) -> _FlatSample:
     varied = [name for name, values in study.axes.items() if np.size(values) > 1]
     if not study.sampled or len(varied) > 1:
         raise InvalidValue(
@@ -118,10 +118,10 @@ def _flat(study: Study) -> _Flat:
     results = {name: np.ravel(counted(study, name)) for name in study.results}
     failed = ~np.ravel(ran(study))
     parameters = {name: np.asarray(v, dtype=float) for name, v in study.sampled.items()}
-    return _Flat(parameters, results, failed)
+    return _FlatSample(parameters, results, failed)
 
 
-def _foremost(flat: _Flat, result: str) -> list[str]:
+def _foremost(flat: _FlatSample, result: str) -> list[str]:
     """At most three parameters that vary: those with most effect on the result."""
     varied = [name for name, values in flat.parameters.items() if np.ptp(values) > 0.0]
     if len(varied) > _MOST_PANELS:
@@ -184,12 +184,12 @@ def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
         if all(abs(value - other) > _APART * (high - low) for other in placed):
             placed.append(value)
             row[-1].annotate(
-                number(value), (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
+                number_text(value), (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
                 textcoords="offset points", va=_BESIDE[share], fontsize=style.SMALL_SIZE,
             )  # fmt: skip
 
 
-def _dress_parameter(ax: Axes, study: Study, name: str) -> None:
+def _dress_parameter(ax: Axes, study: StudyData, name: str) -> None:
     """Ticks and label of a narrow panel: a power of ten goes into the unit."""
     values = np.abs(np.asarray(study.sampled[name], dtype=float))
     power = 3 * int(np.floor(np.log10(values.max()) / 3.0)) if values.max() > 0.0 else 0
@@ -210,7 +210,7 @@ def _wrapped(name: str, unit: str) -> str:
     return label(name, unit, _LINE)
 
 
-def _explain(figure: Figure, flat: _Flat, names: Sequence[str], rows: Sequence[str]) -> None:
+def _explain(figure: Figure, flat: _FlatSample, names: Sequence[str], rows: Sequence[str]) -> None:
     """What points, lines, crosses and triangles are, over the figure."""
     size, lost = flat.failed.size, int(flat.failed.sum())
     points = f"case ({min(size, _MOST_POINTS)} of {size})" if size > _MOST_POINTS else "case"

@@ -8,27 +8,27 @@ from matplotlib.lines import Line2D
 
 from escapement.errors import InvalidValue
 from escapement.plots import style
-from escapement.plots._panels import (
+from escapement.plots.sample import plot_sample
+from escapement.plots.spread import plot_spread
+from escapement.plots.study_panels import (
     draw_line,
     draw_lines,
     draw_map,
     dress_axis,
+    is_whole,
     legend,
     legend_title,
-    whole,
 )
-from escapement.plots._table import NoResult, Study, Table, available, tabulate
-from escapement.plots.labels import label, scaled
-from escapement.plots.sample import plot_sample
-from escapement.plots.spread import plot_spread
+from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate_study
+from escapement.plots.style import label, scaled
 
-_ENOUGH = 5  # points on either axis that make a contour map worth while
+_ENOUGH = 5  # a contour map needs so many points on either axis
 _TIMES = ("rise_time", "settling_time")
 _VELOCITIES = ("velocity_max", "velocity_mean", "velocity_min")
 _MAPS = ("period", "velocity_mean", "rise_time")
 
 
-def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
+def plot_lines(study: StudyData, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
     """One result against one parameter, a line for each value of another.
 
     Parameters
@@ -57,7 +57,7 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
 
     Source: the figures are Meyer (1973), figures 9-11.
     """
-    table = tabulate(study, result, x)
+    table = tabulate_study(study, result, x)
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.1)
     lines = draw_lines(ax, study, result, table)
     legend(ax, study, table, lines, table.note)
@@ -66,7 +66,7 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
     return ax
 
 
-def plot_rise_and_terminal(study: Study) -> Figure:
+def plot_rise_and_terminal(study: StudyData) -> Figure:
     """Rise time above mean terminal velocity, against one parameter.
 
     Parameters
@@ -86,7 +86,7 @@ def plot_rise_and_terminal(study: Study) -> Figure:
     return figure
 
 
-def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
+def plot_map(study: StudyData, result: str, ax: Axes | None = None) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
     Contours, but cells of one colour each for times that jump by an engagement, and
@@ -107,7 +107,7 @@ def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
     InvalidValue
         For an unknown or empty result, or fewer than two varied axes.
     """
-    table = tabulate(study, result)
+    table = tabulate_study(study, result)
     if table.lines is None:
         raise InvalidValue(
             f"study must vary two parameters for a map, got one ({table.x}); use plot_lines"
@@ -122,7 +122,7 @@ def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_study(study: Study) -> Figure:
+def plot_study(study: StudyData) -> Figure:
     """The figure that suits a study.
 
     Parameters
@@ -149,7 +149,7 @@ def plot_study(study: Study) -> Figure:
         beside = [*study.axes.values()][:-1]
         return (plot_spread if max(map(len, beside), default=1) > 1 else plot_sample)(study)
     names = available(study, ("rise_time", "velocity_mean"))
-    table = tabulate(study, names[0])
+    table = tabulate_study(study, names[0])
     if table.lines is None:
         return _plot_single(study, table)
     if min(table.values.shape) < _ENOUGH:
@@ -157,7 +157,7 @@ def plot_study(study: Study) -> Figure:
     return _plot_double(study, names, table)
 
 
-def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
+def _plot_double(study: StudyData, names: Sequence[str], table: StudyTable) -> Figure:
     """Lines above maps."""
     figure = style.new_figure(style.TWO_COLUMN, 6.3)
     rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
@@ -170,7 +170,7 @@ def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
     maps = available(study, _MAPS)
     holes = []
     for ax, name in zip(_panels(lower, 1, len(maps)), maps, strict=True):
-        holes += draw_map(ax, study, name, tabulate(study, name), bar="top")
+        holes += draw_map(ax, study, name, tabulate_study(study, name), bar="top")
         ax.label_outer()
     if holes:
         style.add_legend(
@@ -180,18 +180,18 @@ def _plot_double(study: Study, names: Sequence[str], table: Table) -> Figure:
     return figure
 
 
-def _plot_single(study: Study, table: Table) -> Figure:
+def _plot_single(study: StudyData, table: StudyTable) -> Figure:
     """Times above velocities, against the only varied parameter."""
     groups = {"time": _present(study, _TIMES), "driver velocity": _present(study, _VELOCITIES)}
     groups = {name: members for name, members in groups.items() if members}
     figure = style.new_figure(style.ONE_COLUMN, 0.4 + 2.2 * len(groups))
     panels = _panels(figure, len(groups), 1)
     for ax, (name, members) in zip(panels, groups.items(), strict=True):
-        values = {member: tabulate(study, member).values[:, 0] for member in members}
+        values = {member: tabulate_study(study, member).values[:, 0] for member in members}
         factor, unit = scaled(study.units.get(members[0], ""), list(values.values()))
         for look, (member, y) in zip(style.LOOKS, values.items(), strict=False):
             entry = member.removeprefix("velocity_").replace("_", " ")
-            joined = not whole(study, table.x)
+            joined = not is_whole(study, table.x)
             draw_line(ax, table.x_values, y * factor, look, entry, joined)
         dress_axis(ax, "x", study, table.x)
         ax.set_ylabel(label(name, unit))
@@ -201,7 +201,7 @@ def _plot_single(study: Study, table: Table) -> Figure:
     return figure
 
 
-def _present(study: Study, names: Sequence[str]) -> list[str]:
+def _present(study: StudyData, names: Sequence[str]) -> list[str]:
     try:
         return available(study, names)
     except NoResult:
@@ -214,17 +214,19 @@ def _panels(figure: Figure | SubFigure, rows: int, columns: int) -> list[Axes]:
     return [style.dress(ax) for ax in axes.ravel()]
 
 
-def _fill(panels: list[Axes], study: Study, names: Sequence[str]) -> tuple[list[Line2D], Table]:
+def _fill(
+    panels: list[Axes], study: StudyData, names: Sequence[str]
+) -> tuple[list[Line2D], StudyTable]:
     """Lines of one result in each panel; returns those of the last."""
     for ax, name in zip(panels, names, strict=True):
-        table = tabulate(study, name)
+        table = tabulate_study(study, name)
         lines = draw_lines(ax, study, name, table)
         if len(panels[0].get_shared_x_axes().get_siblings(ax)) > 1:
             ax.label_outer()
     return lines, table
 
 
-def _title(figure: Figure | SubFigure, table: Table) -> None:
+def _title(figure: Figure | SubFigure, table: StudyTable) -> None:
     """Say over the figure which axes were fixed, and where."""
     if table.note:
         figure.suptitle(table.note, fontsize=style.SMALL_SIZE)

@@ -1,18 +1,25 @@
-"""House style of every figure.
+"""House style of every figure: colours, sizes, legends, and names and units as printed.
 
 Colours are the Okabe-Ito palette, which colour-blind readers can tell apart
 (Okabe and Ito, "Color universal design", 2008). Each goes with a line style and a
 marker of its own, so nothing is lost in grey print. Sizes and fonts are for a
 printed column and stay readable at half size. Only figure objects are used:
 nothing here touches pyplot's global state or opens a window.
+
+Data carry units in the spelling of UDUNITS ("rad s-1", "in lbf s2"); a figure
+prints "rad/s" and "in·lbf·s²", and picks a prefix that keeps numbers short.
 """
 
 import math
+import re
+import textwrap
 from typing import Any, NamedTuple
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patheffects import withStroke
+from numpy.typing import ArrayLike
 
 from escapement import validate
 
@@ -27,7 +34,10 @@ TWO_COLUMN = 7.2
 LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 """Font sizes [pt]; the smallest is 4 pt at half size."""
 
-_MOST_DRAWN = 200  # slots or lobes
+_MOST_DRAWN = 200  # more slots or lobes could not be told apart
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
+_LINE = 34  # so many characters of a label fit beside one panel
 
 HANDLE = 4.2
 """Length of a handle, in font sizes, that shows two dashes of any of `LOOKS` without marker."""
@@ -103,7 +113,7 @@ def add_legend(
     legend.get_title().set(fontsize=SMALL_SIZE, multialignment="center")
 
 
-def write(
+def annotate(
     ax: Axes,
     text: str,
     place: tuple[float, float],
@@ -123,3 +133,75 @@ def grid(ax: Axes) -> None:
     ax.grid(which="major", color=LIGHT_GREY, lw=0.5)
     ax.grid(which="minor", color=LIGHT_GREY, lw=0.25)
     ax.set_axisbelow(True)
+
+
+def print_unit(unit: str) -> str:
+    """A unit in UDUNITS spelling as printed: "rad s-1" becomes "rad/s".
+
+    "1" and the empty string, a pure number, become the empty string.
+    """
+    above: list[str] = []
+    below: list[str] = []
+    for factor in unit.split():
+        match = re.fullmatch(r"([^\d\-]+)(-?\d+)?", factor)
+        if match is None:
+            if factor != "1":
+                above.append(factor)
+            continue
+        symbol, power = match[1], int(match[2] or 1)
+        raised = "" if abs(power) == 1 else str(abs(power)).translate(_SUPERSCRIPTS)
+        (above if power > 0 else below).append(symbol + raised)
+    text = "·".join(above)
+    return "/".join([text or "1", *below]) if below else text
+
+
+def label(name: str, unit: str = "", line: int = _LINE) -> str:
+    """Text of an axis: name with a capital, its printed unit in brackets.
+
+    line : characters after which it goes on below.
+    """
+    whole = unit.replace(" ", "~")
+    text = name[:1].upper() + name[1:] + (f" ({whole})" if unit else "")
+    return textwrap.fill(text, line).replace("~", " ")
+
+
+def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
+    """Factor and printed unit that bring times and moments to readable numbers.
+
+    Parameters
+    ----------
+    unit : str
+        UDUNITS spelling; seconds and N m get a prefix, the rest stays.
+    values : array_like
+        What will be plotted; NaN are ignored.
+
+    Returns
+    -------
+    float, str
+        Multiply by the factor to get values in the printed unit.
+    """
+    names = _PREFIXED.get(unit)
+    sizes = np.abs(np.asarray(values, dtype=float))
+    finite = sizes[np.isfinite(sizes)]
+    largest = float(finite.max()) if finite.size else 0.0
+    if names is None or largest <= 0.0:
+        return 1.0, print_unit(unit)
+    steps = min(max(int(np.ceil(-np.log10(largest) / 3.0)), 0), len(names) - 1)
+    return 1000.0**steps, names[steps]
+
+
+def superscript(power: int) -> str:
+    """A whole number as an exponent."""
+    return str(power).translate(_SUPERSCRIPTS)
+
+
+def number_text(value: float) -> str:
+    """A number to four figures, its power of ten written out."""
+    mantissa, _, power = f"{value:.4g}".partition("e")
+    return f"{mantissa}×10{superscript(int(power))}" if power else mantissa
+
+
+def parameter_text(name: str, value: float, unit: str) -> str:
+    """A parameter and its value in running text: "torque = 0.1 in·lbf"."""
+    printed = print_unit(unit)
+    return f"{name} = {number_text(value)}" + (f" {printed}" if printed else "")

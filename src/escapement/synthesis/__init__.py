@@ -2,8 +2,7 @@
 
 from escapement.synthesis.chart import lobes_for, motion_ratio_chart
 from escapement.synthesis.gears import GearPair, gear_pairs, planet_inertia
-from escapement.synthesis.motion import FollowerMotion, follower_motion
-from escapement.synthesis.peaks import MotionPeaks, motion_peaks
+from escapement.synthesis.motion import FollowerMotion, MotionPeaks, follower_motion, motion_peaks
 from escapement.synthesis.search import Candidate, find_mechanisms
 
 __all__ = [

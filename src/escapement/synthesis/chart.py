@@ -13,7 +13,7 @@ from escapement.mechanisms.gear_equation import CURVES, MOST_LOBES, lobe_ratios
 from escapement.model import FloatArray
 
 _EDGE = 1e-12
-_GRID = 501  # the function has at most two roots; closer ones are one for a designer
+_GRID = 501  # two roots closer than a step of this grid are one for a designer
 
 
 def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) -> FloatArray:
@@ -90,7 +90,7 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
 
     if high < low - _EDGE:
         return []
-    grid = np.linspace(low - _EDGE, high + _EDGE, _GRID)  # m = 0 itself is on the chart
+    grid = np.linspace(low - _EDGE, high + _EDGE, _GRID)  # so that m = 0 is on the chart
     found = [max((c - start) * n / 2.0 - 1.0, 0.0) for c in _roots(value, grid)]
     return [m for m in found if m <= MOST_LOBES]
 
@@ -98,7 +98,7 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
 def _ratio(stations: int, lobes: Fraction, curve: str) -> float:
     try:
         found = lobe_ratios(stations, lobes, curve)
-    except InvalidValue:  # more lobes than a hypocycloid can have
+    except InvalidValue:  # no hypocycloid has so many lobes
         found = []
     return found[0] if found else math.nan
 

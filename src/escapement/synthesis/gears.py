@@ -130,7 +130,7 @@ def gear_pairs(
         teeth = times * ratio.numerator, times * ratio.denominator
         largest = 2.0 * limit / (mechanism.reach_over_fixed * teeth[0])
         modules = [m * 1e-3 for m in STANDARD_MODULES if m * 1e-3 <= largest * (1.0 + 1e-12)]
-        if not modules:  # nor for more teeth
+        if not modules:  # then none fits with more teeth either
             break
         try:
             found.append(GearPair(mechanism, *teeth, module=modules[-1]))

@@ -1,13 +1,24 @@
-"""The follower's motion over a whole cycle at constant driver speed, dwell included."""
+"""The follower's motion at constant driver speed, and its peaks.
 
-from dataclasses import dataclass
+On a path of two vectors (g, u) runs along a circle through (g1, 0) and (g2, 0), and
+with s the sum of the two rates g' = u (s - 2 g), so that over an engagement
+
+    g'^2 = (g1 - g)(g - g2)(s - 2 g)^2
+    g''  = (s - 2 g) [(s - 2 g)(g1 + g2 - 2 g)/2 - 2 (g1 - g)(g - g2)]
+
+are polynomials in g, which runs from 0 to its value at dead centre: every peak is at
+an end or at a root of a polynomial.
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.mechanisms import GearDriven, Geneva
-from escapement.mechanisms.slotted import jerk
+from escapement.mechanisms.slotted import circle, jerk
 from escapement.model import FloatArray
 
 
@@ -64,3 +75,74 @@ def follower_motion(mechanism: GearDriven | Geneva, time: ArrayLike) -> Follower
     angle = whole + 0.5 + mechanism.follower_angle(theta) / step
     scaled = (np.where(moving, x, 0.0) * cell ** (i + 1) / step for i, x in enumerate(rates))
     return FollowerMotion(at, angle, *scaled)
+
+
+@dataclass(frozen=True)
+class MotionPeaks:
+    """Peaks of the follower's motion at constant driver speed.
+
+    In steps per motion time, its square and its cube, as `motion_peaks` gives them;
+    `per_cycle` changes to the time of a whole cycle.
+
+    motion_ratio : moving share of the cycle [-].
+    velocity_max : greatest velocity.
+    acceleration_start : acceleration with which the motion begins. It comes at once:
+        the jerk at the start and at the end is an impulse of this size.
+    acceleration_max : greatest acceleration.
+    jerk_start : jerk right after the start. jerk_max : greatest size of the jerk.
+    """
+
+    motion_ratio: float
+    velocity_max: float
+    acceleration_start: float
+    acceleration_max: float
+    jerk_start: float
+    jerk_max: float
+
+    def per_cycle(self) -> "MotionPeaks":
+        """The same in steps per cycle time, its square and its cube."""
+        share = self.motion_ratio
+        return replace(
+            self,
+            velocity_max=self.velocity_max / share,
+            acceleration_start=self.acceleration_start / share**2,
+            acceleration_max=self.acceleration_max / share**2,
+            jerk_start=self.jerk_start / share**3,
+            jerk_max=self.jerk_max / share**3,
+        )
+
+
+def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
+    """Peaks of velocity, acceleration and jerk of one engagement.
+
+    Raises
+    ------
+    InvalidValue
+        For a mechanism without a slotted wheel, or a path through its centre.
+    """
+    if not isinstance(mechanism, GearDriven | Geneva):
+        raise validate.fail(
+            "mechanism", "a slotted wheel", mechanism, "give a Geneva or a GearDriven"
+        )
+    path = mechanism.path
+    first, second = circle(path)  # u vanishes at these g, the first of which is dead centre
+    g = Polynomial([0.0, 1.0])
+    slope, product = path.numbers[6] - 2.0 * g, (first - g) * (g - second)
+    squared = product * slope**2
+    jerk = slope * (slope * (first + second - 2.0 * g) / 2.0 - 2.0 * product)
+    angle, step = mechanism.engagement_angle, mechanism.follower_step
+    return MotionPeaks(
+        motion_ratio=mechanism.motion_ratio,
+        velocity_max=first * angle / step,
+        acceleration_start=float(np.sqrt(squared(0.0))) * angle**2 / step,
+        acceleration_max=float(np.sqrt(_largest(squared, first))) * angle**2 / step,
+        jerk_start=float(jerk(0.0)) * angle**3 / step,
+        jerk_max=_largest(jerk, first) * angle**3 / step,
+    )
+
+
+def _largest(function: Polynomial, end: float) -> float:
+    """Greatest size of a polynomial between 0 and `end`."""
+    roots = function.deriv().roots()
+    inside = roots[(np.abs(roots.imag) < 1e-9 * end) & (roots.real > 0.0) & (roots.real < end)]
+    return float(np.abs(function(np.array([0.0, end, *inside.real]))).max())

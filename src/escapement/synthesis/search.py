@@ -9,10 +9,10 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
 from escapement.mechanisms.gear_equation import CURVES
-from escapement.synthesis.peaks import MotionPeaks, motion_peaks
+from escapement.synthesis.motion import MotionPeaks, motion_peaks
 
 _MOST = 100_000
-_EDGE = 1e-12  # what is exactly on a limit keeps it, however its digits are rounded
+_EDGE = 1e-12  # rounding may leave what lies exactly on a limit by less than this
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def _mechanisms(
         for m in sorted(lobes):
             try:
                 free = GearDriven(n, m, curve)
-            except InvalidValue:  # none with so many lobes
+            except InvalidValue:  # there is no mechanism with so many lobes
                 continue
             if free.through_centre:
                 continue

@@ -10,7 +10,7 @@ from escapement.engines.energy.prepare import cells_of, scene_of
 from escapement.jit import jit
 from escapement.model import FloatArray, Mechanism, dwell_angle
 from escapement.painleve import beyond_painleve
-from escapement.scene import Path, Scene, smooth_intervals
+from escapement.scene import Scene, smooth_intervals, writeable
 
 
 @jit(allocates=True)
@@ -64,10 +64,10 @@ def solve(
     """
     table = np.empty((rho.size, FIGURES))
     status = np.empty(rho.size, dtype=np.uint8)
-    path = (mechanism.path.table, *(np.array(row) for row in mechanism.path[1:]))
-    edges = smooth_intervals(mechanism.path, mechanism.breaks)
-    plain = path, edges, dwell_angle(mechanism), 1.0, 0.0, 0.0, 0.0
-    cells = cells_of(Path(*path), edges)
+    path = writeable(mechanism.path)
+    edges = smooth_intervals(path, mechanism.breaks)
+    plain = tuple(path), edges, dwell_angle(mechanism), 1.0, 0.0, 0.0, 0.0
+    cells = cells_of(path, edges)
     solve_scenes(addresses(), plain, cells, rho, mu, load, w, rtol, table, status)
     table[status != OK] = np.nan
     return table, status

@@ -5,40 +5,30 @@ asks for are known beforehand: cell 1 is the whole interval, cells 2k and 2k + 1
 are the halves of cell k.
 """
 
-import numpy as np
-
 from escapement.engines.energy.gauss import POINTS, N
+from escapement.engines.energy.records import END, ROW, put_end, record
 from escapement.jit import jit
-from escapement.mechanisms.slotted import transmission_at, transmission_on
+from escapement.mechanisms.slotted import transmission_on
 
-_f = np.float64
-_ROW = (_f, (N,))
-
-END = np.dtype([("g", _f), ("u", _f), ("dg", _f)], align=True)
-"""g, |u| and g' at one driver angle."""
-CELL = np.dtype(
-    [
-        *(("g", *_ROW), ("u", *_ROW), ("dg", *_ROW)),
-        *(("entry", END), ("exit", END)),
-    ],
-    align=True,
-)
-"""Transmission at the Gauss points and the two ends of a cell."""
+CELL = record({"g": ROW, "u": ROW, "dg": ROW, "entry": END, "exit": END})
+"""g, |u| and g' at the Gauss points, and at the two ends of a cell."""
 
 
-@jit(allocates=True)
-def tabulate_cells(path, edges, levels):
-    """Transmission on the first cells of every interval between edges.
+@jit
+def tabulate_cells(path, edges, work, ends, cells):
+    """Fill `cells` with the transmission on the first cells of every interval between edges.
 
-    Returns
-    -------
-    ndarray of CELL, shape (intervals, 2**levels)
-        Row 0 is empty.
+    Parameters
+    ----------
+    path, edges : of a `Scene`.
+    work : array with one `panels.WORKSPACE`.
+    ends : array of shape (cells, 2), for driver angles.
+    cells : array of `CELL` of shape (intervals, cells); column 0 stays empty.
     """
-    most = 2**levels
-    cells = np.empty((edges.size - 1, most), CELL)
-    ends = np.empty((most, 2))
-    points = POINTS.copy()
+    most = cells.shape[1]
+    row, count = work[0].series, work[0].points & N
+    for i in range(N):
+        row[i] = POINTS[i]
     for interval in range(edges.size - 1):
         ends[1, 0], ends[1, 1] = edges[interval], edges[interval + 1]
         for k in range(1, most):
@@ -48,14 +38,6 @@ def tabulate_cells(path, edges, levels):
             if 2 * k < most:
                 ends[2 * k, 0], ends[2 * k, 1] = left, left + half
                 ends[2 * k + 1, 0], ends[2 * k + 1, 1] = left + half, right
-            transmission_on(path, left, half, points, points.size, cell.g, cell.u, cell.dg)
+            transmission_on(path, left, half, row, count, cell.g, cell.u, cell.dg)
             put_end(cell.entry, path, left)
             put_end(cell.exit, path, right)
-    return cells
-
-
-@jit
-def put_end(end, path, theta):
-    """Transmission at an end of a cell or panel."""
-    g, u, dg = transmission_at(path, theta)
-    end.g, end.u, end.dg = g, abs(u), dg

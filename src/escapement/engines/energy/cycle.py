@@ -22,7 +22,7 @@ from escapement.engines.energy.march import (
     Request,
 )
 from escapement.engines.energy.panels import NO_PANELS, tolerances
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
 FIGURES = 7
@@ -61,7 +61,7 @@ class Cycle(NamedTuple):
     panels: int
 
 
-@jit
+@inner_jit
 def closer(w, found, scene, ends, reversed_):
     """Fixed point of the affine map by which a march went from w to `found`.
 
@@ -79,7 +79,7 @@ def closer(w, found, scene, ends, reversed_):
     return Step((found.source / leave + ends.dwell) / gap, shrink, True)
 
 
-@jit
+@inner_jit
 def beyond(w, better, before):
     """Fixed point from two steps of Newton's, whose errors go like the squares of what they had.
 
@@ -92,7 +92,7 @@ def beyond(w, better, before):
     return further if further > 0.0 else better
 
 
-@jit
+@inner_jit
 def terminal_cycle(
     calls, scene, cells, store, count, ends, w, last_good, before, rtol, events, first, out
 ):
@@ -155,7 +155,7 @@ def terminal_cycle(
     return Cycle(NOT_CONVERGED, count)
 
 
-@jit
+@inner_jit
 def _read(calls, scene, store, events, first, found, w, step, out):
     """Extremes of the speed, period, handoff and contraction of the cycle just marched."""
     fast, slow = max(w, found.w), min(w, found.w)

@@ -12,9 +12,10 @@ from escapement.dynamics import driving, effective_ratio, reduced_inertia
 from escapement.engines.energy.gauss import POINTS, N, cumulate, dot
 from escapement.engines.energy.locate import locate, weights_to
 from escapement.engines.energy.panels import at_gauss_points, points_of, solution_of, survey
+from escapement.engines.energy.records import NUMBER, ROW, TRUTH, WHOLE, copy_row, record
 from escapement.engines.energy.sampling import duration, run_over
 from escapement.engines.energy.solve import solve_side
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 
 
@@ -29,29 +30,25 @@ class EventKind(IntEnum):
     EXIT = 5
 
 
-_f = np.float64
-_ROW = (_f, (N,))
-
-EVENT = np.dtype(
-    [
-        ("kind", np.int64),
+EVENT = record(
+    {
+        "kind": WHOLE,
         # driver angle from dead centre and time since the entry; of an extremum that is not
         # placed those of the left end of its panel
-        *(("angle", _f), ("time", _f)),
-        ("w", _f),  # rough where the event is not placed
-        ("placed", np.bool_),
+        **dict.fromkeys(("angle", "time"), NUMBER),
+        "w": NUMBER,  # rough where the event is not placed
+        "placed": TRUTH,
         # of an extremum, by what it is placed: half the width of its panel, whether that is too
         # coarse to be interpolated, the side of the slot, E at the left end, the point behind
         # the extremum, J theta_ddot at the left end and at x = high
-        *(("half", _f), ("coarse", np.bool_), ("side", _f), ("left_energy", _f)),
-        *(("point", np.int64), ("first", _f), ("final", _f), ("high", _f)),
+        **{"half": NUMBER, "coarse": TRUTH, "side": NUMBER, "left_energy": NUMBER},
+        **{"point": WHOLE, "first": NUMBER, "final": NUMBER, "high": NUMBER},
         # rows of the workspace
-        *(("energy", *_ROW), ("rate", *_ROW), ("slowness", *_ROW)),
+        **dict.fromkeys(("energy", "rate", "slowness"), ROW),
         # of the transient: when its engagement began, whether no other extremum of its kind
         # goes further in it
-        *(("since", _f), ("leading", np.bool_)),
-    ],
-    align=True,
+        **{"since": NUMBER, "leading": TRUTH},
+    }
 )
 """An event of an engagement."""
 
@@ -60,25 +57,25 @@ ROUGH = 2e-3  # relative error of a rough w; at most 3e-4 in 2400 random cases
 NEAR = 1e-2  # of a panel: a last step of Newton's beyond this is not trusted
 
 
-@jit
+@inner_jit
 def most_events(edges):
     """Room for the events of an engagement."""
     return 16 + 4 * edges.size
 
 
-@jit
+@inner_jit
 def is_extremum(event):
     """Whether an event is an extremum of the driver speed."""
     return EventKind.MINIMUM <= event.kind <= EventKind.MAXIMUM
 
 
-@jit
+@inner_jit
 def extremum_kind(rising):
     """Kind of the extremum behind a stretch on which the speed rises, or falls."""
     return np.int64(EventKind.MAXIMUM if rising > 0.0 else EventKind.MINIMUM)
 
 
-@jit
+@inner_jit
 def note(events, used, kind, angle, time, w):
     """Add an event that is known exactly; returns how many there are."""
     if used < events.shape[0]:
@@ -90,7 +87,7 @@ def note(events, used, kind, angle, time, w):
     return used
 
 
-@jit
+@inner_jit
 def note_extremum(scene, events, used, kind, work, panel, found, high):
     """Add an extremum between a panel's points `found.point` - 1 and it; returns how many.
 
@@ -104,10 +101,10 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
     event.placed, event.coarse, event.point = False, found.coarse, found.point
     event.side, event.left_energy = found.side, found.energy
     event.first, event.final, event.high = found.first, found.final, high
-    for i in range(points_of(work)):
-        event.energy[i] = work.energy[i]
-        event.rate[i] = work.rate[i]
-        event.slowness[i] = work.slowness[i]
+    count = points_of(work)
+    copy_row(event.energy, work.energy, count)
+    copy_row(event.rate, work.rate, count)
+    copy_row(event.slowness, work.slowness, count)
     point = found.point
     if point == 0 or point == N or POINTS[point] >= high:
         # not between two points: nothing is known without placing it
@@ -117,7 +114,7 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
     return used + 1
 
 
-@jit
+@inner_jit
 def _rough_square(scene, work, panel, side, point):
     """w at an extremum between two points, on the cubic through both points and slopes."""
     one, two = point - 1, point
@@ -132,7 +129,7 @@ def _rough_square(scene, work, panel, side, point):
     return w + (before * y - behind * x) * x * y
 
 
-@jit
+@inner_jit
 def place(scene, store, events, i):
     """Make angle, time and w of event i exact.
 
@@ -161,7 +158,7 @@ def place(scene, store, events, i):
     event.placed = True
 
 
-@jit
+@inner_jit
 def _up_to(scene, work, event, x, angle):
     """Time and E from the left end of an event's panel to the place x, at driver angle `angle`."""
     if not event.coarse:
@@ -178,7 +175,7 @@ def _up_to(scene, work, event, x, angle):
     return duration(work)[0], solution.alpha_end * event.left_energy + solution.beta_end
 
 
-@jit
+@inner_jit
 def turned(events, first, used):
     """Whether the events from `first` on hold a pin reversal."""
     count = 0

@@ -36,20 +36,20 @@ from escapement.engines.energy.march import (
     Request,
 )
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 
 SEEN = 256  # events of a transient that are kept
 PATIENCE = 40  # engagements after which the terminal cycle is looked for in any case
 
 
-@jit(allocates=True)
+@inner_jit(allocates=True)
 def workspace(edges):
     """Panel store and events, for `figures`."""
     return new_store(MAX_PANELS), np.empty(SEEN + 2 * most_events(edges), EVENT)
 
 
-@jit
+@inner_jit
 def figures(calls, scene, cells, w, rtol, store, events, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
@@ -120,7 +120,7 @@ def figures(calls, scene, cells, w, rtol, store, events, out):
     return OK if cycle_known else NOT_CONVERGED
 
 
-@jit
+@inner_jit
 def _stopped(found, k, out):
     """Leave the place of a stall; returns the status."""
     for i in range(FIGURES):
@@ -129,7 +129,7 @@ def _stopped(found, k, out):
     return found.status
 
 
-@jit
+@inner_jit
 def _worth_seeking(scene, w, step, k, used, events):
     """Whether the terminal cycle is looked for after engagement k.
 
@@ -140,7 +140,7 @@ def _worth_seeking(scene, w, step, k, used, events):
     return settled or k == PATIENCE or used + most_events(scene.edges) > events.shape[0]
 
 
-@jit
+@inner_jit
 def _complete(calls, scene, store, events, first, used, time):
     """Tell the extrema of an engagement when that began, and which of them lead."""
     for i in range(first, used):
@@ -149,7 +149,7 @@ def _complete(calls, scene, store, events, first, used, time):
             events[i].leading = _leads(calls, scene, store, events, first, used, i)
 
 
-@jit
+@inner_jit
 def _leads(calls, scene, store, events, first, used, i):
     """Whether no other extremum of its kind in the engagement goes further."""
     event = events[i]
@@ -166,7 +166,7 @@ def _leads(calls, scene, store, events, first, used, i):
     return True
 
 
-@jit
+@inner_jit
 def _judge(calls, scene, store, events, first, used, calm, out):
     """Let extrema of the transient decide on rise and settling time.
 
@@ -179,7 +179,7 @@ def _judge(calls, scene, store, events, first, used, calm, out):
     return calm
 
 
-@jit
+@inner_jit
 def _judge_one(calls, scene, store, events, i, calm, out):
     """The same of one extremum."""
     event = events[i]

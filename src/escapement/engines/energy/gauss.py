@@ -8,7 +8,7 @@ of one whose length it does not know.
 import numpy as np
 from numpy.polynomial.legendre import leg2poly
 
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import BLOCK
 
 N = BLOCK
@@ -48,7 +48,7 @@ def _product_with(m):
     that writing to `out` leaves it as it is.
     """
 
-    @jit
+    @inner_jit
     def product(values, out):
         c0, c1, c2, c3 = values[0], values[1], values[2], values[3]
         c4, c5, c6, c7 = values[4], values[5], values[6], values[7]
@@ -70,7 +70,7 @@ to_powers = _product_with(POWERS)
 """to_powers(values, out): coefficients of a power series."""
 
 
-@jit(reorders=True)
+@inner_jit(reorders=True)
 def tail_of(values, count):
     """Size of the last two Legendre coefficients."""
     last = last_but_one = 0.0
@@ -80,7 +80,7 @@ def tail_of(values, count):
     return abs(last) + abs(last_but_one)
 
 
-@jit(reorders=True)
+@inner_jit(reorders=True)
 def whole(values, count):
     """Integral over [-1, 1]."""
     total = 0.0
@@ -89,7 +89,7 @@ def whole(values, count):
     return total
 
 
-@jit(reorders=True)
+@inner_jit(reorders=True)
 def dot(a, b, count):
     """Sum of the products of two rows."""
     total = 0.0
@@ -98,7 +98,7 @@ def dot(a, b, count):
     return total
 
 
-@jit
+@inner_jit
 def root_between(c, x, low, high, rising):
     """Root of the power series with coefficients c in a bracket, from the guess x.
 

@@ -10,7 +10,7 @@ from escapement.engines.energy.events import EVENT, NONE, most_events
 from escapement.engines.energy.march import OK, PAINLEVE, Record, Request
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.prepare import scene_of
-from escapement.jit import jit
+from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.painleve import beyond_painleve
 
@@ -90,7 +90,7 @@ def handoffs(calls, plain, cells, w, limit, rtol, clock, times, speeds):
     return Run(OK, times.size, 0.0)
 
 
-@jit
+@inner_jit
 def _repeat(k, time, length, limit, clock, times, speeds):
     """Repeat engagement k to the end or the limit; returns how many engagements there are."""
     for j in range(k + 1, times.size):

@@ -29,13 +29,13 @@ from escapement.engines.energy.sampling import (
     driving_at,
     duration,
 )
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 
 NEAR = 1e-4  # of a panel: a last step of Newton's beyond this is not trusted
 
 
-@jit(reorders=True)
+@inner_jit(reorders=True)
 def weights_to(work, x):
     """Weights `at_x` that interpolate at x, and `from_left` for what vanishes at -1."""
     total = 0.0
@@ -51,7 +51,7 @@ def weights_to(work, x):
         work.from_left[i] = weight * FROM_LEFT[i] * (1.0 + x)
 
 
-@jit
+@inner_jit
 def locate(work, values, place, left, right, high):
     """Where values at the points change sign between point `place` and the one before.
 
@@ -91,7 +91,7 @@ class Instant(NamedTuple):
     w: float
 
 
-@jit
+@inner_jit
 def reversal_at(scene, work, panel, side, x, slope, w):
     """Instant of a reversal located at x; `w` is that of the left end.
 
@@ -128,7 +128,7 @@ class Turned(NamedTuple):
     source: float
 
 
-@jit
+@inner_jit
 def turn(scene, work, panel, side, reversal, strict, extrema, source):
     """Go on with the other side's solution from the reversal to the right end.
 
@@ -165,7 +165,7 @@ def turn(scene, work, panel, side, reversal, strict, extrema, source):
     return Turned(good, e_right, length, b - other_b + two.b_end, source)
 
 
-@jit
+@inner_jit
 def _run_behind(scene, work, panel, solution, side, energy, reversal, extrema):
     """Values of the side that carries the force behind a reversal; how many points are bad.
 
@@ -189,7 +189,7 @@ def _run_behind(scene, work, panel, solution, side, energy, reversal, extrema):
     return bad
 
 
-@jit
+@inner_jit
 def _hides_more(scene, work, panel, side, w, reversal, extrema):
     """How many signs there are of a further event between a reversal and the right end.
 

@@ -51,7 +51,7 @@ from escapement.engines.energy.sampling import (
 )
 from escapement.engines.energy.solve import solve_side
 from escapement.engines.energy.start import begin, braking
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.status import Status
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
@@ -193,7 +193,7 @@ class Inside(NamedTuple):
     turned: Turned
 
 
-@jit
+@inner_jit
 def march(scene, cells, store, count, request, w, side, rising, events, used):
     """Advance from entry to exit of one engagement.
 
@@ -243,7 +243,7 @@ def march(scene, cells, store, count, request, w, side, rising, events, used):
     return _found(OK, state, 0.0, state.time, count)
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _found(status, state, angle, time, count):
     """What the march found, where it ends with `state`."""
     return Engagement(
@@ -252,7 +252,7 @@ def _found(status, state, angle, time, count):
     )  # fmt: skip
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _enter(scene, panel, w, side, rising, used):
     """State at the entry, at the left end of the first panel."""
     end = panel.entry
@@ -262,7 +262,7 @@ def _enter(scene, panel, w, side, rising, used):
     return State(FIRST, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _prepare(scene, work, panel, state, request):
     """Have a panel solved for the side at hand; whether the start's panel takes its place."""
     solution = solution_of(panel, state.side)
@@ -273,7 +273,7 @@ def _prepare(scene, work, panel, state, request):
     return False
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _pass_over(scene, work, panel, starting, state, request):
     """Go to the right end of a panel, and look for a reversal or a stop on the way."""
     side, w = state.side, state.w
@@ -312,7 +312,7 @@ def _pass_over(scene, work, panel, starting, state, request):
     return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slower, left)
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _single_reversal(work, panel, against, left, right, nothing, rough):
     """Whether a panel must be halved to hold one reversal, and the first point behind that.
 
@@ -329,7 +329,7 @@ def _single_reversal(work, panel, against, left, right, nothing, rough):
     return split, reversal
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _time_over(work, panel, noise, w, w_right, left, right, nothing, reversal, request):
     """Time over a panel up to its right end, and whether the panel must be halved first."""
     passed, roughness = duration(work)
@@ -346,7 +346,7 @@ def _time_over(work, panel, noise, w, w_right, left, right, nothing, reversal, r
     return passed, split
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _note_left_end(scene, panel, state, events):
     """Note a break of the mechanism, and an extremum at a corner of the speed."""
     used, rising = state.used, state.rising
@@ -363,7 +363,7 @@ def _note_left_end(scene, panel, state, events):
     )  # fmt: skip
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _check(scene, work, panel, starting, state, passage, request):
     """Look for an extremum of the driver speed in a panel, up to its reversal if it has one."""
     side, energy = state.side, state.energy
@@ -386,7 +386,7 @@ def _check(scene, work, panel, starting, state, passage, request):
     return Extremum(split, point, first, final, state.time, energy, side, coarse)
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _note_inside(scene, work, panel, state, passage, extremum, request, events):
     """Note a panel's extremum and its reversal, and go on behind that on the other side."""
     used, split, reversal = state.used, extremum.split, passage.reversal
@@ -425,7 +425,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
     return Inside(not turned.good, used, turned)
 
 
-@jit(inlined=True)
+@inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """State at the right end of a panel, which is the left end of the one at `following`."""
     if passage.reversal >= 0:

@@ -13,57 +13,60 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.engines.energy.cells import END, put_end
 from escapement.engines.energy.gauss import POINTS, N, tail_of
-from escapement.jit import jit
+from escapement.engines.energy.records import (
+    END,
+    NUMBER,
+    ROW,
+    TRUTH,
+    WHOLE,
+    copy_end,
+    copy_row,
+    put_end,
+    record,
+)
+from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_on
 
-_f, _i = np.float64, np.int64
-_ROW = (_f, (N,))
-
-SOLUTION = np.dtype(
-    [
+SOLUTION = record(
+    {
         # E(x) = alpha E_left + beta with alpha = exp(-b), b the integral of B; at the points
-        *(("alpha", *_ROW), ("beta", *_ROW), ("b", *_ROW)),
+        **dict.fromkeys(("alpha", "beta", "b"), ROW),
         # the same three at the right end
-        *(("alpha_end", _f), ("beta_end", _f), ("b_end", _f)),
+        **dict.fromkeys(("alpha_end", "beta_end", "b_end"), NUMBER),
         # size of the last coefficients, UNSOLVED before they are known, and their rounding
-        *(("tail", _f), ("noise", _f)),
-    ],
-    align=True,
+        **dict.fromkeys(("tail", "noise"), NUMBER),
+    }
 )
 """Solution of the energy equation on a panel for one side of the slot."""
 
-PANEL = np.dtype(
-    [
-        *(("left", _f), ("half", _f)),  # driver angle of the left end, half the width
-        ("next", _i),  # panel to its right, LAST if there is none
-        ("kink", np.bool_),  # whether the left end is a break of the mechanism
-        *(("interval", _i), ("cell", _i)),  # where the mechanism's cells have it
-        *(("g", *_ROW), ("u", *_ROW), ("dg", *_ROW)),  # g, |u| and g' at the points
-        ("inverse", *_ROW),  # 1/(rho + g^2) at the points
-        ("sharp", _f),  # size of the last coefficients of `inverse`, relative
-        ("step", *_ROW),  # driver angle by x at the points
-        *(("entry", END), ("exit", END)),  # g, |u| and g' at the left and the right end
-        *(("plus", SOLUTION), ("minus", SOLUTION)),  # for the sides s = +1 and -1
-    ],
-    align=True,
+PANEL = record(
+    {
+        **dict.fromkeys(("left", "half"), NUMBER),  # driver angle of the left end, half the width
+        "next": WHOLE,  # panel to its right, LAST if there is none
+        "kink": TRUTH,  # whether the left end is a break of the mechanism
+        **dict.fromkeys(("interval", "cell"), WHOLE),  # where the mechanism's cells have it
+        **dict.fromkeys(("g", "u", "dg"), ROW),  # g, |u| and g' at the points
+        "inverse": ROW,  # 1/(rho + g^2) at the points
+        "sharp": NUMBER,  # size of the last coefficients of `inverse`, relative
+        "step": ROW,  # driver angle by x at the points
+        **dict.fromkeys(("entry", "exit"), END),  # g, |u| and g' at the left and the right end
+        **dict.fromkeys(("plus", "minus"), SOLUTION),  # for the sides s = +1 and -1
+    }
 )
 """A panel: its geometry, and its solution for either side of the slot."""
 
-WORKSPACE = np.dtype(
-    [
-        ("points", _i),  # N, see `points_of`
+WORKSPACE = record(
+    {
+        "points": WHOLE,  # N, see `points_of`
         # E, w, X by s, J theta_ddot and dt/dx at the points of the panel at hand
-        *(("energy", *_ROW), ("w", *_ROW), ("contact", *_ROW), ("rate", *_ROW)),
-        ("slowness", *_ROW),
-        ("difference", *_ROW),  # of the slowness on the two sides of a reversal
-        ("series", *_ROW),  # a power series, points of a panel to be laid out, or times
-        *(("at_x", *_ROW), ("from_left", *_ROW)),  # weights of `locate.weights_to`
-        *(("decay", *_ROW), ("gain", *_ROW)),  # B and A by x while a panel is being solved
-        ("start", PANEL),  # the panel a motion starts in, over the square root of the angle
-    ],
-    align=True,
+        **dict.fromkeys(("energy", "w", "contact", "rate", "slowness"), ROW),
+        "difference": ROW,  # of the slowness on the two sides of a reversal
+        "series": ROW,  # a power series, points of a panel to be laid out, or times
+        **dict.fromkeys(("at_x", "from_left"), ROW),  # weights of `locate.weights_to`
+        **dict.fromkeys(("decay", "gain"), ROW),  # B and A by x while a panel is being solved
+        "start": PANEL,  # the panel a motion starts in, over the square root of the angle
+    }
 )
 """What is evaluated on one panel at a time."""
 
@@ -83,7 +86,7 @@ COARSE = 0.1  # of the tail allowed: what is solved for is rougher than its coef
 SMALLEST = 1e-13  # half width [rad] below which no panel is halved
 
 
-@jit(allocates=True)
+@inner_jit(allocates=True)
 def new_store(most):
     """An empty store for `most` panels; memory that is never touched costs nothing."""
     workspace = np.empty(1, WORKSPACE)
@@ -91,26 +94,26 @@ def new_store(most):
     return Store(np.empty(most, PANEL), workspace)
 
 
-@jit
+@inner_jit
 def points_of(work):
     """N, unknown to the compiler, which makes vector code of loops of such a length."""
     return work.points & N
 
 
-@jit
+@inner_jit
 def solution_of(panel, side):
     """Solution of a panel for a side of the slot."""
     return panel.plus if side > 0.0 else panel.minus
 
 
-@jit
+@inner_jit
 def at_gauss_points(work):
     """Have `survey` fill an ordinary panel."""
     for i in range(N):
         work.series[i] = POINTS[i]
 
 
-@jit
+@inner_jit
 def survey(work, panel, path, rho, left, right):
     """Fill the geometry of a panel at the points in `work.series`, from -1 to 1."""
     half = 0.5 * (right - left)
@@ -122,13 +125,7 @@ def survey(work, panel, path, rho, left, right):
     complete(panel, rho, points_of(work))
 
 
-@jit
-def copy_end(end, other):
-    """Transmission at an end of another panel or cell."""
-    end.g, end.u, end.dg = other.g, other.u, other.dg
-
-
-@jit
+@inner_jit
 def recall(work, panel, path, cells, rho, left, right):
     """Fill the geometry of a panel from the mechanism's cells where they have it."""
     if panel.cell >= cells.shape[1]:
@@ -139,21 +136,15 @@ def recall(work, panel, path, cells, rho, left, right):
     panel.left = left
     panel.half = 0.5 * (right - left)
     count = points_of(work)
-    _copy_row(panel.g, cell.g, count)
-    _copy_row(panel.u, cell.u, count)
-    _copy_row(panel.dg, cell.dg, count)
+    copy_row(panel.g, cell.g, count)
+    copy_row(panel.u, cell.u, count)
+    copy_row(panel.dg, cell.dg, count)
     copy_end(panel.entry, cell.entry)
     copy_end(panel.exit, cell.exit)
     complete(panel, rho, points_of(work))
 
 
-@jit
-def _copy_row(row, other, count):
-    for i in range(count & N):
-        row[i] = other[i]
-
-
-@jit
+@inner_jit
 def complete(panel, rho, count):
     """Fill what follows from the transmission and the half width; it is not solved yet."""
     half = panel.half
@@ -166,7 +157,7 @@ def complete(panel, rho, count):
     panel.minus.tail = UNSOLVED
 
 
-@jit
+@inner_jit
 def halve(scene, cells, store, place, count):
     """Split the panel at `place` in two; returns the new number of panels.
 
@@ -192,7 +183,7 @@ def halve(scene, cells, store, place, count):
     return count + 1
 
 
-@jit
+@inner_jit
 def lay_out(scene, cells, store, loose):
     """First panels of an engagement, fine enough for its geometry; returns their number."""
     edges = scene.edges
@@ -214,7 +205,7 @@ def lay_out(scene, cells, store, loose):
     return count
 
 
-@jit
+@inner_jit
 def tolerances(rtol):
     """Tails allowed in panels for a relative error: whole panel, and inside.
 

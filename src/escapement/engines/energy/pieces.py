@@ -26,18 +26,18 @@ from escapement.engines.energy.panels import (
     tolerances,
 )
 from escapement.engines.energy.prepare import scene_of
+from escapement.engines.energy.records import NUMBER, WHOLE, record
 from escapement.engines.energy.sampling import duration, run_over
 from escapement.engines.energy.solve import solve_side
-from escapement.jit import jit
+from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.scene import Scene
 
-HAPPENED = np.dtype(
-    [
-        *(("engagement", np.int64), ("kind", np.int64), ("angle", np.float64)),
-        *(("time", np.float64), ("w", np.float64), ("side", np.float64)),
-    ],
-    align=True,
+HAPPENED = record(
+    {
+        **dict.fromkeys(("engagement", "kind"), WHOLE),
+        **dict.fromkeys(("angle", "time", "w", "side"), NUMBER),
+    }
 )
 """An event of a motion: driver angle from dead centre, time from the start, w; at an entry
 the side of the slot."""
@@ -48,7 +48,7 @@ _HALVINGS = 80  # of a piece, one inside the other
 _EVEN = 1e-12  # width below which the acceleration is constant [rad]
 
 
-@jit
+@inner_jit
 def _put(table, filled, engagement, kind, angle, time, w, side):
     row = table[filled]
     row.engagement, row.kind, row.side = engagement, kind, side
@@ -56,7 +56,7 @@ def _put(table, filled, engagement, kind, angle, time, w, side):
     return filled + 1
 
 
-@jit
+@inner_jit
 def _copy(table, to, filled):
     # not by slices, whose error messages take a tenth of all compilation
     for i in range(filled):
@@ -114,7 +114,7 @@ def events_of(calls, plain, cells, starts, squares, rtol):
     return happened
 
 
-@jit
+@inner_jit
 def _side_at_entry(side, events, used):
     """Side of the slot at the entry, from that at the exit."""
     for i in range(used):
@@ -191,7 +191,7 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
     return loss
 
 
-@jit
+@inner_jit
 def _solve(scene, work, panel, part, side, strict):
     """Solve a panel over a part of a piece; whether it is fine enough to be interpolated."""
     at_gauss_points(work)
@@ -205,7 +205,7 @@ def _solve(scene, work, panel, part, side, strict):
     return solution.tail <= strict and stopped == 0 and smooth
 
 
-@jit
+@inner_jit
 def _read(scene, work, panel, part, length, end, times, theta, squares):
     """States at the times within a part, on its panel."""
     cumulate(work.slowness, work.series)
@@ -219,7 +219,7 @@ def _read(scene, work, panel, part, length, end, times, theta, squares):
         squares[j] = dot(work.at_x, work.energy, points_of(work)) / (scene.rho + g * g)
 
 
-@jit
+@inner_jit
 def _read_even(part, length, after, end, times, theta, squares):
     """States at the times within a part so short that its acceleration is constant."""
     before, gain = np.sqrt(part.w), np.sqrt(after) - np.sqrt(part.w)
@@ -263,7 +263,7 @@ def follow(
     return theta, squares
 
 
-@jit
+@inner_jit
 def _next(edges, left, end):
     """The first edge behind `left`, if it comes before the end."""
     for i in range(edges.size):
@@ -272,7 +272,7 @@ def _next(edges, left, end):
     return end
 
 
-@jit
+@inner_jit
 def _lost(scene, work, panel, side):
     """Work lost in friction over a panel, by x."""
     total = 0.0
@@ -282,7 +282,7 @@ def _lost(scene, work, panel, side):
     return total
 
 
-@jit
+@inner_jit
 def _invert(work, target, whole_time):
     """x in [-1, 1] at a time since the left end; leaves the weights to it in the workspace."""
     count = points_of(work)

@@ -1,20 +1,21 @@
 """What the kernels need of a scene beside its numbers, derived once for each escapement."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from escapement.engines.energy.calls import addresses
-from escapement.engines.energy.cells import tabulate_cells
-from escapement.jit import jit
+from escapement.engines.energy.cells import CELL, tabulate_cells
+from escapement.engines.energy.gauss import N
+from escapement.engines.energy.panels import WORKSPACE
+from escapement.jit import inner_jit
 from escapement.model import Escapement, FloatArray
 from escapement.scene import Path, Scene
-
-if TYPE_CHECKING:
-    from numpy import ndarray
 
 _KEY = "energy.cells"
 
 
-def prepared(escapement: Escapement) -> tuple[Any, tuple[Any, ...], "ndarray"]:
+def prepared(escapement: Escapement) -> tuple[Any, tuple[Any, ...], FloatArray]:
     """Addresses of the long kernels, scene, and cells of the mechanism: what kernels take first.
 
     The scene is a plain tuple, see `scene_of`.
@@ -23,11 +24,11 @@ def prepared(escapement: Escapement) -> tuple[Any, tuple[Any, ...], "ndarray"]:
     if _KEY not in kept:
         path, *rest = escapement.scene
         edges = escapement.scene.edges
-        kept[_KEY] = (tuple(path), *rest), cells_of(path, edges)
-    return addresses(), *kept[_KEY]
+        kept[_KEY] = addresses(), (tuple(path), *rest), cells_of(path, edges)
+    return kept[_KEY]
 
 
-@jit(allocates=True, inlined=True)
+@inner_jit(allocates=True, inlined=True)
 def scene_of(plain):
     """Scene of a plain tuple.
 
@@ -38,6 +39,11 @@ def scene_of(plain):
     return Scene(Path(path[0], path[1], path[2]), edges, dwell, rho, mu_plus, mu_minus, load)
 
 
-def cells_of(path: Path, edges: FloatArray) -> "ndarray":
+def cells_of(path: Path, edges: FloatArray) -> FloatArray:
     """The first cells of a mechanism; a table has many intervals, so few of each."""
-    return tabulate_cells(path, edges, 5 if edges.size < 8 else 2)
+    most = 2**5 if edges.size < 8 else 2**2
+    cells = np.empty((edges.size - 1, most), CELL)
+    work = np.zeros(1, WORKSPACE)
+    work["points"] = N
+    tabulate_cells(path, edges, work, np.empty((most, 2)), cells)
+    return cells

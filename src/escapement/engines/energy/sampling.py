@@ -9,7 +9,7 @@ import numpy as np
 from escapement.dynamics import contact, driving
 from escapement.engines.energy.gauss import LAST, LAST_BUT_ONE, POINTS, WEIGHTS, N
 from escapement.engines.energy.panels import points_of
-from escapement.jit import jit
+from escapement.jit import inner_jit
 
 NEAREST, SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])  # ways of two points from an end
 NO_POINT, EVERY_POINT = np.int64(0), np.int64(N)  # for plain constants numba compiles users anew
@@ -18,19 +18,19 @@ MERGED = 1e-9  # half width [rad] of a panel in which a pair of reversals does n
 UNSURE = 0.01  # relative error of the slope that two points give at an end
 
 
-@jit
+@inner_jit
 def driving_at(end, side, w, scene):
     """J theta_ddot at an end of a panel: the sign of the acceleration."""
     return driving(end.g, end.u, end.dg, w, side, scene)
 
 
-@jit
+@inner_jit
 def contact_at(end, w, scene):
     """Contact function X at an end of a panel."""
     return contact(end.g, end.dg, w, scene)
 
 
-@jit
+@inner_jit
 def run_over(scene, work, panel, solution, side, energy):
     """Energy, speed, slowness, contact and sign of the acceleration at the points.
 
@@ -58,7 +58,7 @@ def run_over(scene, work, panel, solution, side, energy):
     return against, stopped, slower
 
 
-@jit
+@inner_jit
 def first_against(work):
     """First point where the other side carries the force; N if there is none."""
     for i in range(N):
@@ -67,7 +67,7 @@ def first_against(work):
     return N
 
 
-@jit
+@inner_jit
 def clearly_against(work):
     """Points where the other side carries a force beyond rounding.
 
@@ -82,7 +82,7 @@ def clearly_against(work):
     return count
 
 
-@jit
+@inner_jit
 def dips(values, nothing, left, right, first, last, points):
     """Whether values of one sign nearly vanish from point `first` to before `last`.
 
@@ -104,7 +104,7 @@ def dips(values, nothing, left, right, first, last, points):
     return count > 0
 
 
-@jit
+@inner_jit
 def _touches(nothing, before, here, after):
     """Whether three values may be next to where a function touches zero.
 
@@ -117,7 +117,7 @@ def _touches(nothing, before, here, after):
     return here <= min(before, after) and 2.0 * here < high and high > nothing
 
 
-@jit
+@inner_jit
 def _touches_at_end(nothing, end, one, two):
     """Whether the parabola through an end and two points falls between them to half of `end`.
 
@@ -136,7 +136,7 @@ def _touches_at_end(nothing, end, one, two):
     return -slope < 2.0 * rise * SECOND and slope * slope > 2.0 * rise * scale * end
 
 
-@jit(reorders=True)
+@inner_jit(reorders=True)
 def duration(work):
     """Time over the panel, and how rough the slowness is: its last coefficients, relative."""
     total = last = last_but_one = 0.0
@@ -147,7 +147,7 @@ def duration(work):
     return total, (abs(last) + abs(last_but_one)) / work.slowness[N // 2]
 
 
-@jit
+@inner_jit
 def find_extremum(rate, last, first, final):
     """Changes of sign of the acceleration before point `last` (N: over the panel).
 

@@ -13,7 +13,7 @@ import numpy as np
 from escapement.dynamics import bend, energy_rates
 from escapement.engines.energy.gauss import N, cumulate, tail_of, whole
 from escapement.engines.energy.panels import points_of, solution_of
-from escapement.jit import jit
+from escapement.jit import inner_jit
 
 LEAST = 1e-9  # of |u| g' by angle: less is lost next to a stop, or is a table's rounding
 ROUNDING = 1e-15  # relative error of the sums; J is a difference and loses digits to it
@@ -21,7 +21,7 @@ STEEPEST = 20.0  # decay over a panel beyond which it is halved unseen
 SERIES = 0.7  # greatest exponent of the power series below
 
 
-@jit
+@inner_jit
 def _exponentials(b):
     """exp(-b) and exp(b) for |b| <= SERIES, by their power series: vector code."""
     y = b * b
@@ -37,7 +37,7 @@ def _exponentials(b):
     return even - odd, even + odd
 
 
-@jit
+@inner_jit
 def _decay(solution, gain, count):
     """Fill alpha = exp(-b) at the points, and divide the gain by it."""
     large = 0
@@ -54,7 +54,7 @@ def _decay(solution, gain, count):
         gain[i] *= growing
 
 
-@jit
+@inner_jit
 def solve_side(scene, work, panel, side):
     """Solve the energy equation on a panel for one side of the slot."""
     solution = solution_of(panel, side)
@@ -80,7 +80,7 @@ def solve_side(scene, work, panel, side):
     solution.tail = _tail(scene, panel, solution, side, count)
 
 
-@jit
+@inner_jit
 def _tail(scene, panel, solution, side, count):
     """Size of the last coefficients of a solution: 0 below its rounding, 1 where it is useless."""
     middle, last = N // 2, N - 1

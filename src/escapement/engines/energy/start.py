@@ -4,21 +4,22 @@ import numpy as np
 
 from escapement.dynamics import reduced_inertia
 from escapement.engines.energy.gauss import POINTS, N
-from escapement.engines.energy.panels import complete, copy_end, points_of, solution_of
+from escapement.engines.energy.panels import complete, points_of, solution_of
+from escapement.engines.energy.records import copy_end
 from escapement.engines.energy.sampling import driving_at
 from escapement.engines.energy.solve import solve_side
-from escapement.jit import jit
+from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_on
 
 
-@jit
+@inner_jit
 def braking(scene, panel, side, w):
     """Slope of w by driver angle at the left end, 2 theta_ddot."""
     end = panel.entry
     return 2.0 * driving_at(end, side, w, scene) / reduced_inertia(end.g, end.u, side, scene)
 
 
-@jit
+@inner_jit
 def lay_out_start(scene, work, panel, way):
     """Fill the start's panel: `panel`, over the square root of the angle.
 
@@ -43,7 +44,7 @@ def lay_out_start(scene, work, panel, way):
         start.step[i] = work.difference[i]
 
 
-@jit
+@inner_jit
 def begin(scene, work, panel, side, w, strict):
     """Solve the start's panel in place of `panel`; whether that is the one to be passed."""
     slope = braking(scene, panel, side, w)

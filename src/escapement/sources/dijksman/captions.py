@@ -4,23 +4,20 @@ A printed number that is not right to its last digit gets the rule that explains
 found by recomputing it from the rounded ratio of times.
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 from escapement.mechanisms import GearDriven
-from escapement.sources.digits import Digits, digits
-from escapement.sources.errata import PrintedNumber, as_errata
+from escapement.sources.printed import Digits, PrintedNumber, as_errata, digits, read_table
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and what a table calls them; alpha in degrees."""
 
 
-class PrintedFigure(NamedTuple):
+class Caption(NamedTuple):
     """The caption of one figure; proportions as text."""
 
     figure: int
@@ -48,14 +45,12 @@ class Proportion(PrintedNumber):
 
 
 @cache
-def printed_figures() -> tuple[PrintedFigure, ...]:
+def printed_figures() -> tuple[Caption, ...]:
     """The captions of figures 6 to 9."""
-    table = files("escapement.sources.dijksman") / "figures.csv"
-    lines = csv.reader(table.read_text(encoding="utf-8").splitlines()[1:])
-    found = []
-    for number, curve, n, m, k, slots, *text in lines:
-        found.append(PrintedFigure(int(number), curve, int(n), int(m), int(k), int(slots), *text))
-    return tuple(found)
+    return tuple(
+        Caption(int(number), curve, int(n), int(m), int(k), int(slots), *text)
+        for number, curve, n, m, k, slots, *text in read_table("dijksman", "figures.csv")
+    )
 
 
 def proportions() -> list[Proportion]:
@@ -106,10 +101,10 @@ def _digits(text: str) -> Digits:
     return digits(text) if "'" in text else digits(text.removesuffix("°"))
 
 
-def _compare(figure: PrintedFigure, column: str) -> Proportion:
+def _compare(figure: Caption, column: str) -> Proportion:
     mechanism = figure.mechanism
     value, text = right_values(mechanism)[column], getattr(figure, column)
-    if text == "M0M":  # a length by its name
+    if text == "M0M":  # the caption gives the name of a length, not its value
         agrees = math.isclose(value, mechanism.carrier_over_fixed, rel_tol=1e-14)
         return Proportion(column, text, f"{value:g}", value, agrees, "", figure.figure)
     printed = _digits(text)
@@ -120,7 +115,7 @@ def _compare(figure: PrintedFigure, column: str) -> Proportion:
     return Proportion(column, text, right.text + mark, value, agrees, reason, figure.figure)
 
 
-def _why(figure: PrintedFigure, column: str, printed: Digits) -> str:
+def _why(figure: Caption, column: str, printed: Digits) -> str:
     """The rule that gives the printed number, in a sentence."""
     mechanism = figure.mechanism
     for places in (len(figure.V.partition(".")[2]), 4):

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import CURVES
 from escapement.plots import style
-from escapement.plots.labels import label
+from escapement.plots.style import label
 from escapement.synthesis import follower_motion, motion_ratio_chart
 
 CHART_STATIONS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 24)

@@ -5,8 +5,12 @@ from typing import Any
 
 from escapement.sources.dijksman.captions import COLUMNS, Proportion, as_rows, proportions
 from escapement.sources.dijksman.slips import equations, start_ratios
-from escapement.sources.reproduction import Reproduction
-from escapement.sources.tables import as_table, print_equations, print_errata
+from escapement.sources.reproduction import (
+    Reproduction,
+    as_table,
+    print_equations,
+    print_errata,
+)
 from escapement.text import print_columns, show, words
 
 

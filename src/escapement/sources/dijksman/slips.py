@@ -16,7 +16,7 @@ import numpy as np
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import lobe_ratios
 from escapement.model import FloatArray
-from escapement.sources.errata import EquationErratum, Slip
+from escapement.sources.printed import EquationErratum, FormulaErratum
 from escapement.synthesis import motion_peaks
 
 STATIONS = range(3, 25)
@@ -112,67 +112,67 @@ def _equation_14(signed: bool) -> Deviation:
 
 
 _SLIPS = (
-    Slip(
+    FormulaErratum(
         "condition of existence",
         "alpha + gamma/2 <= pi/2",
         "(alpha + gamma)/2 <= pi/2, as his alpha <= pi - gamma says",
     ),
-    Slip(
+    FormulaErratum(
         "(9)",
         "V0 = k alpha/(2 pi)",
         "V0 = |k| alpha/(2 pi): k is negative for epicycloids",
         lambda chart: chart.k * chart.alpha / (2.0 * math.pi) / chart.ratio - 1.0,
         lambda chart: np.abs(chart.k) * chart.alpha / (2.0 * math.pi) / chart.ratio - 1.0,
     ),
-    Slip(
+    FormulaErratum(
         "(10)",
         "... - sin pi V0 (2/k - 1) + 2 pi/n = 0",
         "... - sin[pi V0 (2/k - 1) + 2 pi/n] = 0, V0 with the sign of k",
         _equation_10(brackets=False),
         _equation_10(brackets=True),
     ),
-    Slip(
+    FormulaErratum(
         "(14), lower sign",
         "V0 > 0",
         "V0 < 0 for epicycloids, as (9) has it; with V0 > 0 it is no mechanism's equation",
         _equation_14(signed=False),
         _equation_14(signed=True),
     ),
-    Slip(
+    FormulaErratum(
         "cognates",
         "k = R/R0, k' = R'/R0'",
         "k = R0/R, k' = R0'/R', and 1/k' = 1 - 1/k",
     ),
-    Slip(
+    FormulaErratum(
         "cognates",
         "R'/MC = M0C/R = k/k'",
         "R'/MC = M0M/R = k/k'; M0M too in the relation before it",
         lambda chart: chart.entry * chart.k / (chart.k / chart.cognate_k) - 1.0,
         lambda chart: chart.carrier * chart.k / (chart.k / chart.cognate_k) - 1.0,
     ),
-    Slip(
+    FormulaErratum(
         "before (16)",
         "at least n(m + 2) slots",
         "n/(m + 2) slots",
     ),
-    Slip(
+    FormulaErratum(
         "after (16)",
         "g = n/gcd(n, 2m + 3), n/gcd(n, 3m + 4), ... for unused lobes",
         "only where no unused lobe passes over one of these slots: n = 4, m = 1 with one unused "
         "lobe needs all 4 slots, and then uses every lobe",
     ),
-    Slip(
+    FormulaErratum(
         "figure 8",
         "slot gives instantaneous dwell",
         "the wheel turns uniformly, g = 1 - k/2 = -1: no dwell at all, and a singular position "
         "where the pin crosses the centre",
     ),
-    Slip(
+    FormulaErratum(
         "introduction",
         "output angles of 360 and 180 degrees are a merit",
         "alpha <= pi - gamma leaves none for n = 1 and 2 either",
     ),
-    Slip(
+    FormulaErratum(
         "introduction",
         "the jerk at start and end is a fault of ordinary wheels alone",
         "gear-driven wheels start with an acceleration at once as well, and with a greater one "

@@ -2,24 +2,21 @@
 
 Each cell is recomputed from the closed forms of `constant_speed.geneva`. One that
 is not the right value to its last printed digit gets the rule that explains it,
-found by trying the rules of `_filemon_reasons` in turn.
+found by trying the rules of `reasons` in turn.
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from escapement.constant_speed import geneva
 from escapement.mechanisms import Geneva
-from escapement.sources.digits import Digits, digits
-from escapement.sources.errata import PrintedNumber, as_errata
 from escapement.sources.filemon.reasons import why
+from escapement.sources.printed import Digits, PrintedNumber, as_errata, digits, read_table
 
 COLUMNS = {
     "ratio_max": "i_omega max",
@@ -33,7 +30,7 @@ COLUMNS = {
 QUADRATURE_NODES = 400
 
 
-class PrintedRow(NamedTuple):
+class WheelRow(NamedTuple):
     """One column of the printed table, as text: beta in degrees and minutes."""
 
     slots: int
@@ -46,7 +43,7 @@ class PrintedRow(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Cell(PrintedNumber):
+class TableCell(PrintedNumber):
     """One cell of the row of `slots`; `printed_value` is its number."""
 
     slots: int
@@ -54,14 +51,13 @@ class Cell(PrintedNumber):
 
 
 @cache
-def printed_rows() -> tuple[PrintedRow, ...]:
+def printed_rows() -> tuple[WheelRow, ...]:
     """Table I by number of slots, 3 to 10."""
-    table = files("escapement.sources.filemon") / "table_1.csv"
-    lines = csv.reader(table.read_text(encoding="utf-8").splitlines()[1:])
-    return tuple(PrintedRow(int(slots), *rest) for slots, *rest in lines)
+    rows = read_table("filemon", "table_1.csv")
+    return tuple(WheelRow(int(slots), *rest) for slots, *rest in rows)
 
 
-def table_1() -> list[Cell]:
+def table_1() -> list[TableCell]:
     """All 48 cells, row after row."""
     return [_cell(row, column) for row in printed_rows() for column in COLUMNS]
 
@@ -115,7 +111,7 @@ def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) 
     return worst
 
 
-def as_rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
+def as_rows(cells: Sequence[TableCell]) -> list[dict[str, Any]]:
     """Cells by number of slots, for JSON: printed and right values, errata."""
     rows: list[dict[str, Any]] = []
     for n in dict.fromkeys(cell.slots for cell in cells):
@@ -131,17 +127,17 @@ def as_rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
     return rows
 
 
-def _key(cell: Cell) -> str:
+def _key(cell: TableCell) -> str:
     return "beta_max_deg" if cell.column == "beta_max" else cell.column
 
 
-def _cell(row: PrintedRow, column: str) -> Cell:
+def _cell(row: WheelRow, column: str) -> TableCell:
     printed = digits(getattr(row, column))
     value = right_values(row.slots)[column]
     right = printed.like(value)
     agrees = right.value == printed.value
     reason = "" if agrees else why(printed, right, value, _relatives(row, column))
-    return Cell(
+    return TableCell(
         column=column,
         printed=printed.text,
         right=right.text,
@@ -153,7 +149,7 @@ def _cell(row: PrintedRow, column: str) -> Cell:
     )
 
 
-def _relatives(row: PrintedRow, column: str) -> dict[str, Any]:
+def _relatives(row: WheelRow, column: str) -> dict[str, Any]:
     """What else the printed cell may have been made from."""
     source = {"F12": "acceleration_max", "F23": "acceleration_start"}.get(column)
     reciprocal: Digits | None = digits(getattr(row, source)) if source else None

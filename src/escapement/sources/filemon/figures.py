@@ -17,7 +17,7 @@ from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import Transmission
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label
+from escapement.plots.style import label
 
 SLOTS = tuple(range(3, 11))
 """Numbers of slots of the families of curves."""
@@ -33,7 +33,9 @@ def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
     ax.plot(angle, table.g, color=style.BLUE, lw=1.4)
     top = float(geneva.ratio_max(slots))
     ax.plot(0.0, top, "v", color=style.BLACK, ms=5)
-    style.write(ax, rf"$i_{{\omega\,\mathrm{{max}}}}$ = {top:.3f}", (0.0, top), (7.0, 0.0), "left")
+    style.annotate(
+        ax, rf"$i_{{\omega\,\mathrm{{max}}}}$ = {top:.3f}", (0.0, top), (7.0, 0.0), "left"
+    )
     ax.set(xlabel=ANGLE, ylabel=RATIO, xlim=(angle[0], angle[-1]), ylim=(0.0, 1.15 * top))
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
     return ax
@@ -57,11 +59,11 @@ def plot_acceleration(slots: int = 4, ax: Axes | None = None) -> Axes:
     place = -np.degrees(float(geneva.acceleration_max_angle(slots)))
     ax.plot([angle[0], place], [start, top], "o", color=style.BLACK, ms=4, clip_on=False, zorder=4)
     ax.plot([place, place], [0.0, top], color=style.GREY, lw=0.7, ls=":")
-    style.write(
+    style.annotate(
         ax, rf"$i_{{\varepsilon s}}$ = {start:.3f}", (angle[0], start), (6.0, -22.0), "left"
     )
     name = rf"$i_{{\varepsilon\,\mathrm{{max}}}}$ = {top:.3f}"
-    style.write(ax, f"{name}\nat −{-place:.2f}°", (place, top), (14.0, -4.0), "left")
+    style.annotate(ax, f"{name}\nat −{-place:.2f}°", (place, top), (14.0, -4.0), "left")
     ax.set(xlabel=ANGLE, ylabel=RATE, xlim=(angle[0], angle[-1]))
     ax.set_ylim(-1.2 * top, 1.2 * top)
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
@@ -163,7 +165,7 @@ def _draw_family(
         ax.plot(angle[inside], values[inside], color=style.BLUE, lw=1.1)
         ax.axvline(angle[0], color=style.GREY, lw=0.5, ls=":")
         i = 0 if shift is None else int(np.searchsorted(angle, shift))
-        style.write(ax, str(n), (angle[i], values[i]))
+        style.annotate(ax, str(n), (angle[i], values[i]))
     ax.set_xlim(-75.0, 0.0)
     start = " ".join(f"{np.degrees(geneva.engagement_half(n)):.4g}°" for n in slots)
     ax.set_title(

@@ -33,7 +33,7 @@ _SCALE_SIZE = 7.0
 
 
 @dataclass(frozen=True)
-class Sheet:
+class Nomogram:
     """One nomogram: what it gives, for which wheels, and the range of F."""
 
     number: str
@@ -42,7 +42,7 @@ class Sheet:
     read: Callable[[int, FloatArray], FloatArray]
     slots: tuple[int, ...]
     ratios: tuple[float, float]
-    example: tuple[float, int, float]  # F, n and load
+    example: tuple[float, int, float]  # its F, n and load
 
 
 def _mean(slots: int, ratio: FloatArray) -> FloatArray:
@@ -59,17 +59,17 @@ _MAX = (
     r"$M_{2\,\mathrm{max}}\,\eta/M_e$ = max $i_\omega (1 + F i_\varepsilon)$",
     _greatest,
 )
-SHEETS = {
-    "13a": Sheet("13/a", *_MEAN, FEW_SLOTS, (0.01, 4.0), (0.6, 4, 3.0)),
-    "13b": Sheet("13/b", *_MEAN, MANY_SLOTS, (0.1, 20.0), (3.0, 8, 4.0)),
-    "16a": Sheet("16/a", *_MAX, FEW_SLOTS, (0.01, 4.0), (0.6, 4, 3.0)),
-    "16b": Sheet("16/b", *_MAX, MANY_SLOTS, (0.1, 20.0), (3.0, 8, 4.0)),
+NOMOGRAMS = {
+    "13a": Nomogram("13/a", *_MEAN, FEW_SLOTS, (0.01, 4.0), (0.6, 4, 3.0)),
+    "13b": Nomogram("13/b", *_MEAN, MANY_SLOTS, (0.1, 20.0), (3.0, 8, 4.0)),
+    "16a": Nomogram("16/a", *_MAX, FEW_SLOTS, (0.01, 4.0), (0.6, 4, 3.0)),
+    "16b": Nomogram("16/b", *_MAX, MANY_SLOTS, (0.1, 20.0), (3.0, 8, 4.0)),
 }
 """The four sheets: 13 for the mean, 16 for the greatest torque."""
 
 
-def plot_nomogram(sheet: Sheet) -> Figure:
-    """One of `SHEETS`, to be printed on a page of its own.
+def plot_nomogram(sheet: Nomogram) -> Figure:
+    """One of `NOMOGRAMS`, to be printed on a page of its own.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def plot_nomogram(sheet: Sheet) -> Figure:
     for n, line in zip(sheet.slots, lines, strict=True):
         left.plot(ratio, line, color=style.BLUE, lw=1.2)
         i = int(0.06 * _POINTS)
-        style.write(left, f"n = {n}", (float(ratio[i]), float(line[i])))
+        style.annotate(left, f"n = {n}", (float(ratio[i]), float(line[i])))
     _draw_loads(right, low, high)
     _scale(left, "x", *sheet.ratios)
     _scale(left, "y", low, high)
@@ -117,14 +117,14 @@ def _draw_loads(ax: Axes, low: float, high: float) -> None:
     factor = np.array([low, high])
     for load in LOADS:
         ax.plot(load * factor, factor, color=style.BLUE, lw=1.2)
-        style.write(ax, f"{load:g}", (load * high, high), (0.0, 7.0))
+        style.annotate(ax, f"{load:g}", (load * high, high), (0.0, 7.0))
     ax.text(
         10.0**0.5 * high, 1.0, r"$M_e/\eta$" + "\n", ha="center", va="bottom",
         transform=ax.get_xaxis_transform(), fontsize=style.TICK_SIZE,
     )  # fmt: skip
 
 
-def _draw_example(left: Axes, right: Axes, sheet: Sheet) -> float:
+def _draw_example(left: Axes, right: Axes, sheet: Nomogram) -> float:
     """The path of one reading; returns what it leads to."""
     ratio, n, load = sheet.example
     factor = float(sheet.read(n, np.array([ratio]))[0])

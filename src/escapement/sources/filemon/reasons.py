@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from escapement.sources.digits import Digits
+from escapement.sources.printed import Digits
 
 
 def why(printed: Digits, right: Digits, value: float, relatives: Mapping[str, Any]) -> str:

@@ -3,10 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from escapement.sources.filemon.cells import COLUMNS, Cell, as_rows, mean_torque_error, table_1
+from escapement.sources.filemon.cells import COLUMNS, TableCell, as_rows, mean_torque_error, table_1
 from escapement.sources.filemon.slips import equations
-from escapement.sources.reproduction import Reproduction
-from escapement.sources.tables import as_table, print_equations, print_errata
+from escapement.sources.reproduction import (
+    Reproduction,
+    as_table,
+    print_equations,
+    print_errata,
+)
 from escapement.text import print_columns
 
 
@@ -38,7 +42,7 @@ def reproduce(units: str) -> Reproduction:
     return Reproduction("filemon_table_1", record, as_table(cells, "slots"), show, _draw)
 
 
-def _print_cells(cells: list[Cell]) -> None:
+def _print_cells(cells: list[TableCell]) -> None:
     """Printed over computed, a star at what is wrong."""
     print("Filemon (1960), Table I: printed, and below it computed; * differs\n")
     header = [["n", "", *(f"{name} " for name in COLUMNS.values())]]
@@ -56,7 +60,7 @@ def _draw(folder: Path) -> None:
     from escapement.plots import save
     from escapement.plots.saving import save_axes
     from escapement.sources.filemon import figures, reversal_figures
-    from escapement.sources.filemon.nomograms import SHEETS, plot_nomogram
+    from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 
     panels: dict[int, Any] = {
         3: figures.plot_transmission,
@@ -73,5 +77,5 @@ def _draw(folder: Path) -> None:
     for number, plot in panels.items():
         save_axes(plot(), folder / f"filemon_figure_{number}.png")
     save(figures.plot_zones(), folder / "filemon_figure_8.png")
-    for name, sheet in SHEETS.items():
+    for name, sheet in NOMOGRAMS.items():
         save(plot_nomogram(sheet), folder / f"filemon_figure_{name}.pdf")

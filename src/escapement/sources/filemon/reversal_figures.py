@@ -26,11 +26,11 @@ def plot_reversal_curve(slots: int = 8, ax: Axes | None = None) -> Axes:
     for limit, name, place in zip(limits, ("12", "23"), (steepest, angle[-1]), strict=True):
         ax.axhline(limit, color=style.BLACK, lw=0.8, ls=(0, (5, 2)))
         ax.plot(place, limit, clip_on=False, **MARK)
-        style.write(ax, rf"$F_{{{name}}}$ = {limit:.4f}", (2.0, limit), (0.0, 7.0), "left")
+        style.annotate(ax, rf"$F_{{{name}}}$ = {limit:.4f}", (2.0, limit), (0.0, 7.0), "left")
     heights = (0.55 * limits[0], 0.5 * sum(limits), 0.5 * (limits[1] + top))
     texts = ("1: no reversal", "2: two reversals", "3: one reversal")
     for height, text in zip(heights, texts, strict=True):
-        style.write(ax, f"zone {text}", (0.55 * angle[-1], height))
+        style.annotate(ax, f"zone {text}", (0.55 * angle[-1], height))
     ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, angle[-1]), ylim=(0.0, top))
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
     return ax
@@ -44,7 +44,7 @@ def plot_reversal_curves(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -
     for n in slots:
         angle, ratio = _curve(n)
         ax.plot(angle, ratio, color=style.BLUE, lw=1.1)
-        style.write(ax, str(n), (angle[-1], ratio[-1]), (0.0, -9.0))
+        style.annotate(ax, str(n), (angle[-1], ratio[-1]), (0.0, -9.0))
     places = [np.degrees(float(geneva.acceleration_max_angle(n))) for n in slots]
     ends = [np.degrees(float(geneva.engagement_half(n))) for n in slots]
     limits = np.array([[float(limit) for limit in geneva.reversal_limits(n)] for n in slots]).T
@@ -71,9 +71,9 @@ def plot_reversal_limits(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -
         )  # fmt: skip
     middle = n[n.size // 2]
     heights = 0.5 * (lower + upper)[n.size // 2], 0.35 * lower[n.size // 2]
-    style.write(ax, "2", (float(middle), float(heights[0])))
-    style.write(ax, "zone 1", (float(middle) + 1.0, float(heights[1])))
-    style.write(ax, "zone 3", (float(middle) - 1.0, float(1.45 * upper[n.size // 2])))
+    style.annotate(ax, "2", (float(middle), float(heights[0])))
+    style.annotate(ax, "zone 1", (float(middle) + 1.0, float(heights[1])))
+    style.annotate(ax, "zone 3", (float(middle) - 1.0, float(1.45 * upper[n.size // 2])))
     ax.set(xlabel="Number of slots n", ylabel=LOAD_RATIO, xlim=(n[0], n[-1]), ylim=(0.0, None))
     ax.xaxis.set_major_locator(MultipleLocator(1))
     style.legend_above(ax, 2)
@@ -110,9 +110,9 @@ def plot_maximum_angles(slots: Sequence[int] = SLOTS, ax: Axes | None = None) ->
         place = -np.degrees(reversal_study(n, ratio).torque_max_angle)
         ax.plot(ratio, place, color=style.BLUE, lw=1.1)
         ax.axhline(-float(np.degrees(geneva.limit_angle(n))), color=style.GREY, lw=0.7, ls=":")
-        style.write(ax, str(n), (ratio[-1], float(place[-1])), (-9.0, 0.0))
+        style.annotate(ax, str(n), (ratio[-1], float(place[-1])), (-9.0, 0.0))
     ax.axvline(8.0, color=style.BLACK, lw=0.7, ls=(0, (5, 2)))
-    style.write(ax, "F = 8", (8.0, 1.2))
+    style.annotate(ax, "F = 8", (8.0, 1.2))
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     ax.set(xlabel=LOAD_RATIO, ylabel="Greatest torque before\ndead centre, −β* (°)")

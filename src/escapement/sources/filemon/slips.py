@@ -16,18 +16,18 @@ from escapement.constant_speed import geneva, reversal_study
 from escapement.constant_speed.kernels import derivatives_at
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
-from escapement.sources.errata import EquationErratum, Slip
+from escapement.sources.printed import EquationErratum, FormulaErratum
 
 Formula = Callable[[FloatArray, FloatArray], Any]
 """From c and beta, arrays of one shape, to the values of an equation."""
 
 SLOTS = tuple(range(3, 11))
-_SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # of beta_0
+_SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # places as shares of beta_0
 
 
 @dataclass(frozen=True)
-class _Slip(Slip):
-    """A slip, with what its formulas should give.
+class _GridErratum(FormulaErratum):
+    """A slip with what its formulas should give.
 
     truth : from the pin's path.
     angles : attribute of the grid, where the formulas are tried.
@@ -52,7 +52,7 @@ class _Grid:
         self.places = np.tile(_SHARES, len(SLOTS)) * geneva.engagement_half(n)
         self.exit = geneva.engagement_half(n)
         self.steepest = geneva.acceleration_max_angle(n)
-        self.highest = reversal_study(n, 1e15).torque_max_angle  # F beyond all bounds
+        self.highest = reversal_study(n, 1e15).torque_max_angle  # F is as good as infinite
         values = [
             derivatives_at(Geneva(int(k), pins=1).path, angle)
             for k, angle in zip(n, self.places, strict=True)
@@ -82,7 +82,8 @@ def _jerk(sign: float) -> Formula:
     def formula(c: FloatArray, b: FloatArray) -> FloatArray:
         x = np.cos(b)
         top = 2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c
-        return -c * (1.0 - c * c) * top / _length(c, b) ** 3
+        found: FloatArray = -c * (1.0 - c * c) * top / _length(c, b) ** 3
+        return found
 
     return formula
 
@@ -101,7 +102,8 @@ def _torque_slope(power: int) -> Formula:
     def formula(c: FloatArray, b: FloatArray) -> FloatArray:
         x = np.cos(b)
         top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
-        return _rate(c, b) - c * c * (1.0 - c * c) * top / _length(c, b) ** power
+        found: FloatArray = _rate(c, b) - c * c * (1.0 - c * c) * top / _length(c, b) ** power
+        return found
 
     return formula
 
@@ -119,7 +121,7 @@ def _cubic(shift: float, sign: float, third: float, cube: float) -> Formula:
 
 
 _SLIPS = (
-    _Slip(
+    _GridErratum(
         "before (3)",
         "epsilon_0 = omega_0^2 d^2 alpha/d beta^2",
         "epsilon_0 = omega_2^2 d^2 alpha/d beta^2",
@@ -127,7 +129,7 @@ _SLIPS = (
         _rate,
         lambda grid: grid.dg,
     ),
-    _Slip(
+    _GridErratum(
         "d^3 alpha/d beta^3, before (5)",
         "2c cos^2(beta) + (1 - c^2) cos(beta) - 4c",
         "2c cos^2(beta) + (1 + c^2) cos(beta) - 4c",
@@ -135,18 +137,18 @@ _SLIPS = (
         _jerk(1.0),
         lambda grid: grid.ddg,
     ),
-    _Slip(
+    _GridErratum(
         "after (5)",
         "through the portion 0 to -beta_0 the same magnitudes but with negative signs",
         "through the portion 0 to +beta_0",
     ),
-    _Slip("before (6)", "M_2 = Theta_0 omega_2^2/M_e", "F = Theta_0 omega_2^2/M_e"),
-    _Slip(
+    _GridErratum("before (6)", "M_2 = Theta_0 omega_2^2/M_e", "F = Theta_0 omega_2^2/M_e"),
+    _GridErratum(
         "(1) and (6)",
         "M_2 = i_omega (M_e + Theta_0 epsilon_0)/eta at every angle",
         "multiplied by eta, not divided, where M_2 < 0: there the follower drives",
     ),
-    _Slip(
+    _GridErratum(
         "(7)",
         "denominator c (1 - c^2 sin(beta))",
         "denominator c (1 - c^2) sin(beta)",
@@ -154,7 +156,7 @@ _SLIPS = (
         lambda c, b: _length(c, b) ** 2 / (c * (1.0 - c * c) * np.sin(b)),
         lambda grid: -1.0 / grid.dg,
     ),
-    _Slip(
+    _GridErratum(
         "cos(beta) under dF/d beta",
         "-(1 - c^2)/(4c) + sqrt(((1 - c^2)/(4c))^2 + 2)",
         "-(1 + c^2)/(4c) + sqrt(((1 + c^2)/(4c))^2 + 2), as in (5)",
@@ -163,7 +165,7 @@ _SLIPS = (
         lambda grid: np.cos(grid.steepest),
         "steepest",
     ),
-    _Slip(
+    _GridErratum(
         "(9)",
         "F23 = -1/tan(alpha_0) = tan(beta_0)",
         "F23 = 1/tan(alpha_0) = tan(beta_0)",
@@ -172,7 +174,7 @@ _SLIPS = (
         lambda grid: np.tan(grid.exit),
         "exit",
     ),
-    _Slip(
+    _GridErratum(
         "dM_2/d beta, after Fig. 16",
         "second denominator (1 - 2c cos(beta) + c^2)^3",
         "second denominator (1 - 2c cos(beta) + c^2)^4",
@@ -180,8 +182,8 @@ _SLIPS = (
         _torque_slope(4),
         lambda grid: grid.dg + grid.dg**2 + grid.g * grid.ddg,
     ),
-    _Slip("F for dM_2/d beta = 0", "(14)", "(11), as the text that follows calls it"),
-    _Slip(
+    _GridErratum("F for dM_2/d beta = 0", "(14)", "(11), as the text that follows calls it"),
+    _GridErratum(
         "(12)",
         "unknown cos(beta*), constant 0.074 a^3 - 0.333 b a + d",
         "unknown cos(beta*) + a/3, constant 2 a^3/27 + a b/3 + d",

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from escapement import validate
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.labels import label
+from escapement.plots.style import label
 
 Rows = Sequence[Mapping[str, Any]]
 _COMPUTED = ("as_published", "true")

@@ -7,27 +7,34 @@ figure better than the one that lacks it; no list of rows is kept.
 import math
 from collections.abc import Mapping, Sequence
 
-from escapement.sources.meyer.program import ROW, program_1973, read_printout, stretches
+from escapement.sources.meyer.listing import ROW
+from escapement.sources.meyer.program import program_1973, read_printout, stretches
 
-Figures = Mapping[str, float | None]
+RunFigures = Mapping[str, float | None]
 """velocity_max, velocity_min [rad/s], rise_time and period [s]; None for none."""
-Run = tuple[int, float, float, float, float]
+RunArguments = tuple[int, float, float, float, float]
 """Arguments of `program_1973`: slots, friction, torque, inertias."""
 
 HALF_DIGIT = {"velocity_max": 0.5, "velocity_min": 0.5, "rise_time": 5e-4, "period": 5e-4}
 """Half a unit of the last printed digit [rad/s] and [s]."""
-_CYCLE = ("velocity_max", "velocity_min", "period")  # a rise time read by eye proves nothing
+_CYCLE = (
+    "velocity_max",
+    "velocity_min",
+    "period",
+)  # rise times were read by eye
 _SHOWN = {"velocity_max": "{:.1f} rad/s", "velocity_min": "{:.1f} rad/s", "period": "{:.4f} s"}
-_FINE = 50  # rows per printed row that show a peak before it is cut
+_FINE = 50  # so many rows for each printed one show a peak before sampling cuts it
 
 
-def distance(first: Figures, second: Figures, name: str) -> float:
+def distance(first: RunFigures, second: RunFigures, name: str) -> float:
     """Difference of one figure in half digits; infinite where one is missing."""
     a, b = first[name], second[name]
     return math.inf if a is None or b is None else abs(a - b) / HALF_DIGIT[name]
 
 
-def why_inertias(printed: Figures, used: Figures, headed: Figures, inertias: str) -> list[str]:
+def why_inertias(
+    printed: RunFigures, used: RunFigures, headed: RunFigures, inertias: str
+) -> list[str]:
     """Inertias of a table's heading against those of the thesis' figures.
 
     `used` and `headed` are solved with the one and the other.
@@ -42,14 +49,16 @@ def why_inertias(printed: Figures, used: Figures, headed: Figures, inertias: str
     ]
 
 
-def why_cell(printed: Figures, exact: Figures, true: Figures, cell_deg: float) -> list[str]:
+def why_cell(
+    printed: RunFigures, exact: RunFigures, true: RunFigures, cell_deg: float
+) -> list[str]:
     """90-degree cell against the real one of `cell_deg`."""
     names = [
         name
         for name in _CYCLE
         if distance(printed, true, name) > 1.0
         and distance(printed, exact, name) < distance(printed, true, name)
-        and distance(exact, true, name) > 1.0  # solver noise decides nothing
+        and distance(exact, true, name) > 1.0  # the solver's noise must not decide
     ]
     if not names:
         return []
@@ -59,7 +68,7 @@ def why_cell(printed: Figures, exact: Figures, true: Figures, cell_deg: float) -
     ]
 
 
-def why_extremes(printed: Figures, exact: Figures, run: Run) -> list[str]:
+def why_extremes(printed: RunFigures, exact: RunFigures, run: RunArguments) -> list[str]:
     """Peaks and troughs that fall between rows, and what the listing does to them."""
     return [
         _why_extreme(name, printed[name], exact[name], run)  # type: ignore[arg-type]
@@ -68,7 +77,7 @@ def why_extremes(printed: Figures, exact: Figures, run: Run) -> list[str]:
     ]
 
 
-def _why_extreme(name: str, shown: float, value: float, run: Run) -> str:
+def _why_extreme(name: str, shown: float, value: float, run: RunArguments) -> str:
     lowest, highest = _row_range(name, run)
     half = HALF_DIGIT[name]
     rows = f"rows of the listing show it as {lowest:.2f} to {highest:.2f}"
@@ -82,7 +91,7 @@ def _why_extreme(name: str, shown: float, value: float, run: Run) -> str:
     )
 
 
-def _row_range(name: str, run: Run) -> tuple[float, float]:
+def _row_range(name: str, run: RunArguments) -> tuple[float, float]:
     """Least and greatest value an extreme row can have, over all phases of the rows."""
     fine = program_1973(*run, interval=ROW / _FINE)
     reading = read_printout(fine)
@@ -96,7 +105,7 @@ def _row_range(name: str, run: Run) -> tuple[float, float]:
     return float(min(rows)), float(max(rows))
 
 
-def why_times(printed: Figures, exact: Figures) -> list[str]:
+def why_times(printed: RunFigures, exact: RunFigures) -> list[str]:
     """Times read off the table by hand."""
     reasons = []
     if distance(printed, exact, "period") > 2.0:
@@ -108,7 +117,7 @@ def why_times(printed: Figures, exact: Figures) -> list[str]:
     return reasons + _why_rise_time(printed, exact)
 
 
-def _why_rise_time(printed: Figures, exact: Figures) -> list[str]:
+def _why_rise_time(printed: RunFigures, exact: RunFigures) -> list[str]:
     if distance(printed, exact, "rise_time") <= 1.0:
         return []
     shown, rise, period = printed["rise_time"], exact["rise_time"], exact["period"]
@@ -118,7 +127,7 @@ def _why_rise_time(printed: Figures, exact: Figures) -> list[str]:
     return [f"the rise time was read by eye ({reach}): the 2 % rule gives {rise:.4f} s"]
 
 
-def _list(figures: Figures, names: Sequence[str]) -> str:
+def _list(figures: RunFigures, names: Sequence[str]) -> str:
     return ", ".join(
         f"{name} none" if figures[name] is None else f"{name} {_SHOWN[name].format(figures[name])}"
         for name in names

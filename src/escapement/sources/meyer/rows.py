@@ -9,11 +9,9 @@ recomputations and names, by comparing them, what explains each difference.
 in-lbf-s^2.
 """
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,12 +23,13 @@ from escapement.sources.meyer.program import program_1973, read_printout
 from escapement.sources.meyer.published_cell import PublishedCell
 from escapement.sources.meyer.reasons import (
     HALF_DIGIT,
-    Figures,
+    RunFigures,
     why_cell,
     why_extremes,
     why_inertias,
     why_times,
 )
+from escapement.sources.printed import read_table
 from escapement.units import INCH_POUND, SYSTEMS, factor
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
@@ -39,7 +38,7 @@ HEADINGS = {3: (10e-6, 6e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """The same as the headings of Appendix E give them."""
 
 
-class PrintedRow(NamedTuple):
+class PrintedRun(NamedTuple):
     """One row of Appendix E: torque in in-lbf, speeds in rad/s, times in s."""
 
     slots: int
@@ -64,12 +63,11 @@ class Agreement(NamedTuple):
 
 
 @cache
-def printed_rows() -> tuple[PrintedRow, ...]:
+def printed_rows() -> tuple[PrintedRun, ...]:
     """The 49 rows of Appendix E in printed order."""
-    table = files("escapement.sources.meyer") / "appendix_e.csv"
-    lines = csv.reader(table.read_text(encoding="utf-8").splitlines()[1:])
     return tuple(
-        PrintedRow(int(slots), int(pins), *map(float, rest)) for pins, slots, *rest in lines
+        PrintedRun(int(slots), int(pins), *map(float, rest))
+        for pins, slots, *rest in read_table("meyer", "appendix_e.csv")
     )
 
 
@@ -124,7 +122,7 @@ def agreement(rows: Sequence[Mapping[str, Any]], column: str = "as_published") -
     )
 
 
-def _compare(row: PrintedRow, units: str) -> dict[str, Any]:
+def _compare(row: PrintedRun, units: str) -> dict[str, Any]:
     driver, follower = INERTIAS[row.slots]
     cell = PublishedCell(row.slots)
     run = (row.slots, row.friction, row.torque_inlbf, driver, follower)
@@ -156,14 +154,14 @@ def _compare(row: PrintedRow, units: str) -> dict[str, Any]:
     }
 
 
-def _figures(source: Any) -> Figures:
+def _figures(source: Any) -> RunFigures:
     values = {name: float(getattr(source, name)) for name in HALF_DIGIT}
     return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
 def _terminal(
-    row: PrintedRow, mechanism: Geneva | PublishedCell, inertias: Mapping[int, tuple[float, float]]
-) -> Figures:
+    row: PrintedRun, mechanism: Geneva | PublishedCell, inertias: Mapping[int, tuple[float, float]]
+) -> RunFigures:
     """Figures of one row: without a load, speeds go as sqrt(torque), times as its inverse."""
     speed = math.sqrt(row.torque_inlbf)
     figures = _at_unit_torque(mechanism, *inertias[row.slots], row.friction)
@@ -174,7 +172,7 @@ def _terminal(
 @cache
 def _at_unit_torque(
     mechanism: Geneva | PublishedCell, driver: float, follower: float, mu: float
-) -> Figures:
+) -> RunFigures:
     """Exact figures at 1 in-lbf, one solve for all torques of a table."""
     from escapement.simulation import terminal  # its import is slow, printed rows need none
 

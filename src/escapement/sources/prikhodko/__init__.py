@@ -6,7 +6,6 @@ from escapement.sources.prikhodko.numbers import (
     drive,
     pitch_curve_slip,
     position_function_error,
-    sturges,
     synthetic_measurement,
     table,
 )
@@ -17,7 +16,6 @@ __all__ = [
     "drive",
     "pitch_curve_slip",
     "position_function_error",
-    "sturges",
     "synthetic_measurement",
     "table",
 ]

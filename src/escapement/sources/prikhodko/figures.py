@@ -9,13 +9,14 @@ from matplotlib.figure import Figure
 
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.model import FloatArray
+from escapement.outlines.elliptical import EllipticalOutline
 from escapement.plots import style
 from escapement.plots.planetary import draw_planetary
 
 LETTERS = "abcde"
 _CELLS = 2
 _POINTS = 721
-_LENGTH = 0.75  # of the vector of a point that moves 1 mm per radian of the input [mm]
+_LENGTH = 0.75  # a vector of 1 mm per radian of the input is drawn so long [mm]
 _PLAN = {
     "carrier, A C′": style.LOOKS[5],
     "planet, B C′": style.LOOKS[0],
@@ -50,7 +51,7 @@ def plot_position_function(mechanism: EllipticalPlanetary, ax: Axes | None = Non
     heights = np.degrees(-mechanism.follower_angle(marks))
     ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
     for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
-        style.write(ax, letter, (x, y), (8.0, 8.0))
+        style.annotate(ax, letter, (x, y), (8.0, 8.0))
     between = f"{math.degrees(cell):g}° between stops, output {-_degrees(mechanism):g}°"
     ax.set_title(between.replace("-", "−"), fontsize=style.TICK_SIZE)
     ax.set(xlabel="Input angle φ₁ (°)", ylabel="Output angle φ₃ (°)")
@@ -69,7 +70,7 @@ def plot_velocity_analogue(mechanism: EllipticalPlanetary, ax: Axes | None = Non
     heights = -mechanism.transmission(marks).g
     ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
     for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
-        style.write(ax, letter, (x, y), (0.0, 9.0) if letter == "c" else (9.0, -7.0))
+        style.annotate(ax, letter, (x, y), (0.0, 9.0) if letter == "c" else (9.0, -7.0))
     ax.set(xlabel="Input angle φ₁ (°)", ylabel="Velocity analogue φ₃′")
     ax.set_xlim(0.0, math.degrees(_CELLS * cell))
     return ax
@@ -98,8 +99,9 @@ def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
 
 
 def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
-    _axis, rolling, shaft, contact = draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
-    # speeds over omega_1 are lengths; to the left is forwards
+    draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
+    _, rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
+    # speeds over omega_1 are lengths, and are drawn to the left
     spin = 1.0 + mechanism.ratio
     at_contact = spin * (contact - rolling)
     lowest = min(contact, rolling)
@@ -120,7 +122,7 @@ def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     else:
         marks += [("B, D", 0.0, rolling, (14, -1))]
     for letters, speed, height, offset in marks:
-        style.write(ax, letters, (-_LENGTH * speed, height), offset)
+        style.annotate(ax, letters, (-_LENGTH * speed, height), offset)
     for height, speed in ((shaft, shaft), (contact, at_contact)):
         if abs(speed) > 1e-9 * shaft:
             ax.annotate("", (-_LENGTH * speed, height), (0.0, height), zorder=7, arrowprops=_ARROW)

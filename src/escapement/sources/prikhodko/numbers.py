@@ -15,7 +15,7 @@ import numpy as np
 
 from escapement.measurement import sturges
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.sources.digits import digits
+from escapement.sources.printed import Erratum, digits
 
 if TYPE_CHECKING:
     from escapement.measurement import Measurement
@@ -48,15 +48,6 @@ class PrintedValue:
     def agrees(self) -> bool:
         """Whether the printed number is right to its last digit, or cannot be judged."""
         return self.right is None or digits(self.right).value == digits(self.printed).value
-
-
-@dataclass(frozen=True)
-class Erratum:
-    """A slip in an equation or in the text: place, what it says, what it must say."""
-
-    place: str
-    printed: str
-    right: str
 
 
 ERRATA = (
@@ -171,7 +162,7 @@ def _recomputed() -> dict[str, float]:
     mechanism, given = drive(), {name: float(text) for name, text in printed().items()}
     quantile = float(norm.ppf(0.5 * (1.0 + CONFIDENCE)))
     lengths = ("semi_major_axis", "semi_minor_axis", "focal_distance")
-    # the mean and the deviation of the sample were estimated from it, hence two fewer
+    # two degrees are lost, because mean and deviation were estimated from the sample
     return {
         **{name: 1e3 * getattr(mechanism, name) for name in lengths},
         "eccentricity": mechanism.eccentricity,

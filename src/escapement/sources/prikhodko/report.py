@@ -82,7 +82,7 @@ def _draw(folder: Path) -> None:
     from escapement.plots import save
     from escapement.plots.planetary import plot_planetary
     from escapement.plots.saving import save_axes
-    from escapement.sources.prikhodko import figures as figures
+    from escapement.sources.prikhodko import figures
 
     mechanism = prikhodko.drive()
     save(figures.plot_velocity_plans(mechanism), folder / f"{_NAME}_figure_3.png")

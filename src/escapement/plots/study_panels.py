@@ -21,28 +21,28 @@ from matplotlib.ticker import (
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots._table import Study, Table, printed_name
-from escapement.plots.labels import label, number, print_unit, scaled
+from escapement.plots.study_table import StudyData, StudyTable, printed_name
+from escapement.plots.style import label, number_text, print_unit, scaled
 
-_FEW = 15  # points of a line that are marked one by one
-_LEVELS = 7  # contours of a map, about
-_EDGE = 0.06  # part of a map beside its frame that is too narrow for a number
-_APART = 0.1  # least distance of two numbers on a map, of its size
-_PLAIN = (1e-3, 1e4)  # numbers printed without a power of ten
-_DECADE = 8.0  # an axis spanning this factor in even ratios is logarithmic
-_MOST_TICKS = 10  # whole numbers along an axis that each get a tick with its number
-_WIDE, _NARROW = 34, 24  # characters of a label below half of a page, below a third
-_POWER = 8  # of them that a power of ten beside the label takes
-_STEPPED = ("rise_time", "settling_time")  # jump by an engagement: no contour joins them
+_FEW = 15  # a line of at most so many points has each of them marked
+_LEVELS = 7  # a map has about so many contours
+_EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
+_APART = 0.1  # numbers closer than this share of the map would overlap
+_PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
+_DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
+_MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
+_WIDE, _NARROW = 34, 24  # characters of a label that fit below half and a third of a page
+_POWER = 8  # a power of ten beside the label takes so many of them
+_STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so have no contours
 
 
-def draw_lines(ax: Axes, study: Study, result: str, table: Table) -> list[Line2D]:
+def draw_lines(ax: Axes, study: StudyData, result: str, table: StudyTable) -> list[Line2D]:
     """A line for each value of the second axis, six at most; returns them."""
-    x, joined = table.x_values, not whole(study, table.x)
+    x, joined = table.x_values, not is_whole(study, table.x)
     factor, unit = scaled(study.units.get(result, ""), table.values)
     drawn = []
-    for look, column in zip(style.LOOKS, spread(table.values.shape[1]), strict=False):
-        name = "" if table.lines is None else number(table.line_values[column])
+    for look, column in zip(style.LOOKS, lines_drawn(table.values.shape[1]), strict=False):
+        name = "" if table.lines is None else number_text(table.line_values[column])
         drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name, joined))
     dress_axis(ax, "x", study, table.x)
     ax.set_ylabel(label(printed_name(study, result), unit))
@@ -64,7 +64,9 @@ def draw_line(
     return line
 
 
-def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str = "") -> None:
+def legend(
+    ax: Axes, study: StudyData, table: StudyTable, lines: list[Line2D], note: str = ""
+) -> None:
     """What the lines stand for, over a panel in one column."""
     if table.lines is not None:
         title = "\n".join(text for text in (note, legend_title(study, table)) if text)
@@ -72,18 +74,18 @@ def legend(ax: Axes, study: Study, table: Table, lines: list[Line2D], note: str 
         style.legend_above(ax, columns, title, handles=lines, handlelength=style.HANDLE)
 
 
-def legend_title(study: Study, table: Table) -> str:
+def legend_title(study: StudyData, table: StudyTable) -> str:
     """What the lines are: "Driving torque (in·lbf)"; "" for a single line."""
     if table.lines is None:
         return ""
     text = label(printed_name(study, table.lines), print_unit(study.units.get(table.lines, "")))
     count = table.values.shape[1]
-    shown = len(spread(count))
+    shown = len(lines_drawn(count))
     return text if shown == count else f"{text}, {shown} of {count} values"
 
 
 def draw_map(
-    ax: Axes, study: Study, result: str, table: Table, bar: Literal["right", "top"]
+    ax: Axes, study: StudyData, result: str, table: StudyTable, bar: Literal["right", "top"]
 ) -> list[Patch]:
     """Colours over both axes, named by a bar; hatched where there is no result.
 
@@ -95,8 +97,8 @@ def draw_map(
     x, y = table.x_values, table.line_values
     factor, unit = scaled(study.units.get(result, ""), table.values)
     z = np.ma.masked_invalid(table.values.T * factor)
-    cells = result in _STEPPED or whole(study, table.x) or whole(study, str(table.lines))
-    count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black on 0.6 can be read
+    cells = result in _STEPPED or is_whole(study, table.x) or is_whole(study, str(table.lines))
+    count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black can be read on 0.6
     levels = np.asarray(MaxNLocator(count).tick_values(float(z.min()), float(z.max())))
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
@@ -107,9 +109,9 @@ def draw_map(
     if cells:
         norm = BoundaryNorm(levels, colours.N)
         filled = ax.pcolormesh(_edges(x), _edges(y), z, cmap=colours, norm=norm, rasterized=True)
-        if not whole(study, table.x):
+        if not is_whole(study, table.x):
             ax.set_xlim(x[0], x[-1])
-        if not whole(study, str(table.lines)):
+        if not is_whole(study, str(table.lines)):
             ax.set_ylim(y[0], y[-1])
     else:
         filled = ax.contourf(x, y, z, levels, cmap=colours)
@@ -117,7 +119,7 @@ def draw_map(
         if inside.size:
             lines = ax.contour(x, y, z, inside, colors=style.BLACK, linewidths=0.6)
             _label_contours(ax, lines)
-    every = 1 + levels.size // _LEVELS  # numbers where colours change, as many as have room
+    every = 1 + levels.size // _LEVELS  # as many numbers as have room
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(label(printed_name(study, result), unit), size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)
@@ -157,16 +159,17 @@ def _edges(values: FloatArray) -> FloatArray:
     even = np.log(values) if _logarithmic(values) else values
     ends = np.concatenate([[2.0 * even[0] - even[1]], even, [2.0 * even[-1] - even[-2]]])
     middles = 0.5 * (ends[:-1] + ends[1:])
-    return np.exp(middles) if _logarithmic(values) else middles
+    edges: FloatArray = np.exp(middles) if _logarithmic(values) else middles
+    return edges
 
 
-def whole(study: Study, name: str) -> bool:
+def is_whole(study: StudyData, name: str) -> bool:
     """Whether a parameter takes whole numbers only, with nothing between them."""
     return bool(np.issubdtype(np.asarray(study.axes[name]).dtype, np.integer))
 
 
 def dress_axis(
-    ax: Axes, which: Literal["x", "y"], study: Study, name: str, *, narrow: bool = False
+    ax: Axes, which: Literal["x", "y"], study: StudyData, name: str, *, narrow: bool = False
 ) -> None:
     """Label, scale and ticks of an axis that a parameter runs along.
 
@@ -180,7 +183,7 @@ def dress_axis(
         line -= _POWER
     unit = print_unit(study.units.get(name, ""))
     axis.set_label_text(label(printed_name(study, name), unit, line))
-    if whole(study, name):
+    if is_whole(study, name):
         few = np.unique(values).size <= _MOST_TICKS
         many = MaxNLocator(_MOST_TICKS, steps=[1, 2, 5, 10], integer=True)
         axis.set_major_locator(FixedLocator(np.unique(values).tolist()) if few else many)
@@ -203,7 +206,7 @@ def _logarithmic(values: FloatArray) -> bool:
     return bool(np.allclose(steps, steps[0], rtol=1e-6))
 
 
-def spread(count: int) -> list[int]:
+def lines_drawn(count: int) -> list[int]:
     """Indices of the lines drawn, of so many: evenly spread, ends included."""
     most = len(style.LOOKS)
     if count <= most:

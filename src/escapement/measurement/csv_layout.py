@@ -1,8 +1,10 @@
-"""Columns of a CSV file: what parts them, which are the angles, in which unit."""
+"""Lines of a CSV file, and which of its columns are the angles, in which unit."""
 
 import csv
+from collections.abc import Iterator
 from itertools import repeat
-from typing import NamedTuple
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -11,7 +13,71 @@ from escapement.errors import InputFileError, InvalidValue
 from escapement.model import FloatArray
 from escapement.text import NAMES, UNITS, name_and_unit
 
+_BLOCK_BYTES = 1 << 22
 _SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
+
+
+class SourceFile(NamedTuple):
+    """The file that is read, and the errors that name its lines."""
+
+    path: Path
+
+    def fault(self, line: int, rule: str, got: str, remedy: str) -> InputFileError:
+        """The error that names a line; a long text is cut."""
+        shown = got if len(got) <= 60 else got[:57] + "..."
+        return InputFileError(f"{self.path}, line {line} must {rule}, got {shown!r}; {remedy}")
+
+
+class LineBlock(NamedTuple):
+    """Whole lines of a file, and the number of the first."""
+
+    first: int
+    lines: list[str]
+
+
+def line_blocks(source: SourceFile, stream: BinaryIO) -> Iterator[LineBlock]:
+    """A file as blocks of whole lines."""
+    line, rest = 1, b""
+    while True:
+        new = stream.read(_BLOCK_BYTES)
+        whole, end, rest = _cut(rest + new) if new else (rest, b"", b"")
+        if line == 1:
+            whole = whole.removeprefix(b"\xef\xbb\xbf")
+        if whole or end:
+            lines = _text(source, line, whole)
+            yield LineBlock(line, lines)
+            line += len(lines)
+        if not new:
+            return
+        if len(rest) > _BLOCK_BYTES:
+            remedy = "separate the samples by line ends"
+            raise source.fault(line, "be a row of angles", f"{len(rest)} bytes and more", remedy)
+
+
+def _cut(data: bytes) -> tuple[bytes, bytes, bytes]:
+    """Split data into what is before the last line end, that end, and what follows."""
+    if b"\n" in data:
+        return data.rpartition(b"\n")
+    # the last byte may be the first half of a line end
+    whole, end, rest = data[:-1].rpartition(b"\r")
+    return whole, end, rest + data[-1:]
+
+
+def _text(source: SourceFile, first: int, data: bytes) -> list[str]:
+    """Decode lines with any line ends; the error names the first line that is no text."""
+    remedy = "save it as CSV in UTF-8"
+    data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    try:
+        text = data.decode("utf-8")
+        fault = text.find("\0")
+        place = len(text[:fault].encode()) if fault >= 0 else -1
+    except UnicodeDecodeError as error:
+        place = error.start
+    if place >= 0:
+        line = data.count(b"\n", 0, place)
+        shown = data.split(b"\n")[line][:20].decode("ascii", "backslashreplace")
+        raise source.fault(first + line, "be text in UTF-8", shown, remedy)
+    return text.split("\n")
 
 
 class Layout(NamedTuple):
@@ -46,7 +112,7 @@ class Layout(NamedTuple):
     def load(self, lines: list[str]) -> FloatArray | None:
         """Input and output of lines that are all plain numbers, else None."""
         blank = self.separator == " "
-        # of rows too long or short `loadtxt` takes the columns it is to use
+        # `loadtxt` reads only the columns it is to use, and so accepts rows that are too long
         if not blank and set(map(str.count, lines, repeat(self.separator))) != {self.width - 1}:
             return None
         if self.decimal_comma:
@@ -62,7 +128,7 @@ class Layout(NamedTuple):
             if table.shape[1] != self.width:
                 return None
             table = table[:, self.places]
-        # a blank line or an infinite number: to be looked at line by line
+        # lines with a blank one or an infinite number are read one by one
         return table if len(table) == len(lines) and not np.isinf(table).any() else None
 
 
@@ -132,7 +198,7 @@ def _is_number(field: str, decimal_comma: bool) -> bool:
 
 
 def _find(fields: list[str], role: str, name: str | None) -> int:
-    """Place of the column of a role, by the name given or a usual one."""
+    """Place of the input's or the output's column, by the name given or a usual one."""
     bare = [name_and_unit(field)[0] for field in fields]
     wanted = NAMES[role] if name is None else (name_and_unit(name)[0],)
     whole = [field.strip() for field in fields]

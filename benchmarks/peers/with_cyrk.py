@@ -14,8 +14,7 @@ import numba
 import numpy as np
 from CyRK import cyjit, nbsolve2_ivp
 
-from escapement.benchmark.equations import acceleration, contact, pieces_of
-from escapement.benchmark.problems import Problem
+from escapement.benchmark.problems import Problem, contact_function, driver_acceleration, pieces_of
 from escapement.model import FloatArray
 
 METHODS = ("DOP853", "Vern8")
@@ -26,8 +25,8 @@ _LAST = 1e-8  # share below which two Taylor terms are exact
 # The solver comes as a function pointer of the running process: a kernel that holds one
 # cannot be cached on disk, so the package's own decorator is of no use here.
 compiled = numba.njit(error_model="numpy", nogil=True)
-_acceleration = compiled(acceleration)
-_contact = compiled(contact)
+_acceleration = compiled(driver_acceleration)
+_contact = compiled(contact_function)
 
 
 @cyjit

@@ -9,29 +9,29 @@ import numpy as np
 from escapement.measurement.readings import wraps
 
 if TYPE_CHECKING:
-    from escapement.measurement._result import Measurement
+    from escapement.measurement.comparison import Measurement
     from escapement.measurement.shafts import ShaftError
 
 _SURE = 1e-3
-"""p-values below it are remarked upon."""
-_ALIKE = 0.05  # less correlation spoils no p-value
-_TELLING = 3.0  # standard errors of an amplitude; one in a thousand by chance has 3.7
-_LEAST = 5e-324  # a p-value too small for a double
+"""A p-value below it is told to the reader."""
+_ALIKE = 0.05  # a smaller correlation spoils no p-value
+_TELLING = 3.0  # an amplitude of fewer standard errors is all but hidden
+_LEAST = 5e-324  # it stands for a p-value that is too small for a double
 _CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 
 
-def remarks(result: "Measurement") -> Iterator[str]:
-    """Remarks, the gravest first."""
+def cautions(result: "Measurement") -> Iterator[str]:
+    """Sentences for the reader, the gravest first."""
     if result.readings.synthetic:
         yield "synthetic data, computed and not measured"
     if result.readings.remark:
         yield result.readings.remark
-    yield from _of_the_fit(result)
-    yield from _of_independence(result)
-    yield from _of_shafts(result)
+    yield from _on_the_fit(result)
+    yield from _on_independence(result)
+    yield from _on_shafts(result)
 
 
-def _of_the_fit(result: "Measurement") -> Iterator[str]:
+def _on_the_fit(result: "Measurement") -> Iterator[str]:
     rms = math.hypot(result.mean, result.standard_deviation)
     if rms > 0.25 * abs(result.mechanism.follower_step):
         yield (
@@ -61,10 +61,10 @@ def _of_the_fit(result: "Measurement") -> Iterator[str]:
             )
 
 
-def _of_independence(result: "Measurement") -> Iterator[str]:
+def _on_independence(result: "Measurement") -> Iterator[str]:
     least = max(3.3 / math.sqrt(result.errors.size), _ALIKE)
     alike, rest = result.autocorrelation, result.rest_autocorrelation
-    # a wave that is found makes neighbours alike, and spoils no test for waves
+    # a wave that is found makes neighbours alike, but spoils no test for waves
     if rest > least:
         spoilt = "all tests, false alarms, standard errors and intervals of the mean"
     else:
@@ -76,10 +76,10 @@ def _of_independence(result: "Measurement") -> Iterator[str]:
         )
 
 
-def _of_shafts(result: "Measurement") -> Iterator[str]:
+def _on_shafts(result: "Measurement") -> Iterator[str]:
     for error in result.shaft_errors:
         if error.p_value < _SURE:
-            yield _of_shaft(error, result.rest_autocorrelation)
+            yield _on_shaft(error, result.rest_autocorrelation)
     unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
     if unknown:
         yield (
@@ -90,10 +90,10 @@ def _of_shafts(result: "Measurement") -> Iterator[str]:
         yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"
 
 
-def _of_shaft(error: "ShaftError", correlation: float) -> str:
-    """What comes back; not for a fact where noise whose neighbours are alike may do as much."""
-    # n such errors are worth n (1 - r)/(1 + r) independent ones to a slow wave, and of an F
-    # test with two degrees of freedom that share is the exponent of p
+def _on_shaft(error: "ShaftError", correlation: float) -> str:
+    """What comes back, with reserve where correlated noise may look the same."""
+    # To a slow wave n errors of correlation r are worth n (1 - r)/(1 + r) independent ones.
+    # In an F test with two degrees of freedom p is then raised to that share.
     worth = (1.0 - correlation) / (1.0 + correlation) if correlation > 0.0 else 1.0
     sure = max(error.p_value, _LEAST) ** worth < _SURE
     where = "cell" if error.shaft == "cell" else f"turn of the {error.shaft}"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots.labels import quantity
+from escapement.plots.style import parameter_text
 from escapement.status import Status
 
 _SHORT = {
@@ -27,12 +27,12 @@ _REASONS = {
     Status.NOT_CONVERGED: "not converged",
     Status.INVALID: "invalid",
 }
-_WIDEST = 56  # characters of a note over one column
+_WIDEST = 56  # so many characters of a note fit over one column
 _HARD = "\N{NO-BREAK SPACE}"
-_LONGEST = 28  # characters of a long name that still make an axis label
+_LONGEST = 28  # a longer name makes no axis label
 
 
-class Study(Protocol):
+class StudyData(Protocol):
     """What a figure needs of a study: a grid of results over named axes.
 
     `axes` in the order of the results' dimensions; `units` (UDUNITS spelling)
@@ -61,7 +61,7 @@ class Study(Protocol):
 
 
 @dataclass(frozen=True)
-class Table:
+class StudyTable:
     """One result over at most two axes, ready to draw.
 
     x, lines : names of the axes along the first and second dimension of
@@ -79,7 +79,7 @@ class Table:
     note: str
 
 
-def tabulate(study: Study, result: str, x: str | None = None) -> Table:
+def tabulate_study(study: StudyData, result: str, x: str | None = None) -> StudyTable:
     """Choose the axes of a figure, and fix every other one at its middle.
 
     Parameters
@@ -130,7 +130,7 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
     fixed = [_fixed(study, name, i) for name, i in middle.items()]
     where = ", ".join(fixed)
     notes = [where[:1].upper() + where[1:], _unanswered(study, index)]
-    return Table(
+    return StudyTable(
         x,
         lines,
         x_values[rows],
@@ -140,7 +140,7 @@ def tabulate(study: Study, result: str, x: str | None = None) -> Table:
     )
 
 
-def available(study: Study, names: Sequence[str]) -> list[str]:
+def available(study: StudyData, names: Sequence[str]) -> list[str]:
     """Those of the named results that a figure can show.
 
     Raises
@@ -152,7 +152,7 @@ def available(study: Study, names: Sequence[str]) -> list[str]:
     for name in names:
         if name in study.results:
             try:
-                tabulate(study, name)
+                tabulate_study(study, name)
             except NoResult:
                 continue
             found.append(name)
@@ -165,14 +165,14 @@ class NoResult(InvalidValue):
     """Every case that would be drawn lacks the result."""
 
 
-def printed_name(study: Study, name: str) -> str:
+def printed_name(study: StudyData, name: str) -> str:
     """Name of an axis or result, short enough for a label."""
     words = name.replace("_", " ")
     long = study.long_names.get(name) or words
     return _SHORT.get(name) or (long if len(long) <= _LONGEST else words)
 
 
-def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
+def _unanswered(study: StudyData, index: tuple[Any, ...]) -> str:
     """How many of the cases shown have no number, and why; "" for none."""
     status = np.asarray(study.results.get("status", 0))
     shown = status[index] if status.ndim else status
@@ -185,9 +185,9 @@ def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
     return f"{lost} of {shown.size} cases {gaps}: {', '.join(reasons)}"
 
 
-def _fixed(study: Study, name: str, index: int) -> str:
+def _fixed(study: StudyData, name: str, index: int) -> str:
     values = study.axes[name]
-    text = quantity(printed_name(study, name), values[index], study.units.get(name, ""))
+    text = parameter_text(printed_name(study, name), values[index], study.units.get(name, ""))
     return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)})"
 
 

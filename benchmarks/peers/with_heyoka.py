@@ -10,17 +10,14 @@ package's own formulation, w = theta_dot^2 over the driver angle, where only the
 is left to find: the difference is what the formulation alone is worth.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import heyoka as hy
 import numpy as np
 
-from escapement.benchmark.equations import pieces_of
-from escapement.benchmark.problems import Problem
+from escapement.benchmark.problems import Problem, pieces_of
+from escapement.benchmark.solvers import Run
 from escapement.model import FloatArray
-
-Run = Callable[[], tuple[FloatArray, FloatArray]]
 
 _FOREVER = 1e6  # natural units; an event ends the run
 
@@ -121,7 +118,7 @@ def _in_time(problem: Problem, rtol: float, arrive: Any, reverse: Any) -> Any:
 
 
 def _motion(problem: Problem, theta: Any, w: Any) -> tuple[Any, Any, Any]:
-    """Driver acceleration as a fraction, and contact function: `_equations` in symbols.
+    """Driver acceleration as a fraction, and contact function: that of `problems` in symbols.
 
     par[0] is the signed friction.
     """

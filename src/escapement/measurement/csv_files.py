@@ -1,21 +1,41 @@
-"""Reading angles from a CSV file: block by block, every fault with its line."""
+"""Readings and errors as CSV files: reading block by block, writing in degrees.
 
+Every fault of a file that is read is told with its line. A file that is written is complete
+under its name, or not there.
+"""
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
-from escapement.measurement._columns import Layout, find_layout
-from escapement.measurement._lines import Block, Source, blocks
+from escapement.files.whole import write_whole
+from escapement.measurement.csv_layout import (
+    Layout,
+    LineBlock,
+    SourceFile,
+    find_layout,
+    line_blocks,
+)
+from escapement.measurement.fit import blocks
 from escapement.measurement.readings import FARTHEST, WITHIN, Readings
 from escapement.model import FloatArray
+
+if TYPE_CHECKING:
+    from escapement.measurement.comparison import Measurement
 
 SYNTHETIC = "# synthetic"
 """How a comment begins that tells computed readings from measured ones."""
 _NO_UNIT = "angles without a unit are taken for degrees"
-_NOTHING = {"", "nan", "na", "n/a", "null", "none"}
+_MISSING = {"", "nan", "na", "n/a", "null", "none"}
+_LABEL = f"{SYNTHETIC} data: computed by escapement, not measured\n"
+_DECIMALS = 6
+"""Of a degree: ten times finer than an encoder of 26 bits."""
 
 
 def read_readings(
@@ -58,8 +78,8 @@ def read_readings(
     file = Path(path)
     try:
         with open(file, "rb") as stream:
-            table = _Table(Source(file), input, output, angle_unit)
-            for block in blocks(table.source, stream):
+            table = _AnglesTable(SourceFile(file), input, output, angle_unit)
+            for block in line_blocks(table.source, stream):
                 table.take(block)
     except (FileNotFoundError, NotADirectoryError):
         raise MissingInput(f"measurement {file} does not exist; check its name") from None
@@ -74,10 +94,10 @@ def read_readings(
 
 
 @dataclass
-class _Table:
-    """Columns as they grow, block after block."""
+class _AnglesTable:
+    """Columns of angles that grow block after block."""
 
-    source: Source
+    source: SourceFile
     input: str | None
     output: str | None
     angle_unit: str | None
@@ -86,7 +106,7 @@ class _Table:
     columns: list[FloatArray] = field(default_factory=list)
     lines: list[np.ndarray] = field(default_factory=list)
 
-    def take(self, block: Block) -> None:
+    def take(self, block: LineBlock) -> None:
         """Add the samples of a block, the fast way where it is a plain table."""
         if self.layout is None:
             block = self._after_header(block)
@@ -98,10 +118,10 @@ class _Table:
             self.columns.append(quick)
             self.lines.append(np.arange(block.first, block.first + len(quick)))
         else:
-            self._slowly(self.layout, block)
+            self._take_line_by_line(self.layout, block)
 
     def readings(self) -> Readings:
-        """Everything read, in rad."""
+        """All that was read, in rad."""
         path = self.source.path
         if self.layout is None:
             raise InputFileError(
@@ -133,10 +153,10 @@ class _Table:
             remedy = "correct it, or leave the field empty"
             raise self.source.fault(int(line[row]), rule, f"{table[row, column]:g}", remedy)
 
-    def _after_header(self, block: Block) -> Block:
-        """What follows the header, or the first row where there is none."""
+    def _after_header(self, block: LineBlock) -> LineBlock:
+        """The rest of a block after its header, which gives the layout."""
         for i, text in enumerate(block.lines):
-            if self._skipped(text):
+            if self._is_comment(text):
                 continue
             try:
                 found = find_layout(text, self.input, self.output, self.angle_unit)
@@ -147,18 +167,18 @@ class _Table:
                 raise InvalidValue(f"{self.source.path}: {error}") from None
             self.layout = found
             start = i + 1 if found.header else i
-            return Block(block.first + start, block.lines[start:])
-        return Block(block.first + len(block.lines), [])
+            return LineBlock(block.first + start, block.lines[start:])
+        return LineBlock(block.first + len(block.lines), [])
 
-    def _skipped(self, text: str) -> bool:
+    def _is_comment(self, text: str) -> bool:
         if text.startswith(SYNTHETIC):
             self.synthetic = True
         return not text.strip() or text.startswith("#")
 
-    def _slowly(self, layout: Layout, block: Block) -> None:
+    def _take_line_by_line(self, layout: Layout, block: LineBlock) -> None:
         rows, lines = [], []
         for line, text in enumerate(block.lines, block.first):
-            if self._skipped(text):
+            if self._is_comment(text):
                 continue
             fields = layout.split(text)
             if len(fields) != layout.width:
@@ -171,7 +191,7 @@ class _Table:
 
     def _number(self, layout: Layout, line: int, place: int, text: str) -> float:
         text = text.strip()
-        if text.lower() in _NOTHING:
+        if text.lower() in _MISSING:
             return np.nan
         try:
             value = float(text.replace(",", ".") if layout.decimal_comma else text)
@@ -181,3 +201,67 @@ class _Table:
             rule = f"have a finite number in field {place + 1}"
             raise self.source.fault(line, rule, text, "correct it, or leave the field empty")
         return value
+
+
+def write_readings(
+    readings: Readings, path: str | PathLike[str], *, note: str = "", force: bool = False
+) -> None:
+    """Write readings as `read_readings` reads them.
+
+    Parameters
+    ----------
+    readings : Readings
+        What to write; synthetic ones say so in the first line.
+    path : path
+        Where.
+    note : str
+        A comment for the head of the file.
+    force : bool
+        Whether an existing file may be replaced.
+
+    Raises
+    ------
+    CannotCreate, StorageError
+        When it cannot be created, or writing fails half-way.
+    """
+    columns = {"input_deg": readings.input, "output_deg": readings.output}
+    _write(path, _head(readings, note), columns, force)
+
+
+def write_errors(result: "Measurement", path: str | PathLike[str], *, force: bool = False) -> None:
+    """Write input, output, theory and error of each complete sample.
+
+    Parameters
+    ----------
+    result : Measurement
+        What `escapement.measure` returns.
+    path, force :
+        As for `write_readings`.
+    """
+    columns = {
+        "input_deg": result.input,
+        "output_deg": result.output,
+        "theory_deg": result.fit.theory,
+        "error_deg": result.errors,
+    }
+    _write(path, _head(result.readings, ""), columns, force)
+
+
+def _head(readings: Readings, note: str) -> str:
+    comments = "".join(f"# {line}\n" for line in note.splitlines())
+    return (_LABEL if readings.synthetic else "") + comments
+
+
+def _write(
+    path: str | PathLike[str], head: str, columns: dict[str, FloatArray], force: bool
+) -> None:
+    text = chain([head + ",".join(columns) + "\n"], _rows(list(columns.values())))
+    write_whole(path, map(str.encode, text), force)
+
+
+def _rows(columns: Sequence[FloatArray]) -> Iterator[str]:
+    """Lines, a block of samples at a time; an empty field for what is missing."""
+    row = ",".join([f"%.{_DECIMALS}f"] * len(columns)) + "\n"
+    for part in blocks(columns[0].size):
+        table = np.degrees([column[part] for column in columns]).T + 0.0
+        yield (row * len(table) % tuple(table.ravel())).replace("nan", "")

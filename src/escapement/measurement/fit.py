@@ -1,22 +1,78 @@
-"""Least squares for the two zeros that nobody can set exactly: phase and offset.
+"""Position function over any number of cells, and the fit of readings to it.
 
-The reading of the output is modelled as  sense * phi(input + phase) + offset.
+Nobody can set the zeros of two encoders exactly, so least squares finds the phase and the
+offset of  sense * phi(input + phase) + offset,  the model of the output's reading.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement._position import position, slope
-from escapement.measurement.readings import TURN, spread
+from escapement.measurement.readings import TURN, spread_samples
+from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
+BLOCK = 1 << 17
+"""Samples worked on at once, so that temporary arrays stay small."""
 _START_SAMPLES = 1000
 _START_PHASES = 120
 _ROUNDS = 60
 _HALVINGS = 40
+
+
+def blocks(count: int) -> Iterator[slice]:
+    """Slices of `BLOCK` samples that cover `count`."""
+    for start in range(0, count, BLOCK):
+        yield slice(start, start + BLOCK)
+
+
+def position(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
+    """Follower angle at driver angles over any number of cells [rad].
+
+    Each cell adds the mechanism's step; in the dwell the follower stands still.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    theta : ndarray, shape (n,)
+        Driver angle, counted on from dead centre of one cell [rad].
+    """
+    phi = np.empty_like(theta)
+    for part in blocks(theta.size):
+        cell, local = _split(mechanism, theta[part])
+        phi[part] = _within(mechanism, local) + cell * mechanism.follower_step
+    return phi
+
+
+def slope(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
+    """Transmission g = dphi/dtheta at driver angles over any number of cells [-].
+
+    Zero in the dwell.
+    """
+    # a follower that turns back has no path, only a transmission of its own
+    read = getattr(mechanism, "transmission", None) or partial(transmission, mechanism.path)
+    g, exit_ = np.empty_like(theta), mechanism.breaks[-1]
+    for part in blocks(theta.size):
+        _, local = _split(mechanism, theta[part])
+        g[part] = np.where(local > exit_, 0.0, read(np.minimum(local, exit_)).g)
+    return g
+
+
+def _split(mechanism: Mechanism, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Number of the cell, and the driver angle in it."""
+    cell = np.floor((theta - mechanism.breaks[0]) / mechanism.cell_angle)
+    return cell, theta - cell * mechanism.cell_angle
+
+
+def _within(mechanism: Mechanism, local: FloatArray) -> FloatArray:
+    """Follower angle within the cell; rounding may have left it by a hair."""
+    entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
+    return np.asarray(mechanism.follower_angle(np.clip(local, entry, exit_)), dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +101,7 @@ class Fit:
 
 
 class _Zeros(NamedTuple):
-    """A sense, a phase and an offset [rad], the sum of squares they leave first."""
+    """The sum of squares that a sense, a phase and an offset [rad] leave, and these three."""
 
     squares: float
     sense: int
@@ -53,8 +109,8 @@ class _Zeros(NamedTuple):
     offset: float
 
 
-class _Task(NamedTuple):
-    """What is to be fitted: the input counts on, the output may start again."""
+class _FitTask(NamedTuple):
+    """What is to be fitted; the input counts on, the output may start again each turn."""
 
     mechanism: Mechanism
     input: FloatArray
@@ -73,7 +129,7 @@ class _Task(NamedTuple):
         return _Zeros(float(rest @ rest), sense, phase, offset)
 
     def centred(self, sense: int, phase: float, offset: float) -> _Zeros:
-        """With the offset that leaves errors of mean zero."""
+        """The same with the offset that makes the mean error zero."""
         offset += float(self.residual(sense, phase, offset).mean())
         return self.at(sense, phase, offset)
 
@@ -98,10 +154,10 @@ def fit(
     zeros : (float, float), optional
         Phase and offset where they are known [rad].
     """
-    task = _Task(mechanism, angle, output, wraps)
+    task = _FitTask(mechanism, angle, output, wraps)
     if zeros is None:
-        some = spread(angle.size, _START_SAMPLES)
-        few = _Task(mechanism, angle[some], output[some], wraps)
+        some = spread_samples(angle.size, _START_SAMPLES)
+        few = _FitTask(mechanism, angle[some], output[some], wraps)
         start = min(_improved(few, zeros) for zeros in _starts(few))
         best = _reduced(task, _improved(task, task.centred(*start[1:])))
     else:
@@ -114,7 +170,7 @@ def fit(
     )  # fmt: skip
 
 
-def _starts(task: _Task) -> list[_Zeros]:
+def _starts(task: _FitTask) -> list[_Zeros]:
     """For each sense the best phase on a grid over one cell.
 
     The mean direction of the residuals on a circle tells the offset, and its length
@@ -131,7 +187,7 @@ def _starts(task: _Task) -> list[_Zeros]:
     return starts
 
 
-def _improved(task: _Task, zeros: _Zeros) -> _Zeros:
+def _improved(task: _FitTask, zeros: _Zeros) -> _Zeros:
     """Gauss-Newton on the phase; the offset follows from it in closed form."""
     longest = task.mechanism.cell_angle / 20.0
     for _ in range(_ROUNDS):
@@ -142,7 +198,7 @@ def _improved(task: _Task, zeros: _Zeros) -> _Zeros:
         spread = float(g @ g)
         step = float(g @ task.residual(*zeros[1:])) / spread
         step = math.copysign(min(abs(step), longest), step)
-        # a thousandth of the standard error is near enough
+        # a step below a thousandth of the standard error changes nothing that matters
         if abs(step) < max(1e-3 * math.sqrt(zeros.squares / spread / g.size), 1e-14):
             break
         for _ in range(_HALVINGS):
@@ -162,7 +218,7 @@ def _varying(g: FloatArray) -> tuple[FloatArray, bool]:
     return rest, bool(rest @ rest <= 1e-12 * (g @ g))
 
 
-def _reduced(task: _Task, zeros: _Zeros) -> _Zeros:
+def _reduced(task: _FitTask, zeros: _Zeros) -> _Zeros:
     """The same fit with its phase within half a cell of zero."""
     cells = round(zeros.phase / task.mechanism.cell_angle)
     phase = zeros.phase - cells * task.mechanism.cell_angle
@@ -173,7 +229,7 @@ def _reduced(task: _Task, zeros: _Zeros) -> _Zeros:
 
 
 def _standard_errors(g: FloatArray, errors: FloatArray) -> tuple[float, float]:
-    """Of phase and offset, from the inverse of the normal equations."""
+    """Standard errors of phase and offset, from the inverse of the normal equations."""
     rest, steady = _varying(g)
     n = g.size
     variance = float(errors @ errors) / (n - 2)

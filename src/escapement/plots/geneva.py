@@ -1,0 +1,186 @@
+"""Geneva drives drawn to scale, in any position."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from escapement import validate
+from escapement.mechanisms import Geneva
+from escapement.outlines.body import locked_angle
+from escapement.outlines.geneva import GenevaOutline
+from escapement.plots import style
+from escapement.plots.bodies import draw_arrow, draw_body, draw_length
+
+# The crank disc lies behind the follower, the locking disc in its plane, pins lie in front.
+_LOOKS: dict[str, dict[str, Any]] = {
+    "crank-disc": {"facecolor": "#dcebf7", "zorder": 1},
+    "follower": {"facecolor": "#f6d9a8", "zorder": 2, "joinstyle": "round"},
+    "follower-shaft": {"facecolor": "white", "zorder": 2.1},
+    "locking-disc": {"facecolor": "#9cc7e8", "zorder": 2.5},
+    "driver-shaft": {"facecolor": "white", "zorder": 2.6},
+}
+_PIN: dict[str, Any] = {"color": "#00466f", "linewidth": 0, "zorder": 3}
+_CHAIN = (0, (9, 2, 2, 2))
+_MARGIN = 0.30  # arrows take so much room, in crank radii
+_LARGE = 5.0  # around a larger follower the room grows, and its lines get thinner
+_CONTINUOUS = (3, 4, 6)
+
+
+def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -> Axes:
+    """Geneva drive to scale, driver on the right.
+
+    Parameters
+    ----------
+    mechanism : Geneva
+        What to draw. Pin and slot widths are the drawing's choice: the model
+        has none.
+    theta : float
+        Driver angle from dead centre of the reference pin [rad], of any size;
+        in a dwell the follower stands locked.
+    ax : Axes, optional
+        Where to draw; its limits are set in crank radii, follower axis at the
+        origin. Default: a new figure.
+
+    Returns
+    -------
+    Axes
+        Artists carry ids: "follower", "crank-disc", "locking-disc", and
+        "pin-k" and "slot-k" (its centre line) with k counted from 0.
+
+    Raises
+    ------
+    InvalidValue
+        For any but a Geneva drive, with the function that draws it, for more than 200 slots,
+        or an angle that is not finite.
+
+    Notes
+    -----
+    The picture is that of Meyer (1973), figures 12-14: with the follower's axis
+    at the origin a pin stands at c - exp(-i theta), for an internal wheel at
+    c + exp(i theta).
+    """
+    if not isinstance(mechanism, Geneva):
+        remedy = (
+            "give Geneva(slots=4), or draw a planetary drive with plot_planetary, a gear-driven "
+            "wheel with plot_gear_driven, a table with plot_table"
+        )
+        raise validate.fail("mechanism", "a Geneva drive", mechanism, remedy)
+    angle = validate.number("theta", theta, "give the driver angle in rad")
+    style.check_drawn("slots", mechanism.slots)
+    outline = GenevaOutline(mechanism)
+    box = _extent(outline)
+    if ax is None:
+        height = style.ONE_COLUMN * (box[3] - box[2]) / (box[1] - box[0])
+        ax = style.new_axes(style.ONE_COLUMN, height)
+    _draw(ax, outline, angle)
+    _draw_scale(ax, outline)
+    return ax
+
+
+def plot_configurations(theta: float = 0.0) -> Figure:
+    """The three continuous Geneva drives side by side, crank radii equal.
+
+    Parameters
+    ----------
+    theta : float
+        Driver angle from dead centre [rad].
+
+    Source: Meyer (1973), eq. 1-3 and figures 12-14.
+    """
+    angle = validate.number("theta", theta, "give the driver angle in rad")
+    drives = [GenevaOutline(Geneva(slots=n)) for n in _CONTINUOUS]
+    boxes = [_extent(drive) for drive in drives]
+    widths = [box[1] - box[0] for box in boxes]
+    half = max(box[3] for box in boxes) + 0.05
+    height = style.TWO_COLUMN * 2.0 * half / sum(widths) + 0.3
+    figure = style.new_figure(style.TWO_COLUMN, height)
+    axes = figure.subplots(1, 3, width_ratios=widths)
+    for ax, outline in zip(axes, drives, strict=True):
+        _draw(ax, outline, angle)
+        ax.set_ylim(-half, half)
+        title = f"{outline.mechanism.slots} slots, {outline.mechanism.pins} pins"
+        ax.set_title(title, fontsize=style.LABEL_SIZE)
+    _draw_scale(axes[0], drives[0])
+    return figure
+
+
+def _draw(ax: Axes, outline: GenevaOutline, theta: float) -> None:
+    _draw_bodies(ax, outline, theta)
+    _draw_lines(ax, outline, locked_angle(outline.mechanism, theta))
+    _draw_senses(ax, outline)
+    box = _extent(outline)
+    ax.set(xlim=box[:2], ylim=box[2:], aspect="equal")
+    ax.set_axis_off()
+
+
+def _extent(outline: GenevaOutline) -> tuple[float, float, float, float]:
+    """Left, right, bottom and top of the picture, room for arrows and scale included."""
+    c = outline.mechanism.centre_distance
+    half = max(outline.follower_radius, outline.crank_disc_radius)
+    right = max(outline.follower_radius, c + outline.crank_disc_radius)
+    room = _MARGIN * _size(outline)
+    return -outline.follower_radius - room, right + room, -half - 1.7 * room, half + room / 3.0
+
+
+def _size(outline: GenevaOutline) -> float:
+    return max(1.0, outline.follower_radius / _LARGE)
+
+
+def _draw_bodies(ax: Axes, outline: GenevaOutline, theta: float) -> None:
+    """Bodies in their places; what the follower hides of the crank disc is broken."""
+    edge: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 0.9 / _size(outline)}
+    drawn = {
+        body.name: draw_body(
+            ax, body, **(edge | _LOOKS[body.name] if body.name in _LOOKS else _PIN)
+        )
+        for body in outline.bodies(theta)
+    }
+    centre = (outline.mechanism.centre_distance, 0)
+    look: dict[str, Any] = {"ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5))}
+    hidden = Circle(centre, outline.crank_disc_radius, fill=False, **look)
+    ax.add_patch(hidden).set(zorder=2.2, clip_path=drawn["follower"])
+
+
+def _draw_lines(ax: Axes, outline: GenevaOutline, phi: float) -> None:
+    """Line of centres, axes, pin circle and the slots' centre lines."""
+    mechanism, c = outline.mechanism, outline.mechanism.centre_distance
+    thin: dict[str, Any] = {"lw": 0.5 / _size(outline), "linestyle": _CHAIN, "zorder": 2.8}
+    left, right, _, _ = _extent(outline)
+    across = [left + 0.15, right - 0.15]
+    ax.plot(across, [0, 0], color=style.GREY, gid="line-of-centres", **thin)
+    ax.add_patch(Circle((c, 0), 1.0, fill=False, edgecolor=style.GREY, **thin))
+    for k in range(mechanism.slots):
+        ray = np.exp(1j * (phi + k * mechanism.follower_step))
+        ends = (0.3 * outline.slot_end, outline.rim_radius + 0.1)
+        if mechanism.internal:
+            ends = (outline.rim_radius - 0.1, outline.follower_radius - 0.05)
+        line = np.array(ends) * ray
+        ax.plot(line.real, line.imag, color=style.GREY, gid=f"slot-{k}", **thin)
+    ax.plot([0, c], [0, 0], "+", color=style.BLACK, ms=6, mew=0.8, zorder=4, gid="axes")
+
+
+def _draw_senses(ax: Axes, outline: GenevaOutline) -> None:
+    """Arrows beside the outline: which way they turn."""
+    c = outline.mechanism.centre_distance
+    room = 0.4 * _MARGIN * _size(outline)
+    follower = (outline.follower_radius + room) * np.exp(
+        1j * np.linspace(np.pi - 0.3, np.pi + 0.3, 21)
+    )
+    if outline.mechanism.internal:
+        driver = c + 0.25 * np.exp(1j * np.linspace(0.7, 5.0, 41))
+    else:
+        driver = c + (outline.crank_disc_radius + room) * np.exp(1j * np.linspace(0.4, -0.4, 21))
+    draw_arrow(ax, follower)
+    draw_arrow(ax, driver)
+
+
+def _draw_scale(ax: Axes, outline: GenevaOutline) -> None:
+    """A bar one crank radius long, with the radius where it is known."""
+    left, _, bottom, _ = _extent(outline)
+    place = (left + 0.15, bottom + 0.5 * _MARGIN * _size(outline))
+    radius = outline.mechanism.crank_radius
+    text = "crank radius" if radius is None else f"crank radius {1e3 * radius:.4g} mm"
+    draw_length(ax, place, 1.0, text)
