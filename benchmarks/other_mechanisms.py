@@ -21,8 +21,8 @@ import numpy as np
 
 import escapement as esc
 from escapement.benchmark.measuring import write_csv
-from escapement.curves import CURVES
 from escapement.errors import InvalidValue
+from escapement.mechanisms.gear_equation import CURVES
 from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -163,7 +163,7 @@ def together():
     for name, value in (("atol", 1e-9), ("method", "RK45"), ("max_step", 1.0)):
         call = partial(first_steps, **{name: value})
         yield Bad(call, name, "left out with engine 'energy'", show(value))
-    yield Bad(partial(built, efficiency=0.0), "efficiency", "greater than 0", "0.0")
+    yield Bad(partial(built, efficiency=0.0), "efficiency", "in [0.001, 1]", "0.0")
     yield Bad(partial(built, efficiency=0.9), "efficiency", "1 for a slotted mechanism", "0.9")
     tiny = partial(built, torque=1e-300)
     yield Bad(tiny, "follower_inertia / torque", "between 1e-100 and 1e100", "e+294")

@@ -6,8 +6,7 @@ from functools import cache
 import numpy as np
 
 from escapement import GearDriven
-from escapement.curves import CURVES
-from escapement.mechanisms.gear_equation import lobe_ratios
+from escapement.mechanisms.gear_equation import CURVES, lobe_ratios
 
 SOURCES = CURVES[:2]
 STATIONS = range(3, 25)

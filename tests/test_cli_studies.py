@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from escapement.cli._tables import spread
+from escapement.cli._cases import spread
 from escapement.study.reader import read_study
 from escapement.units import INCH_POUND
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
+from escapement.quantity import quantities
 from escapement.solver import DEFAULT_ENGINE
 from escapement.study.from_escapement import plan_from
-from escapement.study.kinds import KINDS
 from escapement.study.parse import parse_plan
 from escapement.study.plan_file import load_plan
 from escapement.units import INCH, INCH_POUND
@@ -262,7 +262,7 @@ def test_lobes_are_refused_before_anything_is_computed(lobes):
 
 
 def test_the_most_slots_are_those_of_the_wheel():
-    most = KINDS["geneva"].parameters["slots"].maximum
+    most = quantities(Geneva)["slots"].maximum
     assert Geneva(int(most)).slots == most
     with pytest.raises(InvalidValue):
         Geneva(int(most) + 1)

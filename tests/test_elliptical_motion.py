@@ -95,7 +95,7 @@ def test_derivatives_are_derivatives(drive, place):
     rate = scale / drive.cell_angle / (1.0 - drive.eccentricity)
     assert weights @ drive.follower_angle(nodes) == pytest.approx(float(found.g), abs=1e-7 * scale)
     assert weights @ near.g == pytest.approx(float(found.dg), abs=1e-6 * rate)
-    jerk = float(drive.jerk_function(theta))
+    jerk = float(drive.jerk(theta))
     assert weights @ near.dg == pytest.approx(
         jerk, abs=1e-5 * rate / drive.cell_angle / (1.0 - drive.eccentricity)
     )
@@ -134,7 +134,7 @@ def test_kernels_see_the_same_transmission(drive):
     tops = np.maximum(mine.g, drive.transmission(edges[piece]).g)
     tops = np.maximum(tops, drive.transmission(edges[piece] + length[piece]).g)
     rounding = np.finfo(float).eps * tops * 2.0 / length[piece] * order**3
-    bend = np.abs(drive.jerk_function(theta)).max()
+    bend = np.abs(drive.jerk(theta)).max()
     assert (np.abs(mine.dg - theirs.dg) <= rounding + moved * bend).all()
 
 
@@ -162,7 +162,7 @@ def test_peak_acceleration(drive):
     assert top >= found.max() * (1.0 - 1e-13)
     assert top == pytest.approx(found.max(), rel=1e-4)
     scale = drive.ratio**2 * drive.ratio_max * drive.ratio**2
-    assert abs(float(drive.jerk_function(angle))) < 1e-12 * scale
+    assert abs(float(drive.jerk(angle))) < 1e-12 * scale
 
 
 @settings(deadline=None)

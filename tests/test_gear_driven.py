@@ -8,9 +8,8 @@ import pytest
 
 from escapement import Escapement, GearDriven, Inertia
 from escapement.constant_speed import jerk_function
-from escapement.curves import COGNATES, CURVES
 from escapement.errors import InvalidValue
-from escapement.mechanisms.gear_equation import lobe_ratios
+from escapement.mechanisms.gear_equation import COGNATES, CURVES, lobe_ratios
 from escapement.model import Mechanism
 from gear_chart import chart, position
 

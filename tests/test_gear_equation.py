@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from escapement import GearDriven
-from escapement.curves import COGNATES
-from escapement.mechanisms.gear_equation import gear_ratio, lobe_ratios
+from escapement.mechanisms.gear_equation import COGNATES, gear_ratio, lobe_ratios
 from gear_chart import LOBES, SOURCES, STATIONS, chart
 
 

@@ -17,8 +17,8 @@ from escapement import (
     terminal,
 )
 from escapement.constant_speed import drive_torque
-from escapement.curves import CURVES
 from escapement.errors import InvalidValue
+from escapement.mechanisms.gear_equation import CURVES
 from escapement.status import Status
 
 

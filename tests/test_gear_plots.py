@@ -8,8 +8,8 @@ import pytest
 from matplotlib.path import Path
 
 from escapement import GearDriven
-from escapement.curves import CURVES
 from escapement.errors import InvalidValue
+from escapement.mechanisms.gear_equation import CURVES
 from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.plots import gear_driven
 

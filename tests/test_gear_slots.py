@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from escapement import GearDriven
-from escapement.curves import CURVES
 from escapement.errors import InvalidValue
+from escapement.mechanisms.gear_equation import CURVES
 from escapement.synthesis import find_mechanisms
 
 TURN = 2.0 * math.pi

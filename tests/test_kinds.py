@@ -4,38 +4,53 @@ import argparse
 import math
 import sys
 import types
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import pytest
 
-from escapement import Escapement, GearDriven, Inertia, read_study
-from escapement.cli import _kinds
-from escapement.cli._parser import Parser, UsageError, number, whole
+from escapement import Escapement, GearDriven, Inertia, mechanisms, read_study
+from escapement.cli import _arguments
+from escapement.cli._parser import Parser, UsageError
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.kind import Kind
+from escapement.quantity import quantity
 from escapement.study.from_escapement import plan_from
-from escapement.study.kinds import KINDS, Kind
-from escapement.study.parameters import Parameter
 from escapement.study.parse import parse_plan
+
+
+@dataclass(frozen=True)
+class Cam(Kind):
+    """A kind that stands for another in every question but what it is made of."""
+
+    kind = "cam-drive"
+    summary = "a cam"
+    report_units: ClassVar = {"lift": "length"}
+
+    lift: float = field(metadata=quantity("height of the cam", "length"))
+    pins: Any = field(default=None, metadata=quantity("not shown", whole=True, metavar="P"))
+
+    def report(self):
+        return {"stations": 4, "lift": self.lift}
+
+    def __getattr__(self, name):
+        return getattr(Geneva(4), name)
 
 
 @pytest.fixture
 def second_kind(monkeypatch):
     """Another kind of mechanism, which shares the pins of the Geneva wheel."""
-    module = types.ModuleType("escapement.cli._kind_cam_drive")
-    module.OPTIONS = {
-        "pins": {"type": whole("--pins", 1, ""), "metavar": "P", "help": "not shown"},
-        "lift": {"type": number("--lift", lambda name, x, _: x, ""), "help": "height of the cam"},
-    }
-    module.QUANTITIES = {"lift": "length"}
-    module.read = lambda args: Geneva(4, pins=1, crank_radius=args.lift)
-    module.describe = lambda mechanism: {"stations": 4, "lift": mechanism.crank_radius}
+    module = types.ModuleType("escapement.mechanisms.cam_drive")
+    module.Cam = Cam
     monkeypatch.setitem(sys.modules, module.__name__, module)
-    monkeypatch.setitem(_kinds.KINDS, "cam-drive", "a cam")
+    monkeypatch.setitem(mechanisms.KINDS, "cam-drive", "cam_drive:Cam")
 
 
 def understand(*argv):
     parser = Parser(prog="test")
-    _kinds.add_mechanism(parser)
+    _arguments.add_common(parser)
+    _arguments.add_mechanism(parser)
     args = parser.understand([*argv])
     assert isinstance(args, argparse.Namespace)
     return args
@@ -48,7 +63,7 @@ def understand(*argv):
 def test_an_option_of_another_kind_is_refused_by_name(second_kind, argv):
     words = r"--slots must not come with a cam-drive mechanism, got [45]; it belongs to geneva$"
     with pytest.raises(UsageError, match=words):
-        _kinds.read_mechanism(understand(*argv))
+        _arguments.read_mechanism(understand(*argv))
 
 
 @pytest.mark.parametrize(
@@ -56,40 +71,39 @@ def test_an_option_of_another_kind_is_refused_by_name(second_kind, argv):
 )
 def test_such_an_option_is_shown_as_it_was_typed(argv, shown):
     with pytest.raises(UsageError, match=f"a geneva mechanism, got {shown}; it belongs"):
-        _kinds.read_mechanism(understand(*argv))
+        _arguments.read_mechanism(understand(*argv))
 
 
 @pytest.mark.parametrize("argv", [("--lift", "1"), ("--lift", "1", "geneva", "--slots", "4")])
 def test_the_default_kind_refuses_too(second_kind, argv):
     with pytest.raises(UsageError, match=r"--lift .* a geneva mechanism.* belongs to cam-drive"):
-        _kinds.read_mechanism(understand(*argv))
+        _arguments.read_mechanism(understand(*argv))
 
 
 def test_a_shared_option_is_accepted_by_both(second_kind):
-    assert _kinds.read_mechanism(understand("--pins", "2")).pins == 2
-    assert _kinds.read_mechanism(understand("--pins", "2", "cam-drive")).pins == 1
+    assert _arguments.read_mechanism(understand("--pins", "2")).pins == 2
+    args = understand("--pins", "3", "cam-drive", "--lift", "1")
+    assert _arguments.read_mechanism(args) == Cam(1.0, 3)
 
 
 def test_what_a_kind_needs_is_named(second_kind):
     args = understand("cam-drive", "--pins", "2")
     with pytest.raises(UsageError, match="required with cam-drive: --lift"):
-        _kinds.require(args, "pins", "lift")
+        _arguments.read_mechanism(args)
 
 
 def test_help_and_reports_know_every_kind(second_kind, command):
     for name in ("run", "mechanism", "drive-torque"):
         text = " ".join(command(name, "--help")[1].split())
-        for kind, summary in _kinds.KINDS.items():
-            assert f"{kind}: {summary}" in text
+        for kind in mechanisms.KINDS:
+            assert f"{kind}: {mechanisms.kind_of(kind).summary}" in text
         assert "geneva, gear-driven, cam-drive: pins of the driver" in text
         assert "cam-drive: height of the cam" in text
-    out = command("mechanism", "cam-drive", "--lift", "0.0254", "--units", "in-lbf-s")[1]
+    out = command("mechanism", "cam-drive", "--lift", "1", "--units", "in-lbf-s")[1]
     assert out.split() == ["stations", "4", "lift", "1", "in"]
 
 
-def test_a_study_says_to_which_kind_a_key_belongs(monkeypatch):
-    lift = Parameter("height of the cam", "length", "", key="lift", section="mechanism")
-    monkeypatch.setitem(KINDS, "cam-drive", Kind("nowhere:Cam", {"lift": lift}))
+def test_a_study_says_to_which_kind_a_key_belongs(second_kind):
     study = {
         "mechanism": {"slots": 4, "lift": 1.0},
         "inertia": {"driver": 1.0, "follower": 1.0},

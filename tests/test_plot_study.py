@@ -11,7 +11,7 @@ from escapement import plots
 from escapement.errors import InvalidValue
 from escapement.plots import style
 from escapement.status import Status
-from escapement.study.parameters import MODEL
+from escapement.study.parameters import model_numbers
 from figure_tools import legend_of
 
 UNITS = {
@@ -268,7 +268,7 @@ def test_study_without_anything_to_show_is_refused():
 def test_labels_and_powers_of_ten_stay_apart(name, last):
     axes = {name: np.linspace(0.0, last, 12), "friction": np.linspace(0.1, 0.4, 12)}
     study = Synthetic(axes)
-    study.long_names[name] = MODEL[name].long_name
+    study.long_names[name] = model_numbers()[name].long_name
     study.units[name] = "kg m2" if name == "driver_inertia" else "N m"
     figure = plots.plot_study(study)
     figure.draw_without_rendering()

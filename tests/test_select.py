@@ -102,7 +102,7 @@ def test_files_of_other_versions(command, refusal):
 
 
 def test_a_value_is_named_by_the_six_figures_that_are_shown(tmp_path):
-    from escapement.cli._select import load_case
+    from escapement.cli._cases import load_case
 
     timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3e-6, 50e-6), 0.1, friction=0.35)
     torques = np.geomspace(0.05, 0.2, 101)

@@ -19,6 +19,10 @@ class InvalidValue(EscapementError, ValueError):
     """An argument breaks its rule."""
 
 
+class UnknownArgument(EscapementError, TypeError):
+    """A call has a keyword that there is none of."""
+
+
 class InputFileError(EscapementError):
     """An input file exists but cannot be understood."""
 

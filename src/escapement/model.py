@@ -1,18 +1,28 @@
 """The problem as plain values: a mechanism, two inertias, losses and a drive."""
 
-import math
-from dataclasses import dataclass
-from functools import cached_property
-from inspect import getattr_static
-from typing import Any, Protocol, runtime_checkable
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from escapement import validate
+from escapement.lazy import Lazy
+from escapement.quantity import Declared, Quantity, per_class, quantities, quantity
 from escapement.scene import Path, Scene, smooth_intervals, writeable
 
-FloatArray = NDArray[np.float64]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    FloatArray = NDArray[np.float64]
+else:
+    np = Lazy("numpy")
+
+    class FloatArray:
+        """An array of doubles; type checkers know it as numpy.typing.NDArray[numpy.float64]."""
+
 
 MOST_UNEQUAL = 1e100
 """Beyond this ratio of two numbers of a model a double has no room to spare."""
@@ -57,17 +67,26 @@ class Mechanism(Protocol):
         """Follower angle [rad], zero at dead centre."""
 
 
+_MECHANISM = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
+
+
 def is_mechanism(thing: object) -> bool:
     """Whether a thing has all that a mechanism has; none of it is evaluated.
 
     `isinstance` would ask for the path, which a mechanism that has a geometry and no
     dynamics refuses.
     """
-    names = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
-    # a class has the attributes that its instances have
-    return not isinstance(thing, type) and all(
-        getattr_static(thing, name, None) is not None for name in names
-    )
+    if isinstance(thing, type):  # a class has the attributes that its instances have
+        return False
+    lacking = _left_to_instances(type(thing))
+    own = vars(thing) if lacking and hasattr(thing, "__dict__") else {}
+    return not lacking or all(own.get(name) is not None for name in lacking)
+
+
+@per_class
+def _left_to_instances(kind: type) -> tuple[str, ...]:
+    """What a mechanism has and a class has not, so that each instance must have it itself."""
+    return tuple(name for name in _MECHANISM if getattr(kind, name, None) is None)
 
 
 def dwell_angle(mechanism: Mechanism) -> float:
@@ -78,7 +97,7 @@ def dwell_angle(mechanism: Mechanism) -> float:
 
 
 @dataclass(frozen=True)
-class Inertia:
+class Inertia(Declared):
     """Moments of inertia about the two axes, their ratio between 1e-100 and 1e100.
 
     Parameters
@@ -89,26 +108,31 @@ class Inertia:
         Follower and everything that turns with it [kg m^2], > 0.
     """
 
-    driver: float
-    follower: float
+    section = "inertia"
+
+    driver: float = field(metadata=quantity(
+        "moment of inertia of the driver", "inertia", exclusive=True, name="driver_inertia",
+        remedy="give the moment of inertia", note=" and what turns with it"
+    ))  # fmt: skip
+    follower: float = field(metadata=quantity(
+        "moment of inertia of the follower", "inertia", exclusive=True, name="follower_inertia",
+        remedy="give the moment of inertia", note=" and what turns with it"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        remedy = "give the moment of inertia in kg m^2 (or in-lbf-s^2 with those units)"
-        for name in ("driver", "follower"):
-            value = validate.positive(f"{name}_inertia", getattr(self, name), remedy)
-            object.__setattr__(self, name, value)
+        self.check_fields()
         _check_ratio("driver_inertia / follower_inertia", self.driver / self.follower)
 
 
 def _check_ratio(name: str, value: float) -> None:
     """Refuse a ratio that a double cannot hold with room to spare."""
-    if not ratio_in_range(value):
+    if not 1.0 / MOST_UNEQUAL < value < MOST_UNEQUAL:
         rule = "between 1e-100 and 1e100"
         raise validate.fail(name, rule, value, "choose numbers of similar size")
 
 
 @dataclass(frozen=True)
-class Escapement:
+class Escapement(Declared):
     """A mechanism with inertia and losses under a constant driving torque.
 
     Parameters
@@ -132,10 +156,21 @@ class Escapement:
 
     mechanism: Mechanism
     inertia: Inertia
-    torque: float
-    friction: float = 0.0
-    load_torque: float = 0.0
-    efficiency: float = 1.0
+    torque: float = field(metadata=quantity(
+        "driving torque", "torque", exclusive=True, remedy="give the constant driving torque"
+    ))  # fmt: skip
+    friction: float = field(default=0.0, metadata=quantity(
+        "coefficient of friction between pin and slot", metavar="MU", slotted=True,
+        instead="efficiency", remedy="give a coefficient of friction, 0 for none"
+    ))  # fmt: skip
+    load_torque: float = field(default=0.0, metadata=quantity(
+        "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none"
+    ))  # fmt: skip
+    efficiency: float = field(default=1.0, metadata=quantity(
+        "share of the power that the mesh passes on", metavar="E", slotted=False,
+        instead="friction", minimum=1e-3, maximum=1.0, note=", in place of friction",
+        remedy="give a share of 1, 1 for no loss"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         if not is_mechanism(self.mechanism):
@@ -146,24 +181,9 @@ class Escapement:
             raise validate.fail(
                 "inertia", "an Inertia", self.inertia, "give Inertia(driver=..., follower=...)"
             )
-        checked = {
-            "torque": validate.positive(
-                "torque", self.torque, "give the constant driving torque in N m"
-            ),
-            "friction": validate.non_negative(
-                "friction", self.friction, "give a coefficient of friction, 0 for none"
-            ),
-            "load_torque": validate.non_negative(
-                "load_torque", self.load_torque, "give the opposing torque in N m, 0 for none"
-            ),
-            "efficiency": validate.positive(
-                "efficiency", self.efficiency, "give a share of 1, 1 for no loss"
-            ),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        self.check_fields()
         self._check_path()
-        self._check_losses()
+        check_losses(self, self._meshed)
         self._check_ratios()
 
     def _check_path(self) -> None:
@@ -172,21 +192,6 @@ class Escapement:
         if not isinstance(path, Path):
             rule, remedy = "a Path", "make it with mechanisms.slotted or mechanisms.table"
             raise validate.fail("mechanism.path", rule, path, remedy)
-
-    def _check_losses(self) -> None:
-        """A slot loses by friction, a mesh by its efficiency."""
-        if not 1e-3 <= self.efficiency <= 1.0:
-            raise validate.fail(
-                "efficiency", "in [0.001, 1]", self.efficiency, "give a share of 1, 1 for no loss"
-            )
-        if self._meshed and self.friction > 0.0:
-            raise validate.fail(
-                "friction", "0 for a mechanism without a slot", self.friction, "give its efficiency"
-            )
-        if not self._meshed and self.efficiency < 1.0:
-            raise validate.fail(
-                "efficiency", "1 for a slotted mechanism", self.efficiency, "give its friction"
-            )
 
     @property
     def _meshed(self) -> bool:
@@ -250,3 +255,38 @@ class Escapement:
         ratio and friction alone: torque is a pure change of clock.
         """
         return math.sqrt(self.inertia.follower / self.torque)
+
+    def load_work(self, turned: Any) -> Any:
+        """Work that the load takes while the follower turns by angles [rad] on its way [J]."""
+        return self.load_torque * turned
+
+
+def check_losses(owner: Declared, meshed: bool) -> None:
+    """Refuse a loss that its mechanism cannot have: a slot has friction, a mesh an efficiency."""
+    for entry in _losses(type(owner))[meshed]:
+        value = getattr(owner, entry.key)
+        if value != entry.default:
+            mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
+            rule = f"{entry.default:g} for a {mechanism}"
+            raise validate.fail(entry.name, rule, value, f"give its {entry.instead}")
+
+
+@per_class
+def _losses(owner: type) -> dict[bool, list[Quantity]]:
+    """What a class declares and a mechanism without a slot (True), or with it, cannot have."""
+    every = quantities(owner).values()
+    return {meshed: [e for e in every if not e.fits(meshed)] for meshed in (True, False)}
+
+
+@dataclass(frozen=True)
+class Run(Declared):
+    """Numbers of a run rather than of what runs."""
+
+    initial_speed: float = field(default=0.0, metadata=quantity(
+        "driver speed at the first pin entry", "speed",
+        remedy="give the driver speed, 0 to start from rest"
+    ))  # fmt: skip
+    duration: float | None = field(default=None, metadata=quantity(
+        "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",
+        remedy="give the time to run"
+    ))  # fmt: skip

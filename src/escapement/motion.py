@@ -278,7 +278,7 @@ class Motion:
         driver, follower = escapement.inertia.driver, escapement.inertia.follower
         energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
         work = escapement.torque * (ends.theta[1] - ends.theta[0])
-        load = escapement.load_torque * (ends.phi[1] - ends.phi[0])
+        load = escapement.load_work(ends.phi[1] - ends.phi[0])
         friction = float(self.trajectory.friction_loss.sum())
         kinetic = float(energies[1] - energies[0])
         scale = max(work, float(energies[0]))

@@ -120,7 +120,8 @@ def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
     """
     breaks = mechanism.breaks
     rho = inertia.driver / inertia.follower
-    return painleve_limit(mechanism.path, rho, breaks[0], breaks[-1])[0]
+    result: float = painleve_limit(mechanism.path, rho, breaks[0], breaks[-1])[0]
+    return result
 
 
 def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:

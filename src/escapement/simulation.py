@@ -10,9 +10,10 @@ from escapement.dynamics import ends_alike
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
-from escapement.model import Escapement
+from escapement.model import Escapement, Run
 from escapement.motion import Motion
 from escapement.painleve import critical_friction, painleve_message
+from escapement.quantity import check_number
 from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver
 from escapement.status import MESSAGES, Status
 
@@ -83,7 +84,7 @@ def simulate(
         remedy = "give how many to run; the figures of merit need no long motion"
         engagements = validate.integer("engagements", count, 1, remedy, maximum=LONGEST[engine])
     else:
-        duration = validate.positive("duration", duration, "give the time to run in s")
+        duration = check_number(Run, "duration", duration)
         if engine != DEFAULT_ENGINE:
             # the fast engine refuses too long a duration in a moment, the other after hours
             _engine(DEFAULT_ENGINE, "simulate")(
@@ -126,11 +127,10 @@ def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> d
     """Keyword arguments that both functions of an engine take."""
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    remedy = "give the driver speed at pin entry in rad/s"
-    speed = validate.non_negative("initial_speed", initial_speed, remedy)
+    speed = check_number(Run, "initial_speed", initial_speed)
     if speed * escapement.time_unit > FASTEST:
         most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
-        raise validate.fail("initial_speed", most, initial_speed, remedy)
+        raise validate.fail("initial_speed", most, initial_speed, "start slower")
     return {**solver.arguments, "initial_speed": speed}
 
 
@@ -191,6 +191,6 @@ def _without_friction(
         return first.status, first.message
     mechanism = escapement.mechanism
     gain = escapement.torque * mechanism.cell_angle
-    carries = gain > escapement.load_torque * mechanism.follower_step
+    carries = gain > escapement.load_work(mechanism.follower_step)
     status = Status.NO_TERMINAL if carries else Status.STALL
     return status, MESSAGES[status]

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.quantity import check_number, quantity
 
 ENGINES = ("energy", "ivp")
 DEFAULT_ENGINE = "energy"
@@ -39,7 +40,10 @@ class Solver:
     rtol: float | None = None
     atol: float | None = None
     method: str | None = None
-    max_step: float | None = None
+    max_step: float | None = field(default=None, metadata=quantity(
+        "longest step", "time", exclusive=True, axis=False, note=", with ivp",
+        remedy="give the longest step"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         validate.choice("engine", self.engine, ENGINES)
@@ -99,7 +103,7 @@ def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
         When both are given, or a setting breaks its rule.
     """
     pairs = zip(fields(Solver), separate, strict=False)
-    given = {field.name: value for field, value in pairs if value is not None}
+    given = {setting.name: value for setting, value in pairs if value is not None}
     if solver is None:
         return Solver(**given)
     if not isinstance(solver, Solver):
@@ -115,5 +119,5 @@ def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
 _OF_IVP: dict[str, Callable[[Any], Any]] = {
     "atol": lambda value: validate.non_negative("atol", value, "leave it out for a fitting one"),
     "method": lambda value: validate.choice("method", value, METHODS),
-    "max_step": lambda value: validate.positive("max_step", value, "give the longest step in s"),
+    "max_step": lambda value: check_number(Solver, "max_step", value),
 }

@@ -2,6 +2,7 @@
 
 import math
 import operator
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -131,7 +132,43 @@ def choice(name: str, value: Any, allowed: tuple[str, ...]) -> str:
 
 def nearest(value: Any, allowed: tuple[str, ...]) -> str:
     """A remedy: the closest of `allowed` to what was typed."""
+    return _close(value, allowed) or f"for example {allowed[0]!r}"
+
+
+def did_you_mean(name: str, known: tuple[str, ...]) -> str:
+    """A remedy for a name that there is none of: the closest that is known, or all of them."""
+    return _close(name, known) or f"known are {', '.join(known)}"
+
+
+def _close(value: Any, allowed: tuple[str, ...]) -> str:
     import difflib
 
     close = difflib.get_close_matches(str(value), allowed, n=1, cutoff=0.5)
-    return f"did you mean {close[0]!r}?" if close else f"for example {allowed[0]!r}"
+    return f"did you mean {close[0]!r}?" if close else ""
+
+
+def known_keys(
+    table: Mapping[str, Any],
+    known: Iterable[str],
+    where: str,
+    elsewhere: Mapping[str, str] | None = None,
+) -> None:
+    """Raise InvalidValue for the first key of `table` that is not `known`.
+
+    Parameters
+    ----------
+    table : Mapping
+        What the user wrote.
+    known : iterable of str
+        The keys this place has.
+    where : str
+        The place, as the message names it: "in [solver]".
+    elsewhere : Mapping, optional
+        Keys of other places and how to write them there.
+    """
+    allowed = tuple(known)
+    for key in table:
+        if key not in allowed:
+            home = (elsewhere or {}).get(key)
+            remedy = did_you_mean(str(key), allowed) if home is None else f"it belongs in {home}"
+            raise InvalidValue(f"unknown key {str(key)!r} {where}; {remedy}")

@@ -106,7 +106,8 @@ def _dispatch(argv: list[str]) -> int:
     if args is None:
         return 0
     try:
-        return command.execute(args)
+        result: int = command.execute(args)
+        return result
     except EscapementError as error:
         return _complain(parser.spell(error), error.exit_code)
 

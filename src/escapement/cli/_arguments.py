@@ -1,112 +1,119 @@
 """Options that several commands share, and the objects they describe.
 
-Values are checked as typed, in the user's units, so that a message shows what the user
-wrote; the conversion to SI follows.
+Options of numbers follow from their declarations, see `escapement.quantity`. Values are
+checked as typed, in the user's units, so that a message shows what the user wrote; the
+conversion to SI follows.
 """
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from escapement import validate
-from escapement.cli._kinds import read_mechanism
-from escapement.cli._parser import Parser, UsageError, number, one_of, option
+from escapement.cli._parser import Parser, UsageError, checked, one_of, option
 from escapement.files.names import FORMATS
-from escapement.units import SYSTEMS, factor
+from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
+from escapement.model import Escapement, Inertia
+from escapement.quantity import Setting, Truth, declared
+from escapement.units import SYSTEMS
 
 if TYPE_CHECKING:
-    from escapement.model import Escapement, Inertia
+    from escapement.mechanisms.kind import Kind
 
 
-class Quantity(NamedTuple):
-    """A physical option: its kind of unit, its rule, and what to give."""
-
-    unit: str
-    rule: Callable[..., float]
-    text: str
-
-
-QUANTITIES = {
-    "torque": Quantity("torque", validate.positive, "constant driving torque"),
-    "driver_inertia": Quantity(
-        "inertia", validate.positive, "moment of inertia of the driver and what turns with it"
-    ),
-    "follower_inertia": Quantity(
-        "inertia", validate.positive, "moment of inertia of the follower and what turns with it"
-    ),
-    "friction": Quantity(
-        "ratio", validate.non_negative, "coefficient of friction between pin and slot"
-    ),
-    "efficiency": Quantity(
-        "share",
-        validate.positive,
-        "share of the power that a mesh passes on, in place of friction",
-    ),
-    "load_torque": Quantity(
-        "torque", validate.non_negative, "constant torque opposing the follower"
-    ),
-    "crank_radius": Quantity(
-        "length", validate.positive, "distance of the pins from the driver's axis"
-    ),
-    "fixed_radius": Quantity("length", validate.positive, "radius of the fixed gear"),
-    "sun_radius": Quantity("length", validate.positive, "pitch radius of the fixed sun gear"),
-    "planet_radius": Quantity("length", validate.positive, "pitch radius of the spur planet"),
-    "initial_speed": Quantity(
-        "speed", validate.non_negative, "driver speed at the first pin entry"
-    ),
-    "duration": Quantity("time", validate.positive, "time to run"),
-    "max_step": Quantity("time", validate.positive, "longest step"),
-}
-_METAVARS = {
-    "torque": "M",
-    "inertia": "I",
-    "ratio": "MU",
-    "share": "E",
-    "length": "R",
-    "speed": "W",
-    "time": "S",
-}
-_SHOWN = {
-    "torque": " [N m, in-lbf]",
-    "inertia": " [kg m^2, in-lbf-s^2]",
-    "length": " [m, in]",
-    "speed": " [rad/s]",
-    "time": " [s]",
-}
+def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: Any) -> None:
+    """Add the option of something declared; what is not typed is None."""
+    keywords.setdefault("help", entry.help)
+    if isinstance(entry, Truth):
+        keywords["action"] = "store_true"
+    else:
+        spelt = option(entry.name)
+        keywords["type"] = checked(lambda text: entry.parse(spelt, text))
+        keywords["metavar"] = entry.metavar
+    group.add_argument(option(entry.name), default=None, **keywords)
 
 
-def add_quantity(
-    parser: argparse._ActionsContainer,
-    name: str,
-    *,
-    required: bool = False,
-    default: float | None = None,
-    note: str = "",
-) -> None:
-    """Add the option of one physical quantity."""
-    keywords = quantity_keywords(name, note=note)
-    parser.add_argument(option(name), required=required, default=default, **keywords)
-
-
-def quantity_keywords(name: str, *, note: str = "") -> dict[str, Any]:
-    """What `add_argument` takes for the option of one physical quantity."""
-    quantity = QUANTITIES[name]
+def typed(args: argparse.Namespace, settings: Mapping[str, Setting]) -> dict[str, Any]:
+    """What was typed of some settings, in SI, by the key of each."""
     return {
-        "type": number(option(name), quantity.rule, f"give the {quantity.text}"),
-        "metavar": _METAVARS[quantity.unit],
-        "help": quantity.text + _SHOWN.get(quantity.unit, "") + note,
+        entry.key: entry.to_si(getattr(args, name), args.units)
+        for name, entry in settings.items()
+        if getattr(args, name) is not None
     }
 
 
+def add_mechanism(parser: Parser) -> None:
+    """Add the mechanism: its kind, and the options of every kind."""
+    listing = "; ".join(f"{name}: {kind_of(name).summary}" for name in KINDS)
+    parser.add_argument(
+        "kind",
+        nargs="?",
+        type=one_of("KIND", tuple(KINDS)),
+        metavar="KIND",
+        help=f"mechanism, {DEFAULT_KIND} where none is given. {listing}",
+    )
+    group = parser.add_argument_group("mechanism")
+    for name, kinds in _owners().items():
+        entry = kind_of(kinds[0]).options()[name]  # the first of those that share it explains it
+        add_setting(group, entry, help=f"{', '.join(kinds)}: {entry.help}")
+
+
+def read_mechanism(args: argparse.Namespace) -> "Kind":
+    """The mechanism the arguments describe.
+
+    Raises
+    ------
+    UsageError
+        When an option was given that the kind does not have, or one is missing.
+    InvalidValue
+        When no such mechanism exists.
+    """
+    kind = DEFAULT_KIND if args.kind is None else args.kind
+    owners = _owners()
+    for name in mechanism_options(args):
+        if kind not in owners[name]:
+            value = getattr(args, name)
+            shown = str(value) if isinstance(value, Path | Fraction) else value
+            raise UsageError(
+                f"{option(name)} must not come with a {kind} mechanism, got "
+                f"{shown!r}; it belongs to {' and '.join(owners[name])}"
+            )
+    settings = kind_of(kind).options()
+    given = {entry.key: entry.typical for entry in settings.values() if entry.typical is not None}
+    given |= typed(args, settings)
+    missing = [
+        option(name)
+        for name, entry in settings.items()
+        if entry.required and entry.key not in given
+    ]
+    if missing:
+        raise UsageError(f"the following arguments are required with {kind}: {', '.join(missing)}")
+    return kind_of(kind).from_options(**given)
+
+
+def mechanism_options(args: argparse.Namespace) -> list[str]:
+    """The options of mechanisms that were typed."""
+    return [name for name in _owners() if getattr(args, name, None) is not None]
+
+
+def _owners() -> dict[str, list[str]]:
+    """The options of all kinds, each with the kinds that have it."""
+    owners: dict[str, list[str]] = {}
+    for kind in KINDS:
+        for name in kind_of(kind).options():
+            owners.setdefault(name, []).append(kind)
+    return owners
+
+
 def add_output(group: argparse._ActionsContainer, file: str, text: str) -> None:
-    """Add a file to write, never over another unless it may: `_files.check_wanted` looks."""
+    """Add a file to write, never over another unless it may: `_output.check_wanted` looks."""
     group.add_argument("-o", "--output", type=Path, metavar=file, help=text)
     group.add_argument("--force", action="store_true", help=f"replace {file} where it exists")
 
 
 def add_plot(group: argparse._ActionsContainer, text: str) -> None:
-    """Add a figure to draw; `_files.check_wanted` looks at its place."""
+    """Add a figure to draw; `_output.check_wanted` looks at its place."""
     names = f"{', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
     group.add_argument(
         "--plot", type=Path, metavar="FILE", help=f"{text}; {names}, replaced where it exists"
@@ -130,41 +137,23 @@ def add_common(
     )
 
 
-def read_inertia(args: argparse.Namespace) -> "Inertia | None":
+def read_inertia(args: argparse.Namespace) -> Inertia | None:
     """Both inertias, or None where neither is given."""
-    from escapement.model import Inertia
-
-    driver = optional_si(args, "driver_inertia")
-    follower = optional_si(args, "follower_inertia")
-    if driver is not None and follower is not None:
-        return Inertia(driver=driver, follower=follower)
-    if driver is None and follower is None:
+    settings = declared(Inertia)
+    given = typed(args, settings)
+    if len(given) == len(settings):
+        return Inertia(**given)
+    if not given:
         return None
-    missing, given = "--driver-inertia", "--follower-inertia"
-    if follower is None:
-        missing, given = given, missing
-    raise UsageError(f"{missing} must be given beside {given}, got that alone; give both or none")
+    (there,) = (option(name) for name, entry in settings.items() if entry.key in given)
+    (missing,) = (option(name) for name, entry in settings.items() if entry.key not in given)
+    raise UsageError(f"{missing} must be given beside {there}, got that alone; give both or none")
 
 
-def read_escapement(args: argparse.Namespace) -> "Escapement":
+def read_escapement(args: argparse.Namespace) -> Escapement:
     """The escapement the arguments describe."""
-    from escapement.model import Escapement, Inertia
-
     return Escapement(
         mechanism=read_mechanism(args),
-        inertia=Inertia(driver=si(args, "driver_inertia"), follower=si(args, "follower_inertia")),
-        torque=si(args, "torque"),
-        friction=args.friction,
-        load_torque=si(args, "load_torque"),
-        efficiency=args.efficiency,
+        inertia=Inertia(**typed(args, declared(Inertia))),
+        **typed(args, declared(Escapement)),
     )
-
-
-def si(args: argparse.Namespace, name: str) -> float:
-    """Value of a physical option in SI."""
-    return float(getattr(args, name) * factor(QUANTITIES[name].unit, args.units))
-
-
-def optional_si(args: argparse.Namespace, name: str) -> float | None:
-    """Value of a physical option in SI; None where it is not given."""
-    return None if getattr(args, name) is None else si(args, name)

@@ -1,11 +1,25 @@
-"""What commands have in common on the way out: JSON, tables, units, notes."""
+"""What commands have in common on the way out: JSON, units, notes, and the places of files.
 
+Places are looked at before anything is computed for them.
+"""
+
+import argparse
+import os
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
+from escapement.cli._parser import UsageError
+from escapement.errors import CannotCreate
+from escapement.files.atomic import cannot_create, check_replaceable, check_target
+from escapement.files.names import picture_format
 from escapement.text import as_json, plain
 from escapement.units import factor
 
+_INPUTS = ("data", "study", "table")
 _NOT_GIVEN = {
     "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
     "stops in the same direction again",
@@ -35,3 +49,105 @@ def in_units(value: float, quantity: str, system: str) -> float:
 def note(message: str) -> None:
     """A line on stderr."""
     print(f"escapement: {message}", file=sys.stderr)
+
+
+def check_wanted(args: argparse.Namespace, file: str = "FILE") -> None:
+    """Look at the places that --output with --force, and --plot name, where they do.
+
+    None of them may be an input of the command.
+
+    Parameters
+    ----------
+    args : Namespace
+        With `_arguments.add_plot`, and `_arguments.add_output` or without it.
+    file : str
+        What the command's help calls its output.
+
+    Raises
+    ------
+    UsageError
+        When there is nothing that --force could replace.
+    InvalidValue
+        When the plot's suffix is that of no picture.
+    CannotCreate
+        When a file cannot be put there, or is an input or the other output.
+    """
+    output, plot = getattr(args, "output", None), args.plot
+    inputs = [path for name in _INPUTS if (path := getattr(args, name, None)) is not None]
+    if output is not None:
+        check_output(output, *inputs, force=args.force)
+        inputs.append(output)
+    elif getattr(args, "force", False):
+        raise UsageError(f"--force must come with --output {file}, got none; leave it out")
+    if plot is not None:
+        check_picture(plot, *inputs)
+
+
+def check_output(path: Path, *others: Path, force: bool = False) -> None:
+    """Raise CannotCreate unless a file can be put at `path`.
+
+    Parameters
+    ----------
+    path : Path
+        Where the file is to be.
+    *others : Path
+        Inputs and other outputs, which it must not be.
+    force : bool
+        Whether an existing file may be replaced.
+    """
+    for other in others:
+        if _is_same(path, other):
+            raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
+    _try_writing(path, check_target(path, force).parent)
+
+
+def check_picture(path: Path, *others: Path) -> None:
+    """As `check_output`. Pictures are made from data: one that is not read-only is replaced.
+
+    Raises InvalidValue for a suffix that no picture has.
+    """
+    picture_format(path)
+    check_output(path, *others, force=True)
+    check_replaceable(path)
+
+
+def make_folder(path: Path) -> None:
+    """Create the folder `path` where it is not there; its parent must be."""
+    try:
+        path.mkdir(exist_ok=True)
+    except FileExistsError:
+        raise CannotCreate(f"output {path} must be a folder, got a file; name another") from None
+    except (OSError, ValueError) as error:
+        raise cannot_create(path, error) from None
+    _try_writing(path, path)
+
+
+@contextmanager
+def folder(path: Path | None) -> Iterator[None]:
+    """A folder to fill, where one was asked for: if it is new and stays empty, it goes."""
+    new = path is not None and not path.exists()
+    try:
+        if path is not None:
+            make_folder(path)
+        yield
+    finally:
+        if path is not None and new:
+            with suppress(OSError):  # it is not empty
+                path.rmdir()
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    """Whether both are one place; of what can be none, who opens it says why."""
+    try:
+        return os.path.realpath(path) == os.path.realpath(other)
+    except (OSError, ValueError):
+        return False
+
+
+def _try_writing(path: Path, folder: Path) -> None:
+    """A file without a name in `folder`: leaves nothing behind, whatever happens."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise cannot_create(path, error) from None

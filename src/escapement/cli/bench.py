@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from escapement.cli import _arguments, _files, _output
+from escapement.cli import _arguments, _output
 from escapement.cli._parser import Parser
 from escapement.text import print_columns
 
@@ -38,9 +38,9 @@ def execute(args: argparse.Namespace) -> int:
     folder = args.output
     if folder is None and not args.quick:
         folder = FOLDER
-        _files.make_folder(folder.parent)
+        _output.make_folder(folder.parent)
     if folder is not None:
-        _files.make_folder(folder)
+        _output.make_folder(folder)
     from escapement.benchmark import suite
 
     results = suite.run(quick=args.quick, note=_output.note)

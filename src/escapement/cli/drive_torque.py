@@ -4,10 +4,11 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from escapement import validate
-from escapement.cli import _arguments, _files, _kinds, _output
-from escapement.cli._parser import Parser, number
-from escapement.text import print_values
+from escapement.cli import _arguments, _output
+from escapement.cli._parser import Parser
+from escapement.constant_speed.case import Case
+from escapement.quantity import declared
+from escapement.text import print_values, words
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
@@ -18,25 +19,10 @@ SUMMARY = "Drive torque, power and pin reversals at constant driver speed."
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _kinds.add_mechanism(parser)
+    _arguments.add_mechanism(parser)
     model = parser.add_argument_group("model")
-    model.add_argument(
-        "--speed",
-        type=number("--speed", validate.positive, "give the driver speed in rad/s"),
-        required=True,
-        metavar="W",
-        help="constant driver speed [rad/s]",
-    )
-    _arguments.add_quantity(model, "load_torque", required=True)
-    _arguments.add_quantity(model, "follower_inertia", required=True)
-    model.add_argument(
-        "--efficiency",
-        type=number("--efficiency", validate.number, "give a share in (0, 1]"),
-        default=1.0,
-        metavar="E",
-        help="efficiency of the drive, in (0, 1] (default: 1)",
-    )
-    _arguments.add_quantity(model, "friction", default=0.0, note=" (default: 0)")
+    for entry in declared(Case).values():
+        _arguments.add_setting(model, entry, required=entry.required)
     output = parser.add_argument_group("output")
     _arguments.add_plot(output, "draw the torque")
     _arguments.add_common(parser)
@@ -44,17 +30,11 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Print the figures; draw the torque where asked for."""
-    _files.check_wanted(args)
+    _output.check_wanted(args)
     from escapement.constant_speed import drive_torque
 
-    result = drive_torque(
-        _kinds.read_mechanism(args),
-        args.speed,
-        _arguments.si(args, "load_torque"),
-        _arguments.si(args, "follower_inertia"),
-        args.efficiency,
-        args.friction,
-    )
+    mechanism = _arguments.read_mechanism(args)
+    result = drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
     if args.plot is not None:
         from escapement.plots import plot_drive_torque
         from escapement.plots.saving import save_axes
@@ -76,6 +56,7 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
     What does not exist is NaN or infinite here and null in JSON; then, and where a table's
     scatter leaves doubt, there is a `message` that says so.
     """
+    from escapement.constant_speed.design import LIMITS, limits_without_reversal
     from escapement.errors import InvalidValue
 
     reasons = []
@@ -98,7 +79,10 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
             f"{unit_name('torque', units)} (standard deviation), the torque by that times the "
             "ratio, and reversals between which the moment is smaller may be none"
         )
-    free = _limits(result, units)
+    free = {
+        key: _output.in_units(value, LIMITS[key], units)
+        for key, value in limits_without_reversal(result).items()
+    }
     reasons += [
         f"{key}: no finite value makes the pin reverse"
         for key, value in free.items()
@@ -119,29 +103,10 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
     return record | ({"message": "; ".join(reasons)} if reasons else {})
 
 
-def _limits(result: "DriveTorque", units: str) -> dict[str, float]:
-    """How far the drive may go without a pin reversal, one quantity changed at a time."""
-    from escapement.constant_speed import (
-        greatest_follower_inertia,
-        greatest_speed,
-        least_load_torque,
-    )
-
-    mechanism, load = result.mechanism, result.load_torque
-    speed, inertia = result.speed, result.follower_inertia
-    assert not callable(load)  # the command line gives numbers only
-    most, least = greatest_follower_inertia, least_load_torque
-    return {
-        "greatest_speed": greatest_speed(mechanism, load, inertia),
-        "greatest_follower_inertia": _output.in_units(
-            most(mechanism, speed, load), "inertia", units
-        ),
-        "least_load_torque": _output.in_units(least(mechanism, speed, inertia), "torque", units),
-    }
-
-
 def _print_table(record: dict[str, Any], units: str) -> None:
-    torque, inertia = unit_name("torque", units), unit_name("inertia", units)
+    from escapement.constant_speed.design import LIMITS
+
+    torque = unit_name("torque", units)
     power = f"{torque} s-1" if units != "SI" else "W"
     reversals = ", ".join(f"{angle:.6g}" for angle in record["reversals_deg"])
     limit_12, limit_23 = record["reversal_limits"]
@@ -157,12 +122,9 @@ def _print_table(record: dict[str, Any], units: str) -> None:
             ("torque mean to dead centre", record["torque_mean"], torque),
             ("torque max over mean", record["torque_max_over_mean"], ""),
             ("power max", record["power_max"], power),
-            ("greatest speed without reversal", record["greatest_speed"], "rad s-1"),
-            (
-                "greatest follower inertia without reversal",
-                record["greatest_follower_inertia"],
-                inertia,
+            *(
+                (f"{words(key)} without reversal", record[key], unit_name(unit, units))
+                for key, unit in LIMITS.items()
             ),
-            ("least load torque without reversal", record["least_load_torque"], torque),
         ]
     )

@@ -1,27 +1,30 @@
 """`escapement mechanism`: geometry and transmission of a mechanism."""
 
 import argparse
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from escapement import validate
-from escapement.cli import _arguments, _files, _kinds, _output
+from escapement.cli import _arguments, _output
 from escapement.cli._parser import Parser, UsageError, number
 from escapement.errors import InvalidValue
+from escapement.model import Inertia
+from escapement.quantity import declared
 from escapement.text import print_columns, print_values, words
 from escapement.units import unit_name
 
 if TYPE_CHECKING:
-    from escapement.model import Mechanism
+    from escapement.mechanisms.kind import Kind
 
 SUMMARY = "Geometry, transmission, motion ratio and dwell of a mechanism."
 
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _kinds.add_mechanism(parser)
+    _arguments.add_mechanism(parser)
     inertia = parser.add_argument_group("inertia, for the critical friction")
-    _arguments.add_quantity(inertia, "driver_inertia")
-    _arguments.add_quantity(inertia, "follower_inertia")
+    for entry in declared(Inertia).values():
+        _arguments.add_setting(inertia, entry)
     drawing = parser.add_argument_group("drawing")
     _arguments.add_plot(drawing, "draw it to scale")
     drawing.add_argument(
@@ -35,10 +38,10 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Print the geometry; draw it where asked for."""
-    _files.check_wanted(args)
+    _output.check_wanted(args)
     if args.angle is not None and args.plot is None:
         raise UsageError("--angle must come with --plot FILE, got none; it turns the drawing")
-    mechanism = _kinds.read_mechanism(args)
+    mechanism = _arguments.read_mechanism(args)
     record = _report(mechanism, args)
     if args.plot is not None:
         _draw(mechanism, args)
@@ -46,17 +49,16 @@ def execute(args: argparse.Namespace) -> int:
     if args.json:
         _output.print_json(record | ({"message": "; ".join(reasons)} if reasons else {}))
     else:
-        _print(record, _kinds.module(_kinds.chosen(args)).QUANTITIES, args.units)
+        _print(record, mechanism.report_units, args.units)
     if reasons:
         _output.note("; ".join(reasons))
     return 0
 
 
-def _report(mechanism: "Mechanism", args: argparse.Namespace) -> dict[str, Any]:
+def _report(mechanism: "Kind", args: argparse.Namespace) -> dict[str, Any]:
     """What `mechanism` reports, by JSON key, in the user's units."""
-    kind = _kinds.module(_kinds.chosen(args))
-    record = kind.describe(mechanism)
-    for key, quantity in kind.QUANTITIES.items():
+    record = mechanism.report()
+    for key, quantity in mechanism.report_units.items():
         if record.get(key) is not None:
             record[key] = _output.in_units(record[key], quantity, args.units)
     inertia = _arguments.read_inertia(args)
@@ -67,7 +69,7 @@ def _report(mechanism: "Mechanism", args: argparse.Namespace) -> dict[str, Any]:
     return record
 
 
-def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> None:
+def _print(record: dict[str, Any], quantities: Mapping[str, str], system: str) -> None:
     """Name, value and unit of each; a list of objects follows as a table of its own."""
     units = {key: unit_name(quantity, system) for key, quantity in quantities.items()}
     units |= {key: "deg" for key in record if key.endswith("_deg")}
@@ -86,7 +88,7 @@ def _print(record: dict[str, Any], quantities: dict[str, str], system: str) -> N
             print_columns([header], [row.values() for row in rows])
 
 
-def _reasons(mechanism: "Mechanism", record: dict[str, Any]) -> list[str]:
+def _reasons(mechanism: "Kind", record: dict[str, Any]) -> list[str]:
     """What does not exist, and why: dynamics beside a geometry, and numbers of the report."""
     try:
         _ = mechanism.path
@@ -95,10 +97,11 @@ def _reasons(mechanism: "Mechanism", record: dict[str, Any]) -> list[str]:
     return _output.not_given(record)
 
 
-def _draw(mechanism: "Mechanism", args: argparse.Namespace) -> None:
+def _draw(mechanism: "Kind", args: argparse.Namespace) -> None:
     import math
 
-    draw = _kinds.module(_kinds.chosen(args)).draw
+    from escapement.plots import DRAWINGS
     from escapement.plots.saving import save_axes
 
+    draw = DRAWINGS[mechanism.kind]
     save_axes(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)

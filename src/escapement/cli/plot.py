@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from escapement.cli import _arguments, _files, _output
+from escapement.cli import _arguments, _output
 from escapement.cli._parser import Parser, UsageError
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files.names import check_input
@@ -46,7 +46,7 @@ def execute(args: argparse.Namespace) -> int:
     """Draw the file."""
     check_input(args.file, "file")
     path = args.file.with_suffix(".png") if args.output is None else args.output
-    _files.check_picture(path, args.file)
+    _output.check_picture(path, args.file)
     _check_hdf5(args.file)
     from escapement import plots
     from escapement.motion_file import is_motion, read_motion
@@ -105,7 +105,7 @@ def _check_hdf5(file: Path) -> None:
 
 
 def _selected(study: "Study", args: argparse.Namespace) -> "Study":
-    from escapement.cli._select import parse
+    from escapement.cli._cases import parse
 
     try:
         return study.at(**parse(args.select or ""))

@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement.cli import _arguments, _files, _output
+from escapement.cli import _arguments, _output
 from escapement.cli._parser import Parser, one_of
 from escapement.files.atomic import replace_file
 from escapement.text import as_csv, as_json
@@ -43,7 +43,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Recompute, print, and fill the folder."""
-    with _files.folder(args.output):
+    with _output.folder(args.output):
         if args.source != ALL:
             record = _reproduce(args.source, args.output, args)
         else:
@@ -52,7 +52,7 @@ def execute(args: argparse.Namespace) -> int:
                 if number and not args.json:
                     print("\n")
                 folder = None if args.output is None else args.output / source
-                with _files.folder(folder):
+                with _output.folder(folder):
                     record[source] = _reproduce(source, folder, args)
     if args.json:
         _output.print_json(record)

@@ -5,25 +5,42 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import validate
-from escapement.cli import SOME_FAILED, _arguments, _files, _kinds, _output
+from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._parser import Parser, UsageError, number, option, whole
-from escapement.cli._run_report import print_table, summarise
 from escapement.errors import InvalidValue
+from escapement.model import Escapement, Inertia, Run
+from escapement.quantity import Setting, declared
+from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
+from escapement.text import print_values, words
+from escapement.units import unit_name
 
 if TYPE_CHECKING:
-    from escapement.model import Escapement
+    from escapement.metrics import Figures
     from escapement.motion import Motion
 
 SUMMARY = "One motion from pin entry, and its figures of merit."
 
-_REQUIRED = ("torque", "driver_inertia", "follower_inertia")
-"""What an escapement needs, unless it comes from a study."""
-_DEFAULTS = {"friction": 0.0, "load_torque": 0.0, "initial_speed": 0.0, "efficiency": 1.0}
-"""What it has where nothing was typed; not argparse's, so that a typed default is seen."""
 _LONG = 10_000  # engagements from which writing them takes seconds, and shows its progress
 _LONGEST_PLOT = 10_000  # engagements: a gigabyte of points
+_START = "initial_speed"
 _SOLVER = ("engine", "rtol", "atol", "method", "max_step")
+
+FIGURES = {
+    "velocity_max": "speed",
+    "velocity_min": "speed",
+    "velocity_mean": "speed",
+    "velocity_average_published": "speed",
+    "period": "time",
+    "rise_time": "time",
+    "settling_time": "time",
+    "critical_friction": "ratio",
+    "acceleration_max": "acceleration",
+    "follower_acceleration_max": "acceleration",
+    "contact_moment_max": "torque",
+    "contact_force_max": "force",
+}
+"""Figures of merit as printed, with the kind of unit of each; the force with a crank radius."""
 
 
 def configure(parser: Parser) -> None:
@@ -37,12 +54,10 @@ def configure(parser: Parser) -> None:
         metavar="NAME=VALUE,...",
         help="a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1",
     )
-    _kinds.add_mechanism(parser)
+    _arguments.add_mechanism(parser)
     model = parser.add_argument_group("model")
-    for name in _REQUIRED:
-        _arguments.add_quantity(model, name)
-    for name, default in _DEFAULTS.items():
-        _arguments.add_quantity(model, name, note=f" (default: {default:g})")
+    for entry in _model().values():
+        _arguments.add_setting(model, entry)
     length = parser.add_argument_group("length of the motion")
     length.add_argument(
         "--engagements",
@@ -50,12 +65,19 @@ def configure(parser: Parser) -> None:
         metavar="N",
         help="engagements to run (default: 20)",
     )
-    _arguments.add_quantity(length, "duration", note=", instead of engagements")
+    _arguments.add_setting(length, declared(Run)["duration"])
     _add_solver(parser)
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.h5", "write the motion")
     _arguments.add_plot(output, "draw the velocities")
     _arguments.add_common(parser)
+
+
+def _model() -> dict[str, Setting]:
+    """What an escapement and its motion are made of, beside the mechanism."""
+    start = {_START: declared(Run)[_START]}
+    every = declared(Escapement) | declared(Inertia) | start
+    return dict(sorted(every.items(), key=lambda item: not item[1].required))
 
 
 def _add_solver(parser: Parser) -> None:
@@ -78,12 +100,12 @@ def _add_solver(parser: Parser) -> None:
         metavar="NAME",
         help="with ivp: DOP853 (default), RK45, RK23, Radau, BDF or LSODA",
     )
-    _arguments.add_quantity(solver, "max_step", note=", with ivp")
+    _arguments.add_setting(solver, declared(Solver)["max_step"])
 
 
 def execute(args: argparse.Namespace) -> int:
     """Simulate, write what was asked for, print the figures."""
-    _files.check_wanted(args, file="FILE.h5")
+    _output.check_wanted(args, file="FILE.h5")
     escapement, settings = _read_case(args)
     from escapement.simulation import simulate, terminal
 
@@ -108,36 +130,39 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
     if args.study is None:
         if args.select is not None:
             raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
-        missing = [option(name) for name in _REQUIRED if getattr(args, name) is None]
+        model = _model()
+        missing = [
+            option(name)
+            for name, entry in model.items()
+            if entry.required and getattr(args, name) is None
+        ]
         if missing:
             raise UsageError(
                 f"the following arguments are required: {', '.join(missing)}; "
                 "see 'escapement run --help'"
             )
-        for name, default in _DEFAULTS.items():
-            if getattr(args, name) is None:
-                setattr(args, name, default)
-        return _arguments.read_escapement(args), given | {"initial_speed": args.initial_speed}
+        start = _arguments.typed(args, {_START: model[_START]})
+        return _arguments.read_escapement(args), given | start
     _refuse_beside_study(args)
-    from escapement.cli._select import load_case
+    from escapement.cli._cases import load_case
 
     plan, case = load_case(args.study, args.select)
     own = {} if "engine" in given else plan.solver.given
-    speed = plan.values(case)["initial_speed"]
+    speed = plan.values(case)[_START]
     try:
         escapement = plan.escapement(case)
     except InvalidValue as error:
         raise UsageError(
             f"--select must name a case that can be built, got {args.select!r}: {error}"
         ) from None
-    return escapement, own | given | {"initial_speed": speed}
+    return escapement, own | given | {_START: speed}
 
 
 def _refuse_beside_study(args: argparse.Namespace) -> None:
     """Whatever the study says must not be said twice."""
     said = ["KIND"] if args.kind is not None else []
-    said += [option(name) for name in (*_REQUIRED, *_DEFAULTS) if getattr(args, name) is not None]
-    said += [option(name) for name in _kinds.given_options(args)]
+    said += [option(name) for name in _model() if getattr(args, name) is not None]
+    said += [option(name) for name in _arguments.mechanism_options(args)]
     if said:
         raise UsageError(f"{said[0]} must not come with --from, which has its own; leave it out")
 
@@ -171,3 +196,45 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
         from escapement.plots.saving import save_axes
 
         save_axes(plot_velocities(motion), args.plot)
+
+
+def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:
+    """What `run` reports, by JSON key, in the user's units."""
+    outcome = motion if motion.status.failed else figures
+    values = figures.as_dict()
+    if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
+        del values["contact_force_max"]
+    return {
+        **{
+            key: _output.in_units(values[key], kind, units)
+            for key, kind in FIGURES.items()
+            if key in values
+        },
+        "handoff_times": motion.handoff_times,
+        "handoff_velocities": motion.handoff_velocities,
+        "energy_residual": motion.ledger.residual,
+        "status": outcome.status.label,
+        "message": _message(outcome.message, values),
+        "engine": motion.engine,
+    }
+
+
+def _message(message: str, values: dict[str, Any]) -> str:
+    """What became of the run, and why it names no critical friction where there is none."""
+    reasons = _output.not_given(values)
+    return "; ".join(reasons if reasons and message == MESSAGES[Status.OK] else [message, *reasons])
+
+
+def print_table(record: dict[str, Any], units: str) -> None:
+    """The same as a table."""
+    rows = [
+        (words(key), record[key], unit_name(kind, units))
+        for key, kind in FIGURES.items()
+        if key in record
+    ]
+    times, speeds = record["handoff_times"], record["handoff_velocities"]
+    rows.append(("handoffs", len(times), ""))
+    if len(times):
+        rows += [("last handoff", times[-1], "s"), ("velocity there", speeds[-1], "rad s-1")]
+    rows += [(words(key), record[key], "") for key in ("energy_residual", "status", "engine")]
+    print_values(rows)

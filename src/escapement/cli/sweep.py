@@ -7,7 +7,7 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement.cli import SOME_FAILED, _arguments, _files, _output, _tables
+from escapement.cli import SOME_FAILED, _arguments, _cases, _output
 from escapement.cli._parser import Parser, UsageError, whole
 from escapement.errors import InvalidValue
 from escapement.text import print_columns, words
@@ -62,13 +62,13 @@ def execute(args: argparse.Namespace) -> int:
             "already there; leave it out"
         )
     path = Path(f"{args.config.stem}.h5") if args.output is None else args.output
-    _files.check_output(path, args.config, force=args.force or args.resume)
+    _output.check_output(path, args.config, force=args.force or args.resume)
     try:
         plan.check_mechanism()
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
     tally = _run(plan, path, args)
-    cases = _tables.some_cases(plan, path, args.units)
+    cases = _cases.some_cases(plan, path, args.units)
     if args.json:
         sizes = {name: values.size for name, values in plan.dimensions.items()}
         record = {"output": str(path), "axes": sizes, "cases": tally.cases, "failed": tally.failed}
@@ -116,11 +116,9 @@ def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
 
 
 def _print_table(plan: "StudyPlan", cases: list[dict[str, Any]], units: str) -> None:
-    named = {
-        name: unit_name(parameter.quantity, units) for name, parameter in plan.parameters.items()
-    }
+    named = {name: unit_name(parameter.unit, units) for name, parameter in plan.parameters.items()}
     named |= {
-        name: "s" if name.endswith(("period", "time")) else "rad s-1" for name in _tables.RESULTS
+        name: "s" if name.endswith(("period", "time")) else "rad s-1" for name in _cases.RESULTS
     }
     names = [*cases[0]]
     header = [words(name) for name in names]

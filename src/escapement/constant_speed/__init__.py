@@ -1,25 +1,33 @@
-"""Constant driver speed: torque, power and pin reversals (Filemon 1960)."""
+"""Constant driver speed: torque, power and pin reversals (Filemon 1960).
 
-from escapement.constant_speed.contact import contact_moment
-from escapement.constant_speed.design import (
-    fewest_slots,
-    greatest_follower_inertia,
-    greatest_speed,
-    least_load_torque,
-)
-from escapement.constant_speed.extrema import (
-    Extremum,
-    TransmissionExtrema,
-    jerk_function,
-    transmission_extrema,
-)
-from escapement.constant_speed.study import ReversalStudy, reversal_study
-from escapement.constant_speed.torque import (
-    DriveTorque,
-    TorqueState,
-    drive_torque,
-    inertia_ratio,
-)
+Modules are loaded when they are first asked for: what a case is made of can be told without.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from escapement.lazy import offered
+
+if TYPE_CHECKING:
+    from escapement.constant_speed.contact import contact_moment
+    from escapement.constant_speed.design import (
+        fewest_slots,
+        greatest_follower_inertia,
+        greatest_speed,
+        least_load_torque,
+    )
+    from escapement.constant_speed.extrema import (
+        Extremum,
+        TransmissionExtrema,
+        jerk_function,
+        transmission_extrema,
+    )
+    from escapement.constant_speed.study import ReversalStudy, reversal_study
+    from escapement.constant_speed.torque import (
+        DriveTorque,
+        TorqueState,
+        drive_torque,
+        inertia_ratio,
+    )
 
 __all__ = [
     "DriveTorque",
@@ -38,3 +46,9 @@ __all__ = [
     "reversal_study",
     "transmission_extrema",
 ]
+
+_MODULES = ("torque", "contact", "extrema", "design", "study")
+
+
+def __getattr__(name: str) -> Any:
+    return offered(__name__, __all__, _MODULES, name)

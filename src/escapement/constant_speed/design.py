@@ -8,11 +8,19 @@ import math
 
 from escapement import validate
 from escapement.constant_speed import geneva
-from escapement.constant_speed._case import checked_inertia, checked_speed
+from escapement.constant_speed.case import Case, checked_number
 from escapement.constant_speed.extrema import transmission_extrema
 from escapement.errors import InvalidValue
 from escapement.mechanisms.geneva import MOST_SLOTS
-from escapement.model import Mechanism
+from escapement.model import Escapement, Mechanism
+from escapement.quantity import check_number
+
+LIMITS = {
+    "greatest_speed": "speed",
+    "greatest_follower_inertia": "inertia",
+    "least_load_torque": "torque",
+}
+"""How far a drive may go without a pin reversal: kind of unit of each figure."""
 
 
 def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
@@ -27,7 +35,7 @@ def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: f
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    load, inertia = _constant(load_torque), checked_inertia(follower_inertia)
+    load, inertia = _constant(load_torque), checked_number("follower_inertia", follower_inertia)
     return math.sqrt(_greatest_inertia_torque(mechanism, load) / inertia)
 
 
@@ -43,8 +51,9 @@ def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: f
     load_torque : float
         Constant torque opposing the follower [N m], >= 0.
     """
-    omega, load = checked_speed(speed), _constant(load_torque)
-    return _greatest_inertia_torque(mechanism, load) / omega / omega
+    omega, load = checked_number("speed", speed), _constant(load_torque)
+    result: float = _greatest_inertia_torque(mechanism, load) / omega / omega
+    return result
 
 
 def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: float) -> float:
@@ -61,8 +70,22 @@ def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: floa
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    omega, inertia = checked_speed(speed), checked_inertia(follower_inertia)
-    return inertia * omega * omega / _limit(mechanism)
+    omega = checked_number("speed", speed)
+    inertia = checked_number("follower_inertia", follower_inertia)
+    result: float = inertia * omega * omega / _limit(mechanism)
+    return result
+
+
+def limits_without_reversal(case: Case) -> dict[str, float]:
+    """`LIMITS` of a drive under a constant load, one of its numbers changed at a time, in SI."""
+    mechanism, load = case.mechanism, case.load_torque
+    assert not callable(load)
+    limits = (
+        greatest_speed(mechanism, load, case.follower_inertia),
+        greatest_follower_inertia(mechanism, case.speed, load),
+        least_load_torque(mechanism, case.speed, case.follower_inertia),
+    )
+    return dict(zip(LIMITS, limits, strict=True))
 
 
 def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
@@ -102,7 +125,8 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
 
 
 def _constant(load_torque: float) -> float:
-    return validate.non_negative("load_torque", load_torque, "give the opposing torque in N m")
+    result: float = check_number(Escapement, "load_torque", load_torque)
+    return result
 
 
 def _greatest_inertia_torque(mechanism: Mechanism, load: float) -> float:

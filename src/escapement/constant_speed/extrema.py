@@ -2,18 +2,17 @@
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
 from escapement.constant_speed import geneva
 from escapement.constant_speed._chebyshev import Function, Piece, extremes, interpolate
-from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
-from escapement.mechanisms.slotted import jerk, transmission
-from escapement.model import FloatArray, Mechanism, is_mechanism
+from escapement.constant_speed.case import checked
+from escapement.mechanisms import Geneva
+from escapement.mechanisms.slotted import transmission
+from escapement.model import FloatArray, Mechanism
 from escapement.scene import smooth_intervals
 
 _CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
@@ -81,15 +80,15 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
     Source: Filemon (1960), eqs. 2 to 5 and Table I.
     """
     checked(mechanism)
-    jerk = _extrema(lambda x: jerk_function(mechanism, x), _jerk_pieces(mechanism))
+    bent = _extrema(lambda x: jerk_function(mechanism, x), _jerk_pieces(mechanism))
     if isinstance(mechanism, Geneva):
-        return TransmissionExtrema(*_closed_forms(mechanism), *jerk)
+        return TransmissionExtrema(*_closed_forms(mechanism), *bent)
     points = edges(mechanism)
     speed, rate = _reader(mechanism, "g"), _reader(mechanism, "dg")
     ratio, _ = _extrema(speed, interpolate(speed, points))
     start, exit_ = (float(value) for value in rate(np.array([points[0], points[-1]])))
     return TransmissionExtrema(
-        ratio, start, exit_, *_extrema(rate, interpolate(rate, points)), *jerk
+        ratio, start, exit_, *_extrema(rate, interpolate(rate, points)), *bent
     )
 
 
@@ -116,29 +115,13 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
 
 def edges(mechanism: Mechanism) -> list[float]:
     """Driver angles between which the transmission is analytic [rad]: of a table, its knots."""
-    return smooth_intervals(mechanism.path, mechanism.breaks).tolist()
-
-
-def checked(mechanism: Mechanism) -> Mechanism:
-    """`mechanism`, or the error that it is none."""
-    if not is_mechanism(mechanism):
-        raise validate.fail(
-            "mechanism", "a mechanism", mechanism, "give for example Geneva(slots=4)"
-        )
-    return mechanism
+    result: list[float] = smooth_intervals(mechanism.path, mechanism.breaks).tolist()
+    return result
 
 
 def _known_jerk(mechanism: Mechanism) -> Function | None:
     """g'' in closed form, of a mechanism that has one."""
-    if isinstance(mechanism, EllipticalPlanetary):
-        return mechanism.jerk_function
-    if isinstance(mechanism, GearDriven):
-        return mechanism.jerk
-    return partial(_wheel_jerk, mechanism) if isinstance(mechanism, Geneva) else None
-
-
-def _wheel_jerk(wheel: Geneva, theta: FloatArray) -> FloatArray:
-    return jerk(wheel.path, wheel.transmission(theta))
+    return getattr(mechanism, "jerk", None)
 
 
 def _closed_forms(wheel: Geneva) -> tuple[Extremum, float, float, Extremum, Extremum]:

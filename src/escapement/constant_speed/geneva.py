@@ -57,7 +57,8 @@ def acceleration(slots: ArrayLike, angle: ArrayLike, internal: bool = False) -> 
     square = np.sin(0.5 * b) ** 2
     # in half angles L keeps its accuracy at dead centre, where it is smallest
     length = (1.0 + c) ** 2 - 4.0 * c * square if internal else (1.0 - c) ** 2 + 4.0 * c * square
-    return -c * (1.0 - c * c) * np.sin(b) / length**2
+    result: FloatArray = -c * (1.0 - c * c) * np.sin(b) / length**2
+    return result
 
 
 def acceleration_max(slots: ArrayLike, internal: bool = False) -> FloatArray:
@@ -99,4 +100,5 @@ def limit_angle(slots: ArrayLike) -> FloatArray:
     q = 2.0 * a**3 / 27.0 + a * b / 3.0 + d
     size = np.sqrt(-p / 3.0)
     turn = np.arccos(np.clip(-0.5 * q / size**3, -1.0, 1.0)) / 3.0
-    return -np.arccos(2.0 * size * np.cos(turn) - a / 3.0)
+    result: FloatArray = -np.arccos(2.0 * size * np.cos(turn) - a / 3.0)
+    return result

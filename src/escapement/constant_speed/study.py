@@ -17,8 +17,8 @@ from escapement.model import FloatArray
 class ReversalStudy:
     """Filemon's figures over numbers of slots n and inertia ratios F.
 
-    All but `reversals` have the shape n and F broadcast to. Torques are in units
-    of load torque over efficiency.
+    All but `reversals` have the shape n and F broadcast to. Torques are those of a drive
+    without losses, over the load torque.
 
     slots, inertia_ratio : n and F [-].
     zone : 1, 2 or 3 (u1).
@@ -39,7 +39,8 @@ class ReversalStudy:
     @property
     def reversal_count(self) -> np.ndarray:
         """Pin reversals an engagement: 0, 2 or 1 in zone 1, 2 or 3."""
-        return np.array([0, 0, 2, 1])[self.zone]
+        result: np.ndarray = np.array([0, 0, 2, 1])[self.zone]
+        return result
 
     @property
     def peak_to_mean(self) -> FloatArray:

@@ -5,20 +5,34 @@ N R = M_load + I_f omega^2 g', the drive p N R (Filemon's eq. 6), and where N R
 changes sign the pin changes sides of its slot.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.constant_speed._case import Case, Load, finite, table, within_cell
-from escapement.constant_speed._figures import find_reversals, torque_figures
-from escapement.constant_speed.extrema import transmission_extrema
+from escapement.constant_speed._chebyshev import extremes, interpolate, zeros
+from escapement.constant_speed.case import Case
+from escapement.constant_speed.contact import finite, table, within_cell
+from escapement.constant_speed.extrema import (
+    edges,
+    rounding_of_acceleration,
+    transmission_extrema,
+)
+from escapement.constant_speed.kernels import tabulate_ratio
 from escapement.model import FloatArray, Mechanism
 
+if TYPE_CHECKING:
+    from escapement.constant_speed.case import Load
+
+_PIECES = 512  # to begin with, of a load of any shape: a row in 5000 of a table is seen
+_ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too
 _SAMPLES = 721
 
 
@@ -40,7 +54,7 @@ class TorqueState:
     load_torque: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DriveTorque(Case):
     """What a mechanism at constant driver speed asks of its drive.
 
@@ -178,8 +192,8 @@ def drive_torque(
     taken for great F, is the greatest value among all roots of the torque's slope.
     """
     case = Case(mechanism, speed, load_torque, follower_inertia, efficiency, friction)
-    reversals, zone = find_reversals(case)
-    known: dict[str, Any] = vars(case) | torque_figures(case, reversals)
+    reversals, zone = _find_reversals(case)
+    known: dict[str, Any] = vars(case) | _torque_figures(case, reversals)
     return DriveTorque(
         **known,
         reversals=reversals,
@@ -210,3 +224,75 @@ def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> f
             "give 0 for no load",
         )  # fmt: skip
     return ratio
+
+
+def _find_reversals(case: Case) -> tuple[FloatArray, int]:
+    """Angles where the contact moment changes sign, and Filemon's zone."""
+    points = _places(case, edges(case.mechanism))
+    found = zeros(lambda theta: table(case, theta)[2][1], points)
+    places = np.unique(np.concatenate([[points[0]], found, [points[-1]]]))
+    sides = [_side(case, low, high) for low, high in pairwise(places)]
+    reversals, side = [], 0.0
+    for place, following in zip(places[:-1], sides, strict=True):
+        if following * side < 0.0:
+            reversals.append(place)
+        side = following or side
+    if not reversals:
+        return np.empty(0), 1
+    return np.array(reversals), 3 if side < 0.0 else 2
+
+
+def _places(case: Case, points: list[float]) -> list[float]:
+    """`points`, and between them more where a load may hide something narrow."""
+    if not case.load_varies:
+        return points
+    width = (points[-1] - points[0]) / _PIECES
+    spans = [
+        np.linspace(low, high, math.ceil((high - low) / width), endpoint=False)
+        for low, high in pairwise(points)
+    ]
+    return [*np.concatenate(spans).tolist(), points[-1]]
+
+
+def _side(case: Case, low: float, high: float) -> float:
+    """Sign of the contact moment between two of its zeros; 0 where it is rounding."""
+    middle = np.array([0.5 * (low + high)])
+    _, load, (ratio, moment, _) = table(case, middle)
+    rounding = _ROUNDING * abs(load[0]) + case.inertial * rounding_of_acceleration(ratio[0])
+    return float(np.sign(moment[0]) if abs(moment[0]) > rounding else 0.0)
+
+
+def _torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
+    """Extremes and mean of the torque, between the points where it has kinks."""
+    points, half = edges(case.mechanism), case.half
+    kinks = {*points, half, *reversals.tolist(), *_idle(case, reversals)}
+
+    def torque(theta: FloatArray) -> FloatArray:
+        result: FloatArray = table(case, theta)[2][2]
+        return result
+
+    pieces = interpolate(torque, _places(case, sorted(kinks)))
+    first = [piece for piece in pieces if piece.high <= half]
+    mean = sum(piece.integral() for piece in first) / (half - points[0])
+    top, top_at, bottom, bottom_at = extremes(torque, pieces)
+    return {
+        "torque_max": top,
+        "torque_max_angle": top_at,
+        "torque_min": bottom,
+        "torque_min_angle": bottom_at,
+        "torque_mean": float(mean),
+    }
+
+
+def _idle(case: Case, reversals: FloatArray) -> list[float]:
+    """Where friction holds what the follower drives, p = 0: the power turns round there."""
+    if case.friction == 0.0 or case.efficiency == 1.0 or len(reversals) == 0:
+        return []
+
+    def ratio(theta: FloatArray) -> FloatArray:
+        out = np.empty_like(theta)
+        tabulate_ratio(case.mechanism.path, theta, -1.0, case.friction, out)
+        return out
+
+    result: list[float] = zeros(ratio, edges(case.mechanism)).tolist()
+    return result

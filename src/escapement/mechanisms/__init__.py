@@ -1,8 +1,39 @@
-"""Mechanisms: each gives its transmission over a cell of driver angle."""
+"""Mechanisms: each gives its transmission over a cell of driver angle.
 
-from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
-from escapement.mechanisms.gear_driven import GearDriven
-from escapement.mechanisms.geneva import Geneva
-from escapement.mechanisms.tabulated import Tabulated
+A kind of mechanism is a class derived from `Kind`, in a module of its own, and one line of
+`KINDS`. Modules are loaded when they are first asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from escapement.lazy import offered
+
+if TYPE_CHECKING:
+    from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
+    from escapement.mechanisms.gear_driven import GearDriven
+    from escapement.mechanisms.geneva import Geneva
+    from escapement.mechanisms.kind import Kind
+    from escapement.mechanisms.tabulated import Tabulated
 
 __all__ = ["EllipticalPlanetary", "GearDriven", "Geneva", "Tabulated"]
+
+KINDS = {
+    "geneva": "geneva:Geneva",
+    "gear-driven": "gear_driven:GearDriven",
+    "elliptical-planetary": "elliptical_planetary:EllipticalPlanetary",
+    "tabulated": "tabulated:Tabulated",
+}
+"""Module and class of each kind, by the name that files and the command line give it."""
+DEFAULT_KIND = "geneva"
+
+
+def kind_of(name: str) -> "type[Kind]":
+    """The class of a kind."""
+    module, _, attribute = KINDS[name].partition(":")
+    kind: type[Kind] = getattr(import_module(f"{__name__}.{module}"), attribute)
+    return kind
+
+
+def __getattr__(name: str) -> Any:
+    return offered(__name__, __all__, (home.partition(":")[0] for home in KINDS.values()), name)

@@ -1,27 +1,37 @@
 """The gears of a planetary drive with elliptical gears: their sizes, shapes and inertia."""
 
+from __future__ import annotations
+
 import math
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Self
 
 from escapement import validate
-from escapement.mechanisms._pitch_ellipses import PitchEllipse
+from escapement.mechanisms.kind import Kind
+from escapement.quantity import quantity
+
+if TYPE_CHECKING:
+    from escapement.mechanisms._pitch_ellipses import PitchEllipse
 
 _GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
 
 
 @dataclass(frozen=True)
-class EllipticalGears:
+class EllipticalGears(Kind):
     """Such a drive but for its motion; fields and errors as `EllipticalPlanetary`."""
 
-    sun_radius: float
-    planet_radius: float
+    sun_radius: float = field(metadata=quantity(
+        "pitch radius of the fixed sun gear", "length", exclusive=True,
+        note=", a + c of the ellipses", remedy="give the radius R1"
+    ))  # fmt: skip
+    planet_radius: float = field(metadata=quantity(
+        "pitch radius of the spur planet", "length", exclusive=True, note=", a - c of the ellipses",
+        remedy="give the radius R2, less than the sun's"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        planet = validate.positive(
-            "planet_radius", self.planet_radius, "give the planet's pitch radius in m"
-        )
-        sun = validate.positive("sun_radius", self.sun_radius, "give the sun's pitch radius in m")
+        self.check_fields()
+        sun, planet = self.sun_radius, self.planet_radius
         if not sun > planet:
             raise validate.fail(
                 "sun_radius", f"greater than the planet_radius, {planet!r}", sun,
@@ -37,8 +47,6 @@ class EllipticalGears:
                 "sun_radius + planet_radius", "within the range of a double", sun + planet,
                 "give smaller radii",
             )  # fmt: skip
-        object.__setattr__(self, "sun_radius", sun)
-        object.__setattr__(self, "planet_radius", planet)
 
     @classmethod
     def from_ellipse(cls, semi_major_axis: float, eccentricity: float) -> Self:
@@ -167,5 +175,7 @@ class EllipticalGears:
         At driver angle theta the driving one has turned k theta on the carrier, the
         driven one theta + phi: the angles at which both touch.
         """
+        from escapement.mechanisms._pitch_ellipses import PitchEllipse
+
         a, e = self.semi_major_axis, self.eccentricity
         return PitchEllipse(a, e, far=True), PitchEllipse(a, e, far=False)

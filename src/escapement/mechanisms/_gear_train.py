@@ -1,19 +1,34 @@
 """Which gears, pins and slots a gear-driven Geneva wheel has, and the path of its pin."""
 
+from __future__ import annotations
+
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple, Self
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from escapement import validate
-from escapement.curves import COGNATES, CURVES, MOST_LOBES
 from escapement.errors import InvalidValue
-from escapement.mechanisms.gear_equation import arm_length, gear_ratio, lobe_ratios
-from escapement.model import FloatArray
+from escapement.lazy import Lazy
+from escapement.mechanisms.gear_equation import (
+    COGNATES,
+    CURVES,
+    MOST_LOBES,
+    arm_length,
+    gear_ratio,
+    lobe_ratios,
+)
+from escapement.mechanisms.kind import Wheel
+from escapement.quantity import Choice, quantity, setting
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike
+
+    from escapement.model import FloatArray
+else:
+    np = Lazy("numpy")
 
 
 class Arms(NamedTuple):
@@ -30,38 +45,40 @@ class Arms(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GearTrain:
+class GearTrain(Wheel):
     """A gear-driven wheel but for its motion; fields and errors as `GearDriven`."""
 
-    stations: int
-    lobes: Any
-    curve: str = CURVES[0]
-    pins: int = 1
-    unused_lobes: int = 0
-    solution: int = 1
-    fixed_radius: float | None = None
+    stations: int = field(metadata=quantity(
+        "stations of the follower", whole=True, minimum=3, metavar="N",
+        remedy="the wheel needs 3 stations or more"
+    ))  # fmt: skip
+    lobes: Any = field(metadata=quantity(
+        "unreal lobes between two lobes of the pin's path", fraction=True, metavar="M",
+        maximum=MOST_LOBES, note=", a whole number or a fraction",
+        remedy="give a whole number or a fraction such as '1/2'"
+    ))  # fmt: skip
+    curve: str = field(default=CURVES[0], metadata=setting(
+        Choice(long_name=f"pin's path: {', '.join(CURVES)}", allowed=CURVES, metavar="NAME",
+        required=True)
+    ))  # fmt: skip
+    pins: int = field(default=1, metadata=quantity(
+        "pins on the planet", whole=True, minimum=1, metavar="P", remedy="give the number of pins"
+    ))  # fmt: skip
+    unused_lobes: int = field(default=0, metadata=quantity(
+        "lobes without a slot between two that have one", whole=True, maximum=MOST_LOBES,
+        metavar="J", remedy="give 0 to use every lobe"
+    ))  # fmt: skip
+    solution: int = field(default=1, metadata=quantity(
+        "place of the mechanism in order of alpha", whole=True, minimum=1, metavar="I",
+        note=", where there are several", remedy="they count from 1"
+    ))  # fmt: skip
+    fixed_radius: float | None = field(default=None, metadata=quantity(
+        "radius of the fixed gear", "length", exclusive=True, axis=False,
+        remedy="give the radius of the fixed gear"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        checked: dict[str, Any] = {
-            "stations": validate.integer(
-                "stations", self.stations, 3, "the wheel needs 3 stations or more"
-            ),
-            "lobes": validate.rational(
-                "lobes", self.lobes, "give a whole number or a fraction such as 1/2", MOST_LOBES
-            ),
-            "curve": validate.choice("curve", self.curve, CURVES),
-            "pins": validate.integer("pins", self.pins, 1, "give the number of pins"),
-            "unused_lobes": validate.integer(
-                "unused_lobes", self.unused_lobes, 0, "give 0 to use every lobe", MOST_LOBES
-            ),
-            "solution": validate.integer("solution", self.solution, 1, "they count from 1"),
-        }
-        if self.fixed_radius is not None:
-            checked["fixed_radius"] = validate.positive(
-                "fixed_radius", self.fixed_radius, "give the radius of the fixed gear in m"
-            )
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        self.check_fields()
         self._choose()
         self._check_pins()
 

@@ -65,7 +65,10 @@ class PeriodicSpline:
     def deviation(self, x: ArrayLike, order: int = 0) -> FloatArray:
         """Standard deviation of the spline or of a derivative at 1-D x."""
         rows = _design(self.knots, self._folded(x), order)
-        return np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", rows, self.spread, rows), 0.0))
+        result: FloatArray = np.sqrt(
+            np.maximum(np.einsum("ij,jk,ik->i", rows, self.spread, rows), 0.0)
+        )
+        return result
 
     def _folded(self, x: ArrayLike) -> FloatArray:
         values = np.asarray(x, dtype=float)

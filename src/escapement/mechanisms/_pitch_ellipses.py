@@ -71,7 +71,10 @@ class PitchEllipse:
         m = self.eccentricity**2
         # ellipeinc counts from the minor axis, the vertex is on the major one
         quarter = ellipe(m)
-        return self.semi_major_axis * (quarter - ellipeinc(0.5 * math.pi - anomaly, m))
+        result: FloatArray = self.semi_major_axis * (
+            quarter - ellipeinc(0.5 * math.pi - anomaly, m)
+        )
+        return result
 
     def curvature(self, angle: ArrayLike) -> FloatArray:
         """Curvature of the curve at angles from the vertex [1/m]; b/a^2 at its least."""
@@ -83,4 +86,7 @@ class PitchEllipse:
         """Angle from the radius to the tangent, pi/2 on a circle [rad]."""
         angles = np.asarray(angle, dtype=float)
         e = self._side * self.eccentricity
-        return 0.5 * math.pi + np.arctan2(e * np.sin(angles), 1.0 - e * np.cos(angles))
+        result: FloatArray = 0.5 * math.pi + np.arctan2(
+            e * np.sin(angles), 1.0 - e * np.cos(angles)
+        )
+        return result

@@ -1,12 +1,17 @@
-"""The rows of a position function: what they must be, and what their digits and scatter tell."""
+"""The rows of a position function: what they must be, and the function through them."""
 
 import math
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.mechanisms._periodic_spline import PeriodicSpline, interpolating, smoothing
 from escapement.model import FloatArray
 
 FEWEST = 12
@@ -14,6 +19,12 @@ MOST_EXACT = 601
 _ALLOWED = 0.02  # error that rounding may make of a ratio, and of its greatest derivative
 _NEARER = 50.0  # units of the last digit by which exact rows must be apart for that
 _BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
+_SAMPLES = 2001
+_ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
+_CLOSE = 1e-9  # of a cell: angles this near each other are the same
+_GAP = 0.1  # of a cell without rows: the curve across is a guess
+_MANY = {False: 5.0, True: 15.0}  # usual distances of exact, measured rows: no gap by chance
+_OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
 
 
 def column(name: str, values: Any) -> FloatArray:
@@ -101,3 +112,122 @@ def leaps(x: FloatArray, y: FloatArray, period: float) -> float:
     gaps = np.diff(np.append(x, x[0] + period))
     # readings at one angle scatter too: no gap counts as less than the mean one
     return float((np.diff(np.append(y, y[0])) ** 2 / (gaps + period / x.size)).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class FoldedRows:
+    """Rows of any cells, to be folded into the one that begins with the least driver angle.
+
+    The attributes are those of `Tabulated`, checked one by one.
+    """
+
+    theta: FloatArray
+    phi: FloatArray
+    measured: bool
+    cell_angle: float
+    follower_step: float
+
+    def warn_of_gap(self) -> None:
+        """Warn the caller of the mechanism where much of the cell has no rows."""
+        places = self._folded(self.theta)[0]
+        distances = np.diff(np.append(places, places[0] + self.cell_angle))
+        widest = int(np.argmax(distances))
+        usual = float(np.median(distances[distances > self.near]))
+        if distances[widest] > max(_GAP * self.cell_angle, _MANY[self.measured] * usual):
+            gap, cell, after = map(
+                math.degrees, (distances[widest], self.cell_angle, places[widest])
+            )
+            warnings.warn(
+                f"theta must have rows all over the cell, and has none for {gap:.3g} of {cell:.4g} "
+                f"degrees after {after:.4g}: the curve across is a guess; give rows there",
+                stacklevel=4,
+            )
+
+    def check_step(self) -> None:
+        """Refuse rows of a whole cell that do not turn by what they are said to."""
+        step, turned = self.follower_step, abs(self._turned)
+        doubt = 5.0 * scatter(self.theta, self.phi) if self.measured else 2.0 * last_digit(self.phi)
+        allowed = max(_OPEN[self.measured] * step, doubt)
+        # a last row beside the end of the cell is short of it
+        allowed += 3.0 * self.mean_ratio * abs(float(np.ptp(self.theta)) - self.cell_angle)
+        if abs(turned - step) > allowed:
+            degrees = math.degrees(turned)
+            rule = f"what phi turns over the cell, {turned:.9g} rad or {degrees:.7g} degrees"
+            remedy = "correct phi, or leave cell_angle and follower_step out"
+            raise validate.fail("follower_step", rule, step, remedy)
+
+    @cached_property
+    def sense(self) -> float:
+        """+1 or -1: how the follower turns."""
+        if self.is_one_cell:
+            return math.copysign(1.0, self._turned)
+        # a follower that turns back may fall along most of the rows: what tells is
+        # whether the rest closes from cell to cell
+        folded, order = self._folded(self.theta)
+        senses = (1.0, -1.0)
+        return min(senses, key=lambda s: leaps(folded, self._rest(s)[order], self.cell_angle))
+
+    @cached_property
+    def spline(self) -> PeriodicSpline:
+        """The position function less its mean rise, over the cell."""
+        theta, rest = self.theta, self._rest(self.sense)
+        if not self.measured and self.is_one_cell:
+            last = int(np.argmax(theta))  # the first again
+            theta, rest = np.delete(theta, last), np.delete(rest, last)
+        folded, order = self._folded(theta)
+        if self.measured:
+            return smoothing(folded, rest[order], self.cell_angle)
+        x = np.append(folded, folded[0] + self.cell_angle)
+        gap, digit = float(np.diff(x).min()), last_digit(self.phi)
+        if gap <= self.near:
+            raise InvalidValue(
+                "theta must differ from row to row in an exact table, cells taken together; "
+                "leave out what repeats itself, or say that the rows are measured"
+            )
+        spline = interpolating(x, np.append(rest[order], rest[order[0]]))
+        if np.ptp(rest) > 0.0 and digit > 0.0:
+            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max()
+            check_spacing(gap, digit, float(steepest), self.mean_ratio, self.cell_angle)
+        return spline
+
+    @property
+    def mean_ratio(self) -> float:
+        """What the follower turns for each radian of the driver [-]."""
+        return self.follower_step / self.cell_angle
+
+    @property
+    def is_one_cell(self) -> bool:
+        """Whether the rows reach from one end of a cell to the other."""
+        length = float(np.ptp(self.theta))
+        return abs(length - self.cell_angle) <= self.near
+
+    @cached_property
+    def near(self) -> float:
+        """Driver angles nearer each other than this are the same but for their rounding [rad]."""
+        spacing = self.cell_angle / len(self.theta)
+        rounding = min(2.0 * last_digit(self.theta), 0.01 * spacing)
+        return max(_CLOSE * self.cell_angle, rounding)
+
+    @property
+    def _turned(self) -> float:
+        """From the least driver angle to the greatest [rad]."""
+        return float(self.phi[np.argmax(self.theta)] - self.phi[np.argmin(self.theta)])
+
+    def _folded(self, theta: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+        """Driver angles in the cell that begins with the least, ascending; their order."""
+        start = float(theta.min())
+        end = start + self.cell_angle - self.near
+        folded = np.where(theta < end, theta, start + np.mod(theta - start, self.cell_angle))
+        # rounding must not part the two ends of the cell
+        folded[folded >= end] = start
+        order = np.argsort(folded, kind="stable")
+        return folded[order], order
+
+    def _rest(self, sense: float) -> FloatArray:
+        """Follower angles of the rows less the mean rise, were this their sense."""
+        theta, phi = self.theta, sense * self.phi
+        rest = phi - self.mean_ratio * (theta - theta[0])
+        if np.ptp(rest) <= _ROUNDING * (np.abs(phi).max() + self.mean_ratio * np.abs(theta).max()):
+            rest[:] = rest[0]  # an even ratio: a spline through rounding would accelerate
+        result: FloatArray = rest
+        return result

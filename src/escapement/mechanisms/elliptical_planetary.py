@@ -13,21 +13,32 @@ which are the integral of the paper's eq. 9 and eq. 9 itself with e = (k-1)/(k+1
 the sense reversed: the output turns against the carrier, phi_3 = -phi.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from escapement import validate
+from escapement.lazy import Lazy
 from escapement.mechanisms._elliptical_gears import EllipticalGears
-from escapement.mechanisms.slotted import Transmission
-from escapement.mechanisms.table import chebyshev_table, read_table, table_path
-from escapement.model import FloatArray
-from escapement.scene import Path
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike
+
+    from escapement.mechanisms import slotted
+    from escapement.model import FloatArray
+    from escapement.scene import Path
+else:
+    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
+
+TOLERANCES = (0.01, 0.1, 1.0)
+"""Deviations of the output that the report takes for standing still [degrees]."""
+
+_LENGTHS = ("centre_distance", "semi_major_axis", "semi_minor_axis", "focal_distance")
 _MOST_STATIONS = 1000
 _SHRINKING = 20  # halvings of the pieces towards a stop: to a millionth of a cell
 _OUTSIDE = 8.0  # last digits of an angle
@@ -57,6 +68,11 @@ class EllipticalPlanetary(EllipticalGears):
 
     Source: Prikhodko (2020), eqs. 1 to 9.
     """
+
+    kind = "elliptical-planetary"
+    summary = "planetary drive with a pair of elliptical gears, always in mesh"
+    meshed = True
+    report_units: ClassVar[dict[str, str]] = dict.fromkeys(_LENGTHS, "length")
 
     @property
     def cell_angle(self) -> float:
@@ -116,6 +132,8 @@ class EllipticalPlanetary(EllipticalGears):
         accuracy where both vanish. The stops lie a few roundings outside of the cell,
         lest the sign of a force that vanishes there be decided by an angle's last digit.
         """
+        from escapement.mechanisms.table import chebyshev_table, read_table, table_path
+
         entry, exit_ = self.breaks
         away = 0.5 * exit_ * np.append(0.0, np.exp2(np.arange(-_SHRINKING, 1)))
         outside = _OUTSIDE * math.ulp(exit_)
@@ -136,15 +154,15 @@ class EllipticalPlanetary(EllipticalGears):
         sine, cosine = self._half_turn(angle)
         return self.ratio_max * sine * sine / (sine * sine + (self.ratio * cosine) ** 2)
 
-    def transmission(self, theta: ArrayLike) -> Transmission:
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
         sine, cosine = self._half_turn(theta)
         length = cosine * cosine + (self.ratio * sine) ** 2
         g = self.ratio_max * cosine * cosine / length
         dg = -(self.ratio**3) * self.ratio_max * sine * cosine / (length * length)
-        return Transmission(g, np.zeros_like(g), dg)
+        return slotted.Transmission(g, np.zeros_like(g), dg)
 
-    def jerk_function(self, theta: ArrayLike) -> FloatArray:
+    def jerk(self, theta: ArrayLike) -> FloatArray:
         """g'' at driver angles of any size [rad]."""
         sine, cosine = self._half_turn(theta)
         k, gain = self.ratio, self.ratio_max
@@ -162,7 +180,8 @@ class EllipticalPlanetary(EllipticalGears):
         turns = np.rint(half / math.pi)
         near = half - math.pi * turns
         within = np.arctan2(self.ratio * np.sin(near), np.cos(near))
-        return 2.0 * (within + math.pi * turns) - angles
+        result: FloatArray = 2.0 * (within + math.pi * turns) - angles
+        return result
 
     def dwell_below(self, ratio: float) -> float:
         """Driver angle about a stop within which g is at most `ratio` [rad].
@@ -222,6 +241,32 @@ class EllipticalPlanetary(EllipticalGears):
         left = -np.expm1(-2.0 * powers * math.log1p(k * share))
         terms = -((-a * a) ** powers) / (2 * powers + 1) * left
         return 2.0 * a / k * float(terms.sum())
+
+    def report(self) -> dict[str, Any]:
+        """Its geometry by JSON key, in SI."""
+        from escapement.mechanisms.elliptical_teeth import fewest_teeth
+
+        turned = self.cell_report()
+        rests = [(deg, self.dwell_within(math.radians(deg))) for deg in TOLERANCES]
+        return {
+            "stations": self.stations,
+            **turned,
+            "stop_interval_deg": turned["cell_angle_deg"],
+            "output_per_stop_deg": -turned["follower_step_deg"],
+            "eccentricity": self.eccentricity,
+            "transmission_max": self.ratio_max,
+            "acceleration_function_max": self.acceleration_max[0],
+            **{name: getattr(self, name) for name in _LENGTHS},
+            "fewest_teeth": fewest_teeth(self),
+            "dwell_within": [
+                {
+                    "tolerance_deg": deg,
+                    "dwell_deg": math.degrees(dwell),
+                    "share": min(dwell / self.cell_angle, 1.0),
+                }
+                for deg, dwell in rests
+            ],
+        }
 
     def _half_turn(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
         half = 0.5 * self.ratio * np.asarray(theta, dtype=float)

@@ -1,17 +1,29 @@
 """The gear-driven Geneva wheel: a pin on a planet traces a cycloid, coaxial with the wheel."""
 
-import math
-from dataclasses import dataclass
-from functools import cached_property
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from escapement.errors import InvalidValue
+from escapement.lazy import Lazy
 from escapement.mechanisms._gear_train import GearTrain
-from escapement.mechanisms.slotted import Transmission, jerk, transmission, two_vector_path
-from escapement.model import FloatArray
-from escapement.scene import Path
+from escapement.mechanisms.gear_equation import lobe_ratios
+from escapement.units import degrees
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike
+
+    from escapement.mechanisms import slotted
+    from escapement.model import FloatArray
+    from escapement.scene import Path
+else:
+    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
+
+_LENGTHS = ("carrier", "arm", "entry_radius", "closest_radius")
 
 
 @dataclass(frozen=True)
@@ -54,6 +66,10 @@ class GearDriven(GearTrain):
 
     Source: Dijksman (1974), eqs. 1 to 16.
     """
+
+    kind = "gear-driven"
+    summary = "such a wheel, pins on a planet gear (Dijksman)"
+    report_units: ClassVar[dict[str, str]] = dict.fromkeys(("planet_radius", *_LENGTHS), "length")
 
     @property
     def engagement_angle(self) -> float:
@@ -126,15 +142,17 @@ class GearDriven(GearTrain):
                 "choose another number of lobes"
             )
         first, rate_1, second, rate_2 = self.arms
-        return two_vector_path(first, rate_1, second, rate_2, self._forward, self.breaks[-1])
+        return slotted.two_vector_path(
+            first, rate_1, second, rate_2, self._forward, self.breaks[-1]
+        )
 
-    def transmission(self, theta: ArrayLike) -> Transmission:
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles from dead centre [rad], pin engaged.
 
         Through the wheel's centre g is constant and u infinite at the ends.
         """
         if not self.through_centre:
-            return transmission(self.path, theta)
+            return slotted.transmission(self.path, theta)
         angles = np.asarray(theta, dtype=float)
         half = 0.5 * (self.arms.rate_1 - self.arms.rate_2)
         with np.errstate(divide="ignore"):
@@ -143,12 +161,14 @@ class GearDriven(GearTrain):
                 -np.copysign(np.inf, half * angles),
                 -half * np.tan(half * angles),
             )
-        return Transmission(np.full_like(angles, self._uniform), slide, np.zeros_like(angles))
+        return slotted.Transmission(
+            np.full_like(angles, self._uniform), slide, np.zeros_like(angles)
+        )
 
     def jerk(self, theta: ArrayLike) -> FloatArray:
         """g'' at driver angles from dead centre [rad], pin engaged [-]."""
         found = self.transmission(theta)
-        return np.zeros_like(found.g) if self.through_centre else jerk(self.path, found)
+        return np.zeros_like(found.g) if self.through_centre else slotted.jerk(self.path, found)
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""
@@ -163,3 +183,36 @@ class GearDriven(GearTrain):
         turned = (rate_2 - rate_1) * angles
         aside = np.arctan2(second * np.sin(turned), first + second * np.cos(turned))
         return self._forward * (rate_1 * angles + aside)
+
+    def report(self) -> dict[str, Any]:
+        """Its geometry by JSON key, in SI, and that of every other solution."""
+        count = len(lobe_ratios(self.stations, self.lobes, self.curve))
+        solutions = [self._with_solution(place)._geometry() for place in range(1, count + 1)]
+        return self._geometry() | self._lengths() | {"solutions": solutions}
+
+    def _with_solution(self, place: int) -> GearDriven:
+        """Another solution with the same pins and lobes, or with one pin where these do not fit."""
+        try:
+            return replace(self, solution=place)
+        except InvalidValue:
+            return replace(self, solution=place, pins=1, unused_lobes=0)
+
+    def _geometry(self) -> dict[str, Any]:
+        return {
+            "stations": self.stations,
+            **self.wheel_report(),
+            "gear_ratio": float(self.gear_ratio),
+            "alpha_deg": degrees(self.alpha),
+            **{f"{name}_over_fixed": getattr(self, f"{name}_over_fixed") for name in _LENGTHS},
+            "turns_with_driver": self.turns_with_driver,
+        }
+
+    def _lengths(self) -> dict[str, float]:
+        """Its lengths [m], where the size of the fixed gear is known."""
+        if self.fixed_radius is None:
+            return {}
+        planet = self.fixed_radius / abs(float(self.gear_ratio))
+        others = {
+            name: getattr(self, f"{name}_over_fixed") * self.fixed_radius for name in _LENGTHS
+        }
+        return {"planet_radius": planet} | others

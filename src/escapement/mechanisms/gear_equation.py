@@ -19,7 +19,13 @@ from fractions import Fraction
 from itertools import pairwise
 
 from escapement import validate
-from escapement.curves import COGNATES, CURVES
+
+CURVES = ("hypocycloid", "epicycloid", "contracted-hypocycloid", "pericycloid")
+"""Protracted hypocycloid and epicycloid, and the curve cognate of each (12a-d)."""
+COGNATES = dict(zip(CURVES, (*CURVES[2:], *CURVES[:2]), strict=True))
+"""The other pair of gears that traces the same curve."""
+MOST_LOBES = 100_000
+"""Most unreal lobes, and most unused ones; the search for a mechanism takes a second of them."""
 
 _EDGE = 1e-12
 """A root this close to x = pi is V0 = 1: there the equation is c + 1 = 2 j - 2/n exactly."""

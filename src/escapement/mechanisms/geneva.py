@@ -1,22 +1,32 @@
 """The Geneva wheel, external or internal, with as many pins as fit."""
 
-import math
-from dataclasses import dataclass
-from functools import cached_property
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from escapement import validate
-from escapement.mechanisms.slotted import Transmission, radius, transmission, two_vector_path
-from escapement.model import FloatArray
-from escapement.scene import Path
+from escapement.lazy import Lazy
+from escapement.mechanisms.kind import Wheel
+from escapement.quantity import Truth, quantity, setting
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike
+
+    from escapement.mechanisms import slotted
+    from escapement.model import FloatArray
+    from escapement.scene import Path
+else:
+    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
 
 MOST_SLOTS = 1_000_000
 
 
 @dataclass(frozen=True)
-class Geneva:
+class Geneva(Wheel):
     """Geneva wheel driven by pins on a crank, entering along the slots.
 
     Parameters
@@ -41,35 +51,41 @@ class Geneva:
     Source: Meyer (1973), eqs. 1-1 to 1-8; Filemon (1960), eqs. 2 and 3.
     """
 
-    slots: int
-    pins: int | None = None
-    internal: bool = False
-    crank_radius: float | None = None
+    kind = "geneva"
+    summary = "wheel with radial slots, pins on a crank"
+    report_units: ClassVar[dict[str, str]] = {"centre_distance": "length"}
+
+    slots: int = field(metadata=quantity(
+        "slots of the follower", whole=True, minimum=3, maximum=MOST_SLOTS, metavar="N",
+        typical=4, remedy="a Geneva wheel has from 3 slots to some dozens"
+    ))  # fmt: skip
+    pins: int | None = field(default=None, metadata=quantity(
+        "pins of the driver", whole=True, minimum=1, metavar="P",
+        note=" (default: 1; geneva, where it exists, continuous engagement)",
+        remedy="give the number of crank pins"
+    ))  # fmt: skip
+    internal: bool = field(
+        default=False, metadata=setting(Truth(long_name="internal wheel, driver inside"))
+    )
+    crank_radius: float | None = field(default=None, metadata=quantity(
+        "distance of the pins from the driver's axis", "length", exclusive=True, axis=False,
+        remedy="give the crank radius"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        remedy = "a Geneva wheel has from 3 slots to some dozens"
-        n = validate.integer("slots", self.slots, 3, remedy, maximum=MOST_SLOTS)
-        internal = validate.truth("internal", self.internal)
-        most = 1 if internal else (2 * n) // (n - 2)
-        if self.pins is None:
-            pins = most if not internal and (2 * n) % (n - 2) == 0 else 1
-        else:
-            pins = validate.integer("pins", self.pins, 1, "give the number of crank pins")
-        if pins > most:
-            kind = "an internal wheel" if internal else f"{n} slots"
-            raise validate.fail(
-                "pins", f"at most {most} for {kind}", pins, "fewer pins, or leave it out"
-            )
+        self.check_fields()
+        n = self.slots
+        most = 1 if self.internal else (2 * n) // (n - 2)
         # a study over the slots keeps a number of pins that was given, and no other
         object.__setattr__(self, "given", () if self.pins is None else ("pins",))
-        object.__setattr__(self, "slots", n)
-        object.__setattr__(self, "pins", pins)
-        object.__setattr__(self, "internal", internal)
-        if self.crank_radius is not None:
-            length = validate.positive(
-                "crank_radius", self.crank_radius, "give the crank radius in m"
+        if self.pins is None:
+            whole = not self.internal and (2 * n) % (n - 2) == 0
+            object.__setattr__(self, "pins", most if whole else 1)
+        elif self.pins > most:
+            kind = "an internal wheel" if self.internal else f"{n} slots"
+            raise validate.fail(
+                "pins", f"at most {most} for {kind}", self.pins, "fewer pins, or leave it out"
             )
-            object.__setattr__(self, "crank_radius", length)
 
     @property
     def continuous(self) -> bool:
@@ -115,18 +131,38 @@ class Geneva:
         """The pin path, as kernels evaluate it."""
         crank = 1.0 if self.internal else -1.0
         exit_ = self.breaks[-1]
-        return two_vector_path(self.centre_distance, 0.0, crank, crank, forward=1.0, rest=exit_)
+        return slotted.two_vector_path(
+            self.centre_distance, 0.0, crank, crank, forward=1.0, rest=exit_
+        )
 
-    def transmission(self, theta: ArrayLike) -> Transmission:
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles from dead centre [rad], pin engaged."""
-        return transmission(self.path, theta)
+        return slotted.transmission(self.path, theta)
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre (Meyer 1-6)."""
         angles = np.asarray(theta, dtype=float)
         sign = 1.0 if self.internal else -1.0
-        return np.arctan2(np.sin(angles), self.centre_distance + sign * np.cos(angles))
+        result: FloatArray = np.arctan2(
+            np.sin(angles), self.centre_distance + sign * np.cos(angles)
+        )
+        return result
 
     def radius(self, theta: ArrayLike) -> FloatArray:
         """Distance of the pin from the follower's axis, in crank radii."""
-        return radius(self.path, theta)
+        return slotted.radius(self.path, theta)
+
+    def jerk(self, theta: ArrayLike) -> FloatArray:
+        """g'' at driver angles from dead centre [rad], pin engaged [-]."""
+        return slotted.jerk(self.path, self.transmission(theta))
+
+    def report(self) -> dict[str, Any]:
+        """Its geometry by JSON key, in SI."""
+        record = {
+            "stations": self.slots,
+            **self.wheel_report(),
+            "centre_distance_over_crank_radius": self.centre_distance,
+        }
+        if self.crank_radius is not None:
+            record["centre_distance"] = self.centre_distance * self.crank_radius
+        return record

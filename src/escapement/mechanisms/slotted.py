@@ -182,7 +182,8 @@ def jerk(path: Path, found: Transmission) -> FloatArray:
     """g'' where the transmission is known: q' = a b + i (a + b) q - q^2 and g' = u (a+b-2g)."""
     total = path.numbers[6]
     slope = 0.25 * total**2 - path.numbers[0] ** 2 - total * found.g - found.u**2 + found.g**2
-    return slope * (total - 2.0 * found.g) - 2.0 * found.u * found.dg
+    result: FloatArray = slope * (total - 2.0 * found.g) - 2.0 * found.u * found.dg
+    return result
 
 
 def radius(path: Path, theta: ArrayLike) -> FloatArray:
@@ -191,4 +192,5 @@ def radius(path: Path, theta: ArrayLike) -> FloatArray:
         return np.full(np.shape(theta), np.nan)
     c = path.numbers
     sine = np.sin(c[0] * np.asarray(theta, dtype=float))
-    return np.sqrt(c[1] + c[2] * sine * sine)
+    result: FloatArray = np.sqrt(c[1] + c[2] * sine * sine)
+    return result

@@ -1,33 +1,42 @@
 """A mechanism known by its position function alone: designed elsewhere, or measured."""
 
+from __future__ import annotations
+
 import math
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
-from typing import Any
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Any
 
 from escapement import validate
 from escapement.errors import InputFileError, InvalidValue
-from escapement.mechanisms._angle_table import read_angles
-from escapement.mechanisms._folded_rows import FoldedRows
-from escapement.mechanisms._periodic_spline import DEGREE, PeriodicSpline, rise_over
-from escapement.mechanisms._rows import check_rows, column, one_cell
-from escapement.mechanisms.slotted import Transmission
-from escapement.mechanisms.table import chebyshev_table
-from escapement.model import FloatArray
-from escapement.scene import Path
+from escapement.lazy import Lazy
+from escapement.mechanisms.kind import Kind
+from escapement.quantity import InputFile, Numbers, Setting, Truth, declared, quantity, setting
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike
+
+    from escapement.mechanisms import _periodic_spline as splines
+    from escapement.mechanisms import _rows as rows
+    from escapement.mechanisms import slotted
+    from escapement.model import FloatArray
+    from escapement.scene import Path
+else:
+    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
+    rows = Lazy("escapement.mechanisms._rows")
+    splines = Lazy("escapement.mechanisms._periodic_spline")
 
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
+_REPORTED = 721
 
 
 @dataclass(frozen=True)
-class Tabulated:
+class Tabulated(Kind):
     """Any mechanism whose follower keeps to its driver, from a table.
 
     A periodic quintic spline goes through the table, or, where the table is
@@ -68,37 +77,45 @@ class Tabulated:
     few rows.
     """
 
-    theta: Sequence[float]
-    phi: Sequence[float]
-    measured: bool = False
-    cell_angle: float = 0.0
-    follower_step: float = 0.0
+    kind = "tabulated"
+    summary = "any drive that is always in mesh, from a table of its angles"
+    meshed = True
+
+    theta: Sequence[float] = field(metadata=setting(
+        Numbers(long_name="driver angles [rad]", remedy="give a list of angles in rad")
+    ))  # fmt: skip
+    phi: Sequence[float] = field(metadata=setting(
+        Numbers(long_name="follower angles [rad]", remedy="give a list of angles in rad")
+    ))  # fmt: skip
+    measured: bool = field(default=False, metadata=setting(
+        Truth(long_name="the rows scatter: a smooth curve goes between them")
+    ))  # fmt: skip
+    cell_angle: float = field(default=0.0, metadata=quantity(
+        "driver angle after which the motion repeats itself", "angle", exclusive=True, axis=False,
+        metavar="DEG", remedy="give the angle, after it the motion repeats itself"
+    ))  # fmt: skip
+    follower_step: float = field(default=0.0, metadata=quantity(
+        "what the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
+        remedy="give the angle, the follower must have turned on from cell to cell"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        theta, phi = (column(name, getattr(self, name)) for name in ("theta", "phi"))
+        theta, phi = (rows.column(name, getattr(self, name)) for name in ("theta", "phi"))
         measured = validate.truth("measured", self.measured)
-        check_rows(theta, phi, measured)
+        rows.check_rows(theta, phi, measured)
         cell, step = self.cell_angle, self.follower_step
         if cell == 0.0:
-            cell = one_cell(theta)
-            step = step or abs(rise_over(theta, phi, cell) if measured else float(phi[-1] - phi[0]))
+            cell = rows.one_cell(theta)
+            turned = float(phi[-1] - phi[0])
+            step = step or abs(splines.rise_over(theta, phi, cell) if measured else turned)
         elif step == 0.0:
             raise InvalidValue(
                 "cell_angle must come with follower_step, got it alone; give both, or neither "
                 "for a table of one whole cell"
             )
-        remedy = "give the angle after which the motion repeats itself"
-        checked: dict[str, Any] = {
-            "theta": tuple(theta.tolist()),
-            "phi": tuple(phi.tolist()),
-            "measured": measured,
-            "cell_angle": validate.positive("cell_angle", cell, remedy),
-            "follower_step": validate.positive(
-                "follower_step", step, "the follower must have turned on from cell to cell"
-            ),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        angles = {"theta": tuple(theta.tolist()), "phi": tuple(phi.tolist())}
+        vars(self).update(angles, measured=measured, cell_angle=cell, follower_step=step)
+        self.check_fields()
         if self._rows.is_one_cell:
             self._rows.check_step()
         self._rows.warn_of_gap()
@@ -114,7 +131,7 @@ class Tabulated:
         )
 
     @classmethod
-    def from_csv(cls, path: str | PathLike[str], **options: Any) -> "Tabulated":
+    def from_csv(cls, path: str | PathLike[str], **options: Any) -> Tabulated:
         """Read a table of driver and follower angles.
 
         Parameters
@@ -133,6 +150,8 @@ class Tabulated:
         InvalidValue
             When an option breaks a rule.
         """
+        from escapement.mechanisms._angle_table import read_angles
+
         angles = read_angles(path)
         try:
             table = cls(*angles, **options)
@@ -143,10 +162,30 @@ class Tabulated:
             raise
         return table
 
+    @classmethod
+    def options(cls) -> dict[str, Setting]:
+        """What the command line asks for: a file in place of the angles, and degrees."""
+        known: dict[str, Any] = declared(cls)
+        table = InputFile(
+            name="table", key="table", metavar="FILE.csv", required=True,
+            long_name="driver and follower angles, two columns, in degrees unless their headings "
+            "say radians: one whole cell, or any rows with --cell-angle and --follower-step",
+        )  # fmt: skip
+        angles = {
+            name: replace(known[name], unit="degrees", default=None)
+            for name in ("cell_angle", "follower_step")
+        }
+        return {"table": table, "measured": known["measured"], **angles}
+
+    @classmethod
+    def from_options(cls, **given: Any) -> Tabulated:
+        """The mechanism of a file, and of the angles that were typed beside it."""
+        return cls.from_csv(given.pop("table"), **given)
+
     @cached_property
-    def _rows(self) -> FoldedRows:
+    def _rows(self) -> rows.FoldedRows:
         theta, phi = np.array(self.theta), np.array(self.phi)
-        return FoldedRows(theta, phi, self.measured, self.cell_angle, self.follower_step)
+        return rows.FoldedRows(theta, phi, self.measured, self.cell_angle, self.follower_step)
 
     @property
     def sense(self) -> float:
@@ -154,7 +193,7 @@ class Tabulated:
         return self._rows.sense
 
     @property
-    def spline(self) -> PeriodicSpline:
+    def spline(self) -> splines.PeriodicSpline:
         """The position function less its mean rise, over the cell."""
         return self._rows.spline
 
@@ -184,19 +223,19 @@ class Tabulated:
         """Standard deviation of the measured follower angles [rad]; 0 for an exact table."""
         return self.spline.noise
 
-    def deviation(self, theta: ArrayLike) -> Transmission:
+    def deviation(self, theta: ArrayLike) -> slotted.Transmission:
         """Standard deviations of g and g' at 1-D driver angles [rad], from the noise.
 
         Rounding off of sharp corners is not among them.
         """
         angles = np.atleast_1d(np.asarray(theta, dtype=float))
         g, dg = (self.spline.deviation(angles, order) for order in (1, 2))
-        return Transmission(g, np.zeros_like(g), dg)
+        return slotted.Transmission(g, np.zeros_like(g), dg)
 
-    def transmission(self, theta: ArrayLike) -> Transmission:
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
         g = self._rows.mean_ratio + self.spline(theta, 1)
-        return Transmission(g, np.zeros_like(g), self.spline(theta, 2))
+        return slotted.Transmission(g, np.zeros_like(g), self.spline(theta, 2))
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle at driver angles of any size [rad], in the sense that grows."""
@@ -213,6 +252,8 @@ class Tabulated:
             Where the follower turns back: by more than a thousandth of its greatest
             speed and three standard deviations. No motion can be computed then.
         """
+        from escapement.mechanisms.table import chebyshev_table
+
         theta = np.linspace(*self.breaks, _SAMPLES)
         g = self.transmission(theta).g
         worst = int(np.argmin(g))
@@ -227,4 +268,22 @@ class Tabulated:
         # the last knot is the first again
         knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
         inside = knots[(knots > start + self._rows.near) & (knots < end - self._rows.near)].tolist()
-        return chebyshev_table(lambda x: self.transmission(x).g, [start, *inside, end], DEGREE)
+        return chebyshev_table(
+            lambda x: self.transmission(x).g, [start, *inside, end], splines.DEGREE
+        )
+
+    def report(self) -> dict[str, Any]:
+        """What the table says, and how well it knows, by JSON key."""
+        theta = np.linspace(*self.breaks, _REPORTED)
+        found, doubt = self.transmission(theta), self.deviation(theta)
+        return {
+            "rows": len(self.theta),
+            **self.cell_report(),
+            "noise_deg": math.degrees(self.noise),
+            "transmission_max": float(found.g.max()),
+            "transmission_min": float(found.g.min()),
+            "transmission_deviation": float(doubt.g.max()),
+            "acceleration_function_max": float(found.dg.max()),
+            "acceleration_function_min": float(found.dg.min()),
+            "acceleration_function_deviation": float(doubt.dg.max()),
+        }

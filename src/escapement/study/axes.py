@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.study.keys import check_keys
-from escapement.study.parameters import Parameter
+from escapement.quantity import Quantity
+from escapement.validate import known_keys
 
 MOST_VALUES = 10_000_000
 _EVEN = ("start", "stop", "num", "log")
 
 
-def axis_values(name: str, form: Any, parameter: Parameter) -> tuple[NDArray[Any], Any]:
+def axis_values(name: str, form: Any, parameter: Quantity) -> tuple[NDArray[Any], Any]:
     """Values of one axis and its form as plain JSON.
 
     Parameters
@@ -26,7 +26,7 @@ def axis_values(name: str, form: Any, parameter: Parameter) -> tuple[NDArray[Any
         A mapping holds `start`, `stop` and `num`, and may hold `log`: true for
         equal ratios instead of equal differences. Fractions in a sequence may be
         text, "1/2", where the parameter takes them.
-    parameter : Parameter
+    parameter : Quantity
         The rule every value obeys.
 
     Returns
@@ -45,10 +45,10 @@ def axis_values(name: str, form: Any, parameter: Parameter) -> tuple[NDArray[Any
         return _even_values(name, form, parameter)
     if parameter.fraction and isinstance(form, list | tuple):
         form = [
-            parameter.check(f"{name}[{i}]", x) if isinstance(x, str) else x
+            parameter.read(f"{name}[{i}]", x) if isinstance(x, str) else x
             for i, x in enumerate(form)
         ]
-    values = parameter.check_all(name, _flat(name, form))
+    values = parameter.read_all(name, _flat(name, form))
     if values.size == 0:
         raise InvalidValue(f"{name} must have at least one value, got an empty axis; give a list")
     if values.size > MOST_VALUES:
@@ -80,18 +80,18 @@ def _flat(name: str, form: Any) -> NDArray[np.float64]:
 
 
 def _even_values(
-    name: str, form: Mapping[str, Any], parameter: Parameter
+    name: str, form: Mapping[str, Any], parameter: Quantity
 ) -> tuple[NDArray[Any], dict[str, Any]]:
     """Values at equal differences, or with `log` at equal ratios."""
-    check_keys(form, _EVEN, f"in axis {name}")
+    known_keys(form, _EVEN, f"in axis {name}")
     missing = [key for key in _EVEN[:3] if key not in form]
     if missing:
         raise InvalidValue(
             f"axis {name} lacks {' and '.join(missing)}; "
             "write { start = ..., stop = ..., num = ... }"
         )
-    start = parameter.check(f"{name}.start", form["start"])
-    stop = parameter.check(f"{name}.stop", form["stop"])
+    start = parameter.read(f"{name}.start", form["start"])
+    stop = parameter.read(f"{name}.stop", form["stop"])
     num = validate.integer(f"{name}.num", form["num"], 1, "give the number of values")
     if num > MOST_VALUES:
         raise _too_long(name, num)
@@ -102,14 +102,14 @@ def _even_values(
     log = validate.truth(f"{name}.log", form.get("log", False), "leave it out for even steps")
     plain = {"start": start, "stop": stop, "num": num}
     if not log:
-        return parameter.check_all(name, np.linspace(start, stop, num)), plain
+        return parameter.read_all(name, np.linspace(start, stop, num)), plain
     for key in ("start", "stop"):
         validate.positive(f"{name}.{key}", plain[key], "a logarithmic axis cannot reach 0")
     values = np.geomspace(start, stop, num)
     if parameter.whole:
         nearest = np.rint(values)
         values = np.where(np.isclose(values, nearest, rtol=1e-12), nearest, values)
-    return parameter.check_all(name, values), plain | {"log": True}
+    return parameter.read_all(name, values), plain | {"log": True}
 
 
 def _not_an_axis(name: str, form: Any) -> InvalidValue:

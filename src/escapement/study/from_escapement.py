@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.model import Escapement, Mechanism
+from escapement.mechanisms import KINDS, kind_of
+from escapement.model import Escapement, Inertia, Mechanism
+from escapement.quantity import declared, quantities
 from escapement.solver import DEFAULT_ENGINE
-from escapement.study.kinds import KINDS, Kind, Option
-from escapement.study.parameters import Parameter
+from escapement.study.parameters import Kind
 from escapement.study.parse import parse_plan
 from escapement.study.plan import StudyPlan
 
@@ -57,32 +58,32 @@ def plan_from(
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-
     machine, own = _describe(escapement.mechanism)
+    kind = Kind.of(escapement.mechanism) if own is not None else Kind.named(machine["kind"])
     inertia = escapement.inertia
-    loss = "efficiency" if escapement.mechanism.path.table else "friction"
     solver = {"engine": engine, "rtol": rtol, "atol": atol, "method": method, "max_step": max_step}
     configuration = {
         "mechanism": machine,
-        "inertia": {"driver": inertia.driver, "follower": inertia.follower},
-        "torque": escapement.torque,
-        loss: getattr(escapement, loss),
-        "load_torque": escapement.load_torque,
+        "inertia": {entry.key: getattr(inertia, entry.key) for entry in declared(Inertia).values()},
         "initial_speed": initial_speed,
         "sweep": axes,
         "solver": solver,
     }
-    chosen = {"sample": sample, "title": title}
+    numbers = {
+        name: getattr(escapement, name)
+        for name, entry in quantities(Escapement).items()
+        if entry.fits(kind.meshed)
+    }
+    chosen = {**numbers, "sample": sample, "title": title}
     configuration |= {name: value for name, value in chosen.items() if value is not None}
     return parse_plan(configuration, mechanism=own)
 
 
 def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
     """A mechanism as a [mechanism] table, or itself where no kind fits it."""
-    home = f"{type(mechanism).__module__}:{type(mechanism).__qualname__}"
-    for name, kind in KINDS.items():
-        if kind.factory == home:
-            return {"kind": name} | _chosen(mechanism, kind), None
+    for name in KINDS:
+        if type(mechanism) is kind_of(name):
+            return {"kind": name} | _chosen(mechanism), None
     # two that look alike may differ in what their repr leaves out
     cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
     checksum = zlib.crc32(np.concatenate([mechanism.path.numbers, cell]).tobytes())
@@ -92,9 +93,9 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
     return {"kind": type(mechanism).__qualname__, "description": description}, mechanism
 
 
-def _chosen(mechanism: Mechanism, kind: Kind) -> dict[str, Any]:
+def _chosen(mechanism: Any) -> dict[str, Any]:
     """The settings that were given, or that the mechanism would not have chosen by itself."""
-    settings: dict[str, Parameter | Option] = {**kind.parameters, **kind.options}
+    settings = declared(type(mechanism))
     chosen = {name: getattr(mechanism, name) for name in settings}
     given = getattr(mechanism, "given", ())
     for name, setting in settings.items():

@@ -23,7 +23,10 @@ def journal_head(frame: Study, numerics: str) -> dict[str, Any]:
     attributes = dict(frame.attributes)
     fixed = {name: attributes.pop(name) for name in _FIXED_AT_START if name in attributes}
     study = {"attributes": attributes, "configuration": frame.configuration, "numerics": numerics}
-    return json.loads(json.dumps({"study": study, "fixed": fixed}, allow_nan=False))
+    result: dict[str, Any] = json.loads(
+        json.dumps({"study": study, "fixed": fixed}, allow_nan=False)
+    )
+    return result
 
 
 def check_same(path: Any, there: dict[str, Any], here: dict[str, Any]) -> None:

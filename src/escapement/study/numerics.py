@@ -5,19 +5,11 @@ from functools import cache
 from pathlib import Path
 
 _SOURCES = (
-    *(
-        "units.py",
-        "model.py",
-        "scene.py",
-        "dynamics.py",
-        "painleve.py",
-        "metrics.py",
-        "motion.py",
-        "trajectory.py",
-    ),
+    *("units.py", "quantity.py", "model.py", "scene.py", "dynamics.py", "painleve.py"),
+    *("metrics.py", "motion.py", "trajectory.py"),
     *("simulation.py", "solver.py", "status.py", "text.py"),
     *("mechanisms/*.py", "engines/*/*.py"),
-    *(f"study/{name}.py" for name in ("axes", "from_escapement", "keys", "kinds", "parameters")),
+    *(f"study/{name}.py" for name in ("axes", "from_escapement", "parameters")),
     *(f"study/{name}.py" for name in ("parse", "plan", "plan_file", "sample", "spread")),
     *(f"study/{name}.py" for name in ("evaluate", "scenes", "shared_scenes")),
 )

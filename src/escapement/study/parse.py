@@ -6,17 +6,17 @@ from typing import Any
 
 from escapement import units, validate
 from escapement.errors import InvalidValue
+from escapement.mechanisms import DEFAULT_KIND, KINDS
 from escapement.model import Mechanism
+from escapement.quantity import Quantity
 from escapement.solver import Solver
 from escapement.study.axes import axis_values
-from escapement.study.keys import check_keys, table
-from escapement.study.kinds import KINDS, Kind, other_keys
-from escapement.study.parameters import Parameter
+from escapement.study.parameters import Kind, homes
 from escapement.study.plan import StudyPlan
 from escapement.study.sample import Sample, parse_sample
+from escapement.validate import known_keys
 
 MOST_CASES = 10**12
-DEFAULT_KIND = "geneva"
 _SECTIONS = ("mechanism", "inertia", "sweep", "sample", "solver")
 
 
@@ -39,11 +39,11 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     machine = dict(table(configuration, "mechanism"))
     if mechanism is None:
         machine.setdefault("kind", DEFAULT_KIND)
-        kind = KINDS[validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))]
+        kind = Kind.named(validate.choice("mechanism.kind", machine["kind"], tuple(KINDS)))
         _check_keys(configuration, kind)
         machine = {"kind": machine["kind"]} | _options(machine, kind)
     else:
-        kind = Kind(factory="", parameters={}, meshed=mechanism.path.table)
+        kind = Kind.of(mechanism)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     parameters = kind.all_parameters
     axes, forms = _axes(table(configuration, "sweep"), parameters, _homes(kind))
@@ -82,29 +82,32 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
 
 def _homes(kind: Kind) -> dict[str, str]:
     """Where keys belong that are no parameters of the model."""
-    homes = other_keys(kind)
-    slot = "without" if kind.other_loss == "efficiency" else "with"
-    homes[kind.other_loss] = f"a study of a mechanism {slot} a slot"
-    homes |= {setting.name: "[solver]" for setting in fields(Solver)}
-    homes |= dict.fromkeys(["kind", *kind.options], "[mechanism]")
-    return homes | dict.fromkeys(["size", "seed"], "[sample]")
+    settings = dict.fromkeys((setting.name for setting in fields(Solver)), "[solver]")
+    return homes(kind) | settings | dict.fromkeys(["size", "seed"], "[sample]")
 
 
 def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
     """Refuse keys that no part of a study has, naming where each would belong."""
-    parameters = kind.all_parameters
-    homes = _homes(kind)
+    known = _homes(kind)
     keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
     keys["mechanism"] = ["kind", *kind.options]
-    for name, parameter in parameters.items():
+    for name, parameter in kind.all_parameters.items():
         keys[parameter.section].append(parameter.key)
         where = f"[{parameter.section}]" if parameter.section else "the top level"
-        homes[parameter.key] = where
+        known[parameter.key] = where
         if name != parameter.key:
-            homes[name] = f"{where} as {parameter.key!r}"
-    check_keys(configuration, keys[""], "at the top level", homes)
+            known[name] = f"{where} as {parameter.key!r}"
+    known_keys(configuration, keys[""], "at the top level", known)
     for section in ("mechanism", "inertia"):
-        check_keys(table(configuration, section), keys[section], f"in [{section}]", homes)
+        known_keys(table(configuration, section), keys[section], f"in [{section}]", known)
+
+
+def table(configuration: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """The sub-table `name`, empty where it is absent."""
+    value = configuration.get(name, {})
+    if not isinstance(value, Mapping):
+        raise validate.fail(name, "a table", value, f"write [{name}] on a line of its own")
+    return value
 
 
 def _options(machine: Mapping[str, Any], kind: Kind) -> dict[str, Any]:
@@ -112,17 +115,17 @@ def _options(machine: Mapping[str, Any], kind: Kind) -> dict[str, Any]:
         if option.required and name not in machine:
             raise InvalidValue(f"the study lacks mechanism.{name}; write it in [mechanism]")
     return {
-        name: option.check(f"mechanism.{name}", machine[name])
+        name: option.read(option.label, machine[name])
         for name, option in kind.options.items()
         if name in machine
     }
 
 
 def _axes(
-    forms: Mapping[str, Any], parameters: Mapping[str, Parameter], homes: Mapping[str, str]
+    forms: Mapping[str, Any], parameters: Mapping[str, Quantity], homes: Mapping[str, str]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Values and JSON form of every axis, in order."""
-    check_keys(forms, parameters, "in [sweep]", homes)
+    known_keys(forms, parameters, "in [sweep]", homes)
     parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
     axes = {name: values for name, (values, _) in parsed.items()}
     return axes, {name: form for name, (_, form) in parsed.items()}
@@ -130,7 +133,7 @@ def _axes(
 
 def _sample(
     drawn: Mapping[str, Any],
-    parameters: Mapping[str, Parameter],
+    parameters: Mapping[str, Quantity],
     axes: Mapping[str, Any],
     nominal: Mapping[str, float],
 ) -> Sample:
@@ -143,14 +146,14 @@ def _sample(
 
 
 def _values(
-    configuration: Mapping[str, Any], parameters: Mapping[str, Parameter], varied: Collection[str]
+    configuration: Mapping[str, Any], parameters: Mapping[str, Quantity], varied: Collection[str]
 ) -> dict[str, float]:
     """Fixed and nominal values, the default ones included; what varies needs none."""
     fixed, missing = {}, []
     for name, parameter in parameters.items():
         section = table(configuration, parameter.section) if parameter.section else configuration
         if parameter.key in section:
-            fixed[name] = parameter.check(parameter.label, section[parameter.key])
+            fixed[name] = parameter.read(parameter.label, section[parameter.key])
         elif parameter.default is not None:
             fixed[name] = parameter.default
         elif parameter.required and name not in varied:
@@ -163,7 +166,7 @@ def _values(
 
 
 def _solver(settings: Mapping[str, Any]) -> Solver:
-    check_keys(settings, tuple(field.name for field in fields(Solver)), "in [solver]")
+    known_keys(settings, tuple(field.name for field in fields(Solver)), "in [solver]")
     return Solver(**settings)
 
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -12,9 +11,9 @@ from numpy.typing import NDArray
 
 from escapement import units
 from escapement.model import Escapement, Inertia, Mechanism
+from escapement.quantity import Quantity, declared, quantities
 from escapement.solver import Solver
-from escapement.study.kinds import Kind
-from escapement.study.parameters import Parameter
+from escapement.study.parameters import Kind
 from escapement.study.sample import CASE, Sample
 
 
@@ -85,7 +84,7 @@ class StudyPlan:
         return math.prod(self.shape)
 
     @property
-    def parameters(self) -> dict[str, Parameter]:
+    def parameters(self) -> dict[str, Quantity]:
         """Every parameter this study may fix or vary, by name."""
         return self.kind.all_parameters
 
@@ -106,8 +105,8 @@ class StudyPlan:
 
     def unit(self, name: str) -> str:
         """UDUNITS spelling of the unit of a parameter or a dimension."""
-        quantity = "ratio" if name == CASE else self.parameters[name].quantity
-        return units.unit_name(quantity, self.unit_system)
+        unit = "ratio" if name == CASE else self.parameters[name].unit
+        return units.unit_name(unit, self.unit_system)
 
     def long_name(self, name: str) -> str:
         """What a parameter or a dimension is."""
@@ -173,13 +172,11 @@ class StudyPlan:
             more pins than the slots allow.
         """
         values = self.values(case)
+        inertias = {entry.key: values[name] for name, entry in declared(Inertia).items()}
         return Escapement(
             mechanism=self._built(values),
-            inertia=Inertia(values["driver_inertia"], values["follower_inertia"]),
-            torque=values["torque"],
-            friction=values.get("friction", 0.0),
-            load_torque=values["load_torque"],
-            efficiency=values.get("efficiency", 1.0),
+            inertia=Inertia(**inertias),
+            **{name: values[name] for name in quantities(Escapement) if name in values},
         )
 
     def mechanism(self, case: int) -> Mechanism:
@@ -195,11 +192,9 @@ class StudyPlan:
     def _built(self, values: Mapping[str, Any]) -> Mechanism:
         if self.own_mechanism is not None:
             return self.own_mechanism
-        module, _, name = self.kind.factory.partition(":")
-        build = getattr(import_module(module), name)
         options = {
             option: self.kind.options[option].to_si(value, self.unit_system)
             for option, value in self.machine.items()
             if option != "kind"
         }
-        return build(**{name: values[name] for name in self.kind.parameters}, **options)
+        return self.kind.build_mechanism(values, options)

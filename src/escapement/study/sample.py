@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
+from escapement.quantity import Quantity
 from escapement.study.axes import MOST_VALUES, axis_values
-from escapement.study.keys import check_keys
-from escapement.study.parameters import Parameter
 from escapement.study.spread import Spread, parse_spread
+from escapement.validate import known_keys
 
 CASE = "case"
 """Name of the dimension along which a sample varies."""
@@ -47,7 +47,7 @@ class Sample:
 
 
 def parse_sample(
-    table: Mapping[str, Any], parameters: Mapping[str, Parameter], fixed: Mapping[str, float]
+    table: Mapping[str, Any], parameters: Mapping[str, Quantity], fixed: Mapping[str, float]
 ) -> Sample:
     """The sample that a [sample] table asks for.
 
@@ -66,7 +66,7 @@ def parse_sample(
     InvalidValue
         For an unknown key, or a value that breaks its rule.
     """
-    check_keys(table, (*_SETTINGS, *parameters), "in [sample]")
+    known_keys(table, (*_SETTINGS, *parameters), "in [sample]")
     if "method" not in table:
         raise InvalidValue(f"the sample lacks a method; give one of {', '.join(METHODS)}")
     method = validate.choice("sample.method", table["method"], METHODS)
@@ -88,7 +88,7 @@ def parse_sample(
 
 
 def _listed(
-    table: Mapping[str, Any], forms: Mapping[str, Any], parameters: Mapping[str, Parameter]
+    table: Mapping[str, Any], forms: Mapping[str, Any], parameters: Mapping[str, Quantity]
 ) -> Sample:
     """Values given case by case."""
     for key in ("size", "seed"):
@@ -138,7 +138,7 @@ def _drawn(
     size: int,
     seed: int,
     spreads: Mapping[str, Spread],
-    parameters: Mapping[str, Parameter],
+    parameters: Mapping[str, Quantity],
 ) -> Sample:
     """Values drawn at random, evenly over all parameters at once."""
     shares = _unit_cube(method, size, len(spreads), seed)
@@ -164,10 +164,10 @@ def _unit_cube(method: str, size: int, count: int, seed: int) -> FloatArray:
     return np.ascontiguousarray(points.T)
 
 
-def _check_drawn(name: str, values: FloatArray, parameter: Parameter) -> None:
+def _check_drawn(name: str, values: FloatArray, parameter: Quantity) -> None:
     """Refuse a normal distribution that reaches where its parameter must not be."""
     try:
-        parameter.check_all(f"sample.{name}", values)
+        parameter.read_all(f"sample.{name}", values)
     except InvalidValue as error:
         rule = str(error).partition(";")[0]
         raise InvalidValue(f"{rule}; cut its distribution off with low or high") from None

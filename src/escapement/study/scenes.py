@@ -18,7 +18,9 @@ from escapement.status import Status
 from escapement.study.plan import StudyPlan
 
 DRIVER, FOLLOWER = "driver_inertia", "follower_inertia"
-NUMBERS = DRIVER, FOLLOWER, "torque", "load_torque", "initial_speed"
+CLOCKED = TORQUE, LOAD, SPEED = "torque", "load_torque", "initial_speed"
+"""What a scene depends on through the clock alone where there is neither load nor start."""
+NUMBERS = DRIVER, FOLLOWER, *CLOCKED
 
 Figures = tuple[FloatArray, NDArray[np.uint8]]
 """Largest, smallest and mean velocity, period, rise and settling time in natural units,

@@ -9,7 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement.study.plan import StudyPlan
-from escapement.study.scenes import DRIVER, FOLLOWER, NUMBERS, Figures, solve_scenes
+from escapement.study.scenes import (
+    CLOCKED,
+    DRIVER,
+    FOLLOWER,
+    LOAD,
+    SPEED,
+    Figures,
+    solve_scenes,
+)
 
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
@@ -100,10 +108,10 @@ class SharedScenes:
 
 def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
     """The scenes that blocks of a plan share; None where sharing saves or suits nothing."""
-    deciding = {*plan.kind.parameters, *NUMBERS, plan.kind.loss}
-    resting = not np.any(plan.every("initial_speed"))
-    if resting and not np.any(plan.every("load_torque")):
-        deciding -= {"torque", "load_torque", "initial_speed"}
+    deciding = {*plan.parameters}
+    resting = not np.any(plan.every(SPEED))
+    if resting and not np.any(plan.every(LOAD)):
+        deciding -= {*CLOCKED}
     dimensions = [
         i for i, names in enumerate(plan.varied.values()) if not deciding.isdisjoint(names)
     ]

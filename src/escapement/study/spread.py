@@ -9,8 +9,8 @@ import numpy as np
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.study.keys import check_keys
-from escapement.study.parameters import Parameter
+from escapement.quantity import Quantity
+from escapement.validate import known_keys
 
 WIDTHS = ("tolerance", "relative_tolerance", "standard_deviation", "relative_standard_deviation")
 """Ways to say how wide a parameter spreads around its nominal value."""
@@ -62,10 +62,11 @@ class Spread:
                 values = self.low ** (1.0 - share) * self.high**share
         else:
             values = self.low + share * width
-        return np.clip(values, self.low, self.high)
+        result: FloatArray = np.clip(values, self.low, self.high)
+        return result
 
 
-def parse_spread(name: str, form: Any, parameter: Parameter, nominal: float | None) -> Spread:
+def parse_spread(name: str, form: Any, parameter: Quantity, nominal: float | None) -> Spread:
     """The distribution of one sampled parameter.
 
     Parameters
@@ -77,7 +78,7 @@ def parse_spread(name: str, form: Any, parameter: Parameter, nominal: float | No
         width of an even distribution around `nominal`), `standard_deviation` (of a
         normal one, which `low` and `high` may cut off), and the same as a part of
         `nominal` with `relative_` before it.
-    parameter : Parameter
+    parameter : Quantity
         The rule its values obey.
     nominal : float or None
         The fixed value.
@@ -96,7 +97,7 @@ def parse_spread(name: str, form: Any, parameter: Parameter, nominal: float | No
         )
     if not isinstance(form, Mapping):
         raise validate.fail(label, "a table that says how it spreads", form, _EXAMPLE)
-    check_keys(form, _KEYS, f"in {label}")
+    known_keys(form, _KEYS, f"in {label}")
     widths = [key for key in WIDTHS if key in form]
     if len(widths) > 1:
         raise validate.fail(label, "spread in one way", " and ".join(widths), "leave one out")
@@ -105,7 +106,7 @@ def parse_spread(name: str, form: Any, parameter: Parameter, nominal: float | No
     return _around(label, form, widths[0], parameter, nominal)
 
 
-def _between(label: str, form: Mapping[str, Any], parameter: Parameter) -> Spread:
+def _between(label: str, form: Mapping[str, Any], parameter: Quantity) -> Spread:
     """An even distribution between two ends."""
     missing = [key for key in ("low", "high") if key not in form]
     if missing:
@@ -113,7 +114,7 @@ def _between(label: str, form: Mapping[str, Any], parameter: Parameter) -> Sprea
             f"{label} lacks {' and '.join(missing)}; write {{ low = ..., high = ... }}, "
             "or a tolerance around the nominal value"
         )
-    low, high = (parameter.check(f"{label}.{key}", form[key]) for key in ("low", "high"))
+    low, high = (parameter.read(f"{label}.{key}", form[key]) for key in ("low", "high"))
     plain: dict[str, Any] = {"low": low, "high": high}
     _check_order(label, low, high)
     log = validate.truth(f"{label}.log", form.get("log", False), "leave it out for even steps")
@@ -124,7 +125,7 @@ def _between(label: str, form: Mapping[str, Any], parameter: Parameter) -> Sprea
 
 
 def _around(
-    label: str, form: Mapping[str, Any], key: str, parameter: Parameter, nominal: float | None
+    label: str, form: Mapping[str, Any], key: str, parameter: Quantity, nominal: float | None
 ) -> Spread:
     """A distribution around the nominal value, even or normal."""
     if nominal is None:
@@ -151,13 +152,13 @@ def _around(
                 raise validate.fail(
                     f"{label}.{end}", f"left out with {key}", form[end], "give one or the other"
                 )
-        low = parameter.check(f"the lowest value of {label}", nominal - width)
-        high = parameter.check(f"the highest value of {label}", nominal + width)
+        low = parameter.read(f"the lowest value of {label}", nominal - width)
+        high = parameter.read(f"the highest value of {label}", nominal + width)
         return Spread(low, high, plain)
     ends = {"low": -np.inf, "high": np.inf}
     for end in ends:
         if end in form:
-            ends[end] = plain[end] = parameter.check(f"{label}.{end}", form[end])
+            ends[end] = plain[end] = parameter.read(f"{label}.{end}", form[end])
     _check_order(label, ends["low"], ends["high"])
     if not ends["low"] <= nominal <= ends["high"]:
         raise InvalidValue(

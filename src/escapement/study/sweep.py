@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.model import Escapement
+from escapement.model import Escapement, Run
+from escapement.quantity import check_number
 from escapement.solver import Solver, choose_solver
 from escapement.study.from_escapement import plan_from
 from escapement.study.result import Study
@@ -60,9 +61,9 @@ def sweep(
     scheduler : str or distributed.Client, optional
         A Dask cluster to compute on, needs `path`: "local", an address, or a client.
     **axes : array
-        Values [SI] of any of friction or efficiency, torque, load_torque, driver_inertia,
-        follower_inertia and the numbers of the mechanism (slots, pins); the
-        order is that of the results' dimensions. A sample adds the last one, `case`.
+        Values [SI] of any numbers of the escapement, its inertias (`driver_inertia`,
+        `follower_inertia`) and its mechanism (`slots`, `pins`); the order is that of the
+        results' dimensions. A sample adds the last one, `case`.
 
     Returns
     -------
@@ -80,16 +81,16 @@ def sweep(
         raise validate.fail("path", "the name of a file", path, "leave it out to write none")
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise validate.fail("progress", "true, false or a function", progress, "leave it out")
+    start = 0.0
     if np.ndim(initial_speed) > 0:
-        axes["initial_speed"], initial_speed = initial_speed, 0.0
+        axes["initial_speed"] = initial_speed
     else:
-        remedy = "give the driver speed in rad/s"
-        initial_speed = validate.non_negative("initial_speed", initial_speed, remedy)
+        start = check_number(Run, "initial_speed", initial_speed)
     plan = plan_from(
         escapement,
         axes,
         sample=sample,
-        initial_speed=initial_speed,
+        initial_speed=start,
         **choose_solver(solver, engine, rtol).given,
     )
     return run_plan(

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.curves import CURVES, MOST_LOBES
 from escapement.errors import InvalidValue
-from escapement.mechanisms.gear_equation import lobe_ratios
+from escapement.mechanisms.gear_equation import CURVES, MOST_LOBES, lobe_ratios
 from escapement.model import FloatArray
 
 _EDGE = 1e-12

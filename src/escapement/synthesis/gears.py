@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from escapement import validate
-from escapement.curves import COGNATES
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
+from escapement.mechanisms.gear_equation import COGNATES
 
 STANDARD_MODULES = (
     *(0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0),

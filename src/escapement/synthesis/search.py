@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from escapement import validate
-from escapement.curves import CURVES
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
+from escapement.mechanisms.gear_equation import CURVES
 from escapement.synthesis.motion import MotionPeaks, motion_peaks
 
 _MOST = 100_000

@@ -3,8 +3,9 @@
 import numpy as np
 
 from escapement.dynamics import losses, scene_of
-from escapement.engines.energy.calls import addresses
-from escapement.engines.energy.figures import FIGURES, figures, workspace
+from escapement.engines.energy.calls import Case, addresses
+from escapement.engines.energy.cycle import FIGURES
+from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.engines.energy.prepare import cells_of
 from escapement.jit import jit
@@ -31,7 +32,8 @@ def solve_scenes(calls, plain, cells, rho, mu, load, w, rtol, table, status):
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
-            status[i] = figures(calls, scene, cells, w[i], rtol, store, events, table[i])
+            case = Case(calls, scene, cells, store, events)
+            status[i] = figures(case, w[i], rtol, table[i])
 
 
 def solve(

@@ -93,22 +93,23 @@ def beyond(w, better, before):
 
 
 @inner_jit
-def terminal_cycle(
-    calls, scene, cells, store, count, ends, w, last_good, before, rtol, events, first, out
-):
+def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
     """Terminal cycle by Newton's method from w; fills the columns of `out` but the times.
 
     Parameters
     ----------
+    case : Case
+    count : panels in use.
     ends : Ends
     last_good : w to go on from when Newton's method overshoots into a stop.
     before : `Steps` that led to w.
-    events, first : events may be noted from row `first` on.
+    first : events may be noted from row `first` on.
 
     Returns
     -------
     Cycle
     """
+    scene, events = case.scene, case.events
     loose, strict = tolerances(rtol)
     plain, patience = 0, PATIENCE
     # a load often turns the pin twice inside a panel, which the map alone is blind for
@@ -117,7 +118,19 @@ def terminal_cycle(
     for _ in range(MAX_ENGAGEMENTS):
         record = np.int64(Record.EXTREMA) if near else glance
         request = Request(record, loose, strict)
-        found = march(calls, scene, cells, store, count, request, w, 0.0, 0.0, events, first)
+        found = march(
+            case.calls,
+            case.scene,
+            case.cells,
+            case.store,
+            count,
+            request,
+            w,
+            0.0,
+            0.0,
+            events,
+            first,
+        )
         count = found.panels
         if found.status == STALL and plain == 0:
             # follow the motion itself for a while, without the panels of that stop
@@ -133,7 +146,7 @@ def terminal_cycle(
         change = abs(better - w)
         # small changes of a motion that is only followed prove nothing
         if near and step.sound and change <= 0.2 * rtol * w:
-            _read(calls, scene, store, events, first, found, w, step, out)
+            _read(case, first, found, w, step, out)
             return Cycle(OK, count)
         if near or not step.sound:
             # should the map alone have been blind for something after all
@@ -156,17 +169,17 @@ def terminal_cycle(
 
 
 @inner_jit
-def _read(calls, scene, store, events, first, found, w, step, out):
+def _read(case, first, found, w, step, out):
     """Extremes of the speed, period, handoff and contraction of the cycle just marched."""
     fast, slow = max(w, found.w), min(w, found.w)
     for i in range(first, found.used):
-        event = events[i]
+        event = case.events[i]
         if not is_extremum(event):
             continue
         # only what may be the greatest or the least has to be exact
         if not slow * (1.0 + ROUGH) < event.w < fast * (1.0 - ROUGH):
-            place(calls, scene, store, events, i)
+            place(case.calls, case.scene, case.store, case.events, i)
         fast, slow = max(fast, event.w), min(slow, event.w)
     out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
-    out[PERIOD] = found.time + free_turn(found.w, scene)[1]
+    out[PERIOD] = found.time + free_turn(found.w, case.scene)[1]
     out[W_HANDOFF], out[CONTRACTION] = step.w, step.shrink

@@ -50,7 +50,7 @@ def workspace(edges):
 
 
 @inner_jit
-def figures(calls, scene, cells, w, rtol, store, events, out):
+def figures(case, w, rtol, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, its
@@ -58,6 +58,7 @@ def figures(calls, scene, cells, w, rtol, store, events, out):
     only a motion that settles slowly is followed again. On a stall out[0:2]
     holds its angle and the engagement.
     """
+    scene, cells, events = case.scene, case.cells, case.events
     for i in range(FIGURES):
         out[i] = np.nan
     last = cells.shape[0] - 1
@@ -73,7 +74,19 @@ def figures(calls, scene, cells, w, rtol, store, events, out):
     cycle_known, sought = False, False
     before = Steps(w, w)
     for k in range(MAX_ENGAGEMENTS):
-        found = march(calls, scene, cells, store, count, request, w, 0.0, rising, events, first)
+        found = march(
+            case.calls,
+            case.scene,
+            case.cells,
+            case.store,
+            count,
+            request,
+            w,
+            0.0,
+            rising,
+            events,
+            first,
+        )
         count, rising, used = found.panels, found.rising, found.used
         if found.status != OK:
             return _stopped(found, k, out)
@@ -85,9 +98,9 @@ def figures(calls, scene, cells, w, rtol, store, events, out):
                 kind = np.int64(EventKind.MINIMUM)
                 used = note(events, used, kind, scene.edges[-1], found.time, found.w)
             rising = 1.0
-        _complete(calls, scene, store, events, first, used, time)
+        _complete(case, first, used, time)
         if cycle_known:
-            calm = _judge(calls, scene, store, events, first, used, calm, out)
+            calm = _judge(case, first, used, calm, out)
         following, free = free_turn(found.w, scene)
         time += found.time + free
         if not sought:
@@ -97,16 +110,14 @@ def figures(calls, scene, cells, w, rtol, store, events, out):
                 start = step.w if step.w > 0.0 else following
                 if step.sound and step.w > 0.0 and before.better != before.w:
                     start = beyond(w, step.w, before)
-                cycle = terminal_cycle(
-                    calls, scene, cells, store, count, ends, start, following, Steps(w, step.w),
-                    rtol, events, used, out,
-                )  # fmt: skip
+                steps = Steps(w, step.w)
+                cycle = terminal_cycle(case, count, ends, start, following, steps, rtol, used, out)
                 sought, cycle_known, count = True, cycle.status == OK, cycle.panels
                 if cycle.status in (NOT_CONVERGED, NO_TERMINAL):
                     return cycle.status
                 first = NONE
                 if cycle_known:
-                    calm = _judge(calls, scene, store, events, first, used, calm, out)
+                    calm = _judge(case, first, used, calm, out)
                     # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) turns
                     if out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                         return OK
@@ -141,25 +152,26 @@ def _worth_seeking(scene, w, step, k, used, events):
 
 
 @inner_jit
-def _complete(calls, scene, store, events, first, used, time):
+def _complete(case, first, used, time):
     """Tell the extrema of an engagement when that began, and which of them lead."""
+    events = case.events
     for i in range(first, used):
         if is_extremum(events[i]):
             events[i].since = time
-            events[i].leading = _leads(calls, scene, store, events, first, used, i)
+            events[i].leading = _leads(case, first, used, i)
 
 
 @inner_jit
-def _leads(calls, scene, store, events, first, used, i):
+def _leads(case, first, used, i):
     """Whether no other extremum of its kind in the engagement goes further."""
-    event = events[i]
+    event = case.events[i]
     for j in range(first, used):
-        other = events[j]
+        other = case.events[j]
         if j == i or other.kind != event.kind:
             continue
         if not abs(other.w / event.w - 1.0) > ROUGH:
-            place(calls, scene, store, events, i)
-            place(calls, scene, store, events, j)
+            place(case.calls, case.scene, case.store, case.events, i)
+            place(case.calls, case.scene, case.store, case.events, j)
         further = other.w > event.w
         if further == (event.kind == EventKind.MAXIMUM) and other.w != event.w:
             return False
@@ -167,30 +179,30 @@ def _leads(calls, scene, store, events, first, used, i):
 
 
 @inner_jit
-def _judge(calls, scene, store, events, first, used, calm, out):
+def _judge(case, first, used, calm, out):
     """Let extrema of the transient decide on rise and settling time.
 
     Only the greatest and the least speed of an engagement tend to the terminal
     ones, so only they can unsettle a motion. Returns how many in a row did not.
     """
     for i in range(first, used):
-        if is_extremum(events[i]):
-            calm = _judge_one(calls, scene, store, events, i, calm, out)
+        if is_extremum(case.events[i]):
+            calm = _judge_one(case, i, calm, out)
     return calm
 
 
 @inner_jit
-def _judge_one(calls, scene, store, events, i, calm, out):
+def _judge_one(case, i, calm, out):
     """The same of one extremum."""
-    event = events[i]
+    event = case.events[i]
     final = out[V_MAX] if event.kind == EventKind.MAXIMUM else out[V_MIN]
     error = abs(np.sqrt(event.w) / final - 1.0)
     unsure = 0.5 * ROUGH  # of a speed: that of its square is twice as much
     if not (abs(error - RISE_BAND) > unsure and abs(error - SETTLING_BAND) > unsure):
-        place(calls, scene, store, events, i)
+        place(case.calls, case.scene, case.store, case.events, i)
         error = abs(np.sqrt(event.w) / final - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
-        place(calls, scene, store, events, i)
+        place(case.calls, case.scene, case.store, case.events, i)
         out[RISE] = event.since + event.time
     if not event.leading:
         return calm
@@ -198,6 +210,6 @@ def _judge_one(calls, scene, store, events, i, calm, out):
         out[SETTLING] = np.nan
         return NONE
     if np.isnan(out[SETTLING]):
-        place(calls, scene, store, events, i)
+        place(case.calls, case.scene, case.store, case.events, i)
         out[SETTLING] = event.since + event.time
     return calm + 1

@@ -23,7 +23,8 @@ def prepared(escapement: Escapement) -> tuple[Any, tuple[Any, ...], FloatArray]:
     if _KEY not in kept:
         scene = escapement.scene
         kept[_KEY] = addresses(), plain(scene), cells_of(scene.path, scene.edges)
-    return kept[_KEY]
+    result: tuple[Any, tuple[Any, ...], FloatArray] = kept[_KEY]
+    return result
 
 
 def cells_of(path: Path, edges: FloatArray) -> FloatArray:

@@ -82,17 +82,20 @@ class EnergyTrajectory:
     @property
     def start(self) -> FloatArray:
         """Start time of each piece [s]."""
-        return self._pieces[0] * self.escapement.time_unit
+        result: FloatArray = self._pieces[0] * self.escapement.time_unit
+        return result
 
     @property
     def engagement(self) -> np.ndarray:
         """Engagement of each piece."""
-        return self._pieces[1].astype(int)
+        result: np.ndarray = self._pieces[1].astype(int)
+        return result
 
     @property
     def sign(self) -> FloatArray:
         """Side of the slot in each piece, 0 while locked."""
-        return self._pieces[2]
+        result: FloatArray = self._pieces[2]
+        return result
 
     @cached_property
     def friction_loss(self) -> FloatArray:

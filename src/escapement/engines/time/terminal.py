@@ -130,7 +130,7 @@ def _gain(motion: Motion, w: float) -> float:
     at_entry, at_exit = (law.transmission(angle)[0] ** 2 for angle in (entry, exit_))
     driver, follower = escapement.inertia.driver, escapement.inertia.follower
     turned = mechanism.follower_angle(np.array([entry, exit_]))
-    work = escapement.torque * (exit_ - entry) - escapement.load_torque * (turned[1] - turned[0])
+    work = escapement.torque * (exit_ - entry) - escapement.load_work(turned[1] - turned[0])
     work -= motion.trajectory.friction_loss.sum()
     engaged = (2.0 * work + follower * (at_entry - at_exit) * w) / (driver + follower * at_exit)
     return float(engaged + 2.0 * dwell_angle(mechanism) * escapement.torque / driver)

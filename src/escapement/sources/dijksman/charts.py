@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement.curves import CURVES
 from escapement.mechanisms import GearDriven, Geneva
+from escapement.mechanisms.gear_equation import CURVES
 from escapement.plots import style
 from escapement.plots.style import label
 from escapement.synthesis import follower_motion, motion_ratio_chart

@@ -1,0 +1,334 @@
+"""Whatever a user may set, each declared once, beside the field that holds it.
+
+    torque: float = field(metadata=quantity("driving torque", "torque", exclusive=True, ...))
+
+From the declaration follow the check in the constructor, the option of the command line, the
+key of a study file and its check, the axis of a study, and units, name and label in files and
+figures. A class that declares its fields so derives from `Declared`; `declared` gives what it
+has declared.
+"""
+
+import contextlib
+import inspect
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, fields, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+
+from escapement import units, validate
+from escapement.errors import UnknownArgument
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
+
+T = TypeVar("T")
+_KEY = "setting"
+_METAVARS = {"torque": "M", "inertia": "I", "length": "R", "speed": "W", "time": "S"}
+
+
+def per_class(function: Callable[[type], T]) -> Callable[[type], T]:
+    """A function of a class that is worked out once for each."""
+    return cache(function)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What a user may set: its words, and where it stands.
+
+    long_name : what it is.
+    remedy : what to do about a value that breaks the rule; a unit is put before its comma.
+    name : of the option and the axis; by default that of the field.
+    note : what the help of the command line adds.
+    metavar : what stands for its value there.
+    typical : value that the command line takes where none is typed, in place of the default.
+    required : whether files and the command line must give it.
+    axis : whether a study may vary it.
+    key, section, default : filled in from the class that declares it: name of the field, table
+        of a study file ("" is the top level), and default, None where there is none.
+    """
+
+    long_name: str
+    remedy: str = ""
+    name: str = ""
+    note: str = ""
+    metavar: str = ""
+    typical: Any = None
+    required: bool = False
+    axis: bool = False
+    key: str = ""
+    section: str = ""
+    default: Any = None
+
+    @property
+    def label(self) -> str:
+        """Where the value stands in a file, for messages."""
+        return f"{self.section}.{self.key}" if self.section else self.key
+
+    @property
+    def help(self) -> str:
+        """What the command line says of it."""
+        taken = self.typical if self.required else self.default
+        shown = f"{taken:g}" if isinstance(taken, float) else taken
+        told = "" if taken is None or isinstance(taken, bool) else f" (default: {shown})"
+        return self.long_name + self.note + self.units_shown + told
+
+    @property
+    def units_shown(self) -> str:
+        """Its units in brackets, where it has any."""
+        return ""
+
+    def check(self, label: str, value: Any) -> Any:
+        """`value` as Python is to hold it; raises InvalidValue where it breaks the rule."""
+        return value
+
+    def read(self, label: str, value: Any) -> Any:
+        """As `check`, of a value in a study file."""
+        return self.check(label, value)
+
+    def parse(self, label: str, text: str) -> Any:
+        """As `check`, of a word on the command line."""
+        return self.check(label, text)
+
+    def to_si(self, values: Any, system: str) -> Any:
+        """Values in units of `system` in SI."""
+        return values
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity(Setting):
+    """A number.
+
+    unit : its kind, a key of `escapement.units`.
+    minimum, maximum, exclusive, whole, fraction : the rule. An exclusive minimum is not
+        reached; a fraction may be written as text, "1/2".
+    slotted : True for what only a mechanism with a slot has, False for what only one without
+        it has; there it keeps its default.
+    instead : name of what the other mechanisms have in its place.
+    function : whether a function that gives the number will do.
+    """
+
+    unit: str = "ratio"
+    minimum: float = 0.0
+    maximum: float = math.inf
+    exclusive: bool = False
+    whole: bool = False
+    fraction: bool = False
+    axis: bool = True
+    slotted: bool | None = None
+    instead: str = ""
+    function: bool = False
+
+    @property
+    def units_shown(self) -> str:
+        """Its units in brackets, where it has any."""
+        shown = dict.fromkeys(units.printed(self.unit, system) for system in units.SYSTEMS)
+        return f" [{', '.join(shown)}]" if any(shown) else ""
+
+    def fits(self, meshed: bool) -> bool:
+        """Whether a mechanism without a slot (`meshed`), or one with it, has this number."""
+        return self.slotted is None or self.slotted is not meshed
+
+    def check(self, label: str, value: Any) -> Any:
+        """`value` as a number that obeys the rule."""
+        if self.whole:
+            most = None if self.maximum == math.inf else int(self.maximum)
+            return validate.integer(label, value, int(self.minimum), self.remedy, most)
+        if self.fraction:
+            return validate.rational(label, value, self.remedy, self.maximum)
+        if self.function and callable(value):
+            return value
+        number = validate.number(label, value, self.remedy)
+        above = number > self.minimum if self.exclusive else number >= self.minimum
+        if above and number <= self.maximum:
+            return number
+        raise validate.fail(label, self.rule, value, self.remedy)
+
+    @property
+    def rule(self) -> str:
+        """The rule of a real number in words."""
+        if self.maximum == math.inf:
+            return f"{'greater than' if self.exclusive else 'at least'} {self.minimum:g}"
+        if self.exclusive:
+            return f"greater than {self.minimum:g} and at most {self.maximum:g}"
+        return f"in [{self.minimum:g}, {self.maximum:g}]"
+
+    def read(self, label: str, value: Any) -> Any:
+        """As `check`; in a file 4.0 is a whole number too, and a fraction becomes a double."""
+        if self.whole:
+            number = validate.number(label, value, self.remedy)
+            return self.check(label, int(number) if number == int(number) else value)
+        checked = self.check(label, value)
+        return float(checked) if self.fraction else checked
+
+    def read_all(self, label: str, values: "NDArray[float64]") -> "NDArray[Any]":
+        """`values`, whole ones as integers; raises for the first that breaks the rule."""
+        import numpy as np
+
+        if self.fraction:
+            return np.array([self.read(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
+        good = np.isfinite(values) & (values >= self.minimum) & (values <= self.maximum)
+        if self.exclusive:
+            good &= values > self.minimum
+        if self.whole:
+            good &= values == np.rint(values)
+            good &= values < 2.0**53  # beyond it a double no longer tells whole numbers apart
+        if not good.all():
+            first = int(np.argmin(good))
+            place, value = f"{label}[{first}]", float(values[first])
+            self.read(place, value)
+            raise validate.fail(place, "below 2^53", value, self.remedy)
+        return values.astype(np.int64) if self.whole else values
+
+    def parse(self, label: str, text: str) -> Any:
+        """As `check`, of a word on the command line."""
+        if self.fraction:
+            return self.check(label, text)
+        value: Any = text
+        with contextlib.suppress(ValueError):
+            value = int(text) if self.whole else float(text)
+        if not self.whole and (value is text or not math.isfinite(value)):
+            raise validate.fail(label, "a finite number", text, self.remedy)
+        return self.check(label, value)
+
+    def to_si(self, values: Any, system: str) -> Any:
+        """Numbers in units of `system` in SI; whole numbers and fractions stay what they are."""
+        if self.whole or self.fraction:
+            return values
+        return values * units.factor(self.unit, system)
+
+
+class Truth(Setting):
+    """True or false; on the command line an option without a value."""
+
+    def check(self, label: str, value: Any) -> bool:
+        """`value` as a bool."""
+        return validate.truth(label, value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice(Setting):
+    """One of a few words."""
+
+    allowed: tuple[str, ...]
+
+    def check(self, label: str, value: Any) -> str:
+        """`value` as one of the words."""
+        return validate.choice(label, value, self.allowed)
+
+
+class Numbers(Setting):
+    """A list of numbers; the constructor that takes them looks closer."""
+
+    def read(self, label: str, value: Any) -> tuple[float, ...]:
+        """`value` as a list of finite numbers."""
+        if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
+            raise validate.fail(label, "a list of numbers", value, self.remedy)
+        return tuple(validate.number(f"{label}[{i}]", x, self.remedy) for i, x in enumerate(value))
+
+
+class InputFile(Setting):
+    """A file to read; the command line alone has such an option."""
+
+    def parse(self, label: str, text: str) -> Path:
+        """The path."""
+        return Path(text)
+
+
+def quantity(long_name: str, unit: str = "ratio", **rule: Any) -> dict[str, Setting]:
+    """Metadata of a field that holds a number; `rule` has the attributes of `Quantity`."""
+    rule.setdefault("metavar", _METAVARS.get(unit, "X"))
+    return {_KEY: Quantity(long_name=long_name, unit=unit, **rule)}
+
+
+def setting(declaration: Setting) -> dict[str, Setting]:
+    """Metadata of a field that holds no number."""
+    return {_KEY: declaration}
+
+
+class Declared:
+    """Base of frozen dataclasses whose fields carry declarations."""
+
+    section: ClassVar[str] = ""
+    """Table of a study file that holds the fields; "" is the top level."""
+
+    def __new__(cls, *args: Any, **keywords: Any) -> Self:
+        """Refuse a keyword that there is none of, and name the nearest."""
+        if keywords and not keywords.keys() <= _names(cls):
+            _refuse_unknown(cls, keywords)
+        return object.__new__(cls)
+
+    def check_fields(self) -> None:
+        """Put the checked value of every declared field in the place of what was given."""
+        values = vars(self)
+        for entry in _in_si(type(self)).values():
+            value = values[entry.key]
+            if value is not entry.default or entry.required:
+                values[entry.key] = entry.check(entry.name, value)
+
+
+@per_class
+def _names(owner: Any) -> frozenset[str]:
+    return frozenset(field.name for field in fields(owner))
+
+
+def _refuse_unknown(cls: type, keywords: Mapping[str, Any]) -> None:
+    known = inspect.signature(cls.__init__).parameters  # type: ignore[misc]
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in known.values()):
+        return
+    names = tuple(known)[1:]
+    for name in keywords:
+        if name not in names:
+            raise UnknownArgument(
+                f"{cls.__name__} has no argument {name!r}; {validate.did_you_mean(name, names)}"
+            )
+
+
+@per_class
+def declared(owner: type) -> dict[str, Setting]:
+    """What a class declares, by the name of the option and the axis, in the order of its fields."""
+    found = {}
+    for field in fields(owner):
+        entry: Setting | None = field.metadata.get(_KEY)
+        if entry is None:
+            continue
+        open_ = field.default is MISSING
+        entry = replace(
+            entry,
+            name=entry.name or field.name,
+            key=field.name,
+            section=getattr(owner, "section", ""),
+            default=entry.default if open_ else field.default,
+            required=entry.required or (open_ and entry.default is None),
+        )
+        found[entry.name] = entry
+    return found
+
+
+def quantities(owner: type) -> dict[str, Quantity]:
+    """The numbers that a class declares, by name."""
+    return {name: entry for name, entry in declared(owner).items() if isinstance(entry, Quantity)}
+
+
+def like(owner: type, name: str, **changes: Any) -> dict[str, Setting]:
+    """Metadata of a field that holds the same as another class's, but for `changes`."""
+    return {_KEY: replace(declared(owner)[name], section="", key="", **changes)}
+
+
+def check_number(owner: type, name: str, value: Any) -> Any:
+    """`value`, in SI, as the number `name` of a class; raises InvalidValue."""
+    return _in_si(owner)[name].check(name, value)
+
+
+@per_class
+def _in_si(owner: type) -> dict[str, Setting]:
+    """What a class declares as constructors check it, in SI: so the remedies name the units."""
+    found = {}
+    for name, entry in declared(owner).items():
+        unit = units.printed(entry.unit, "SI") if isinstance(entry, Quantity) else ""
+        head, comma, tail = entry.remedy.partition(",")
+        remedy = f"{head} in {unit}{comma}{tail}" if unit else entry.remedy
+        found[name] = replace(entry, remedy=remedy)
+    return found

@@ -1,0 +1,149 @@
+"""Numbers that are declared once: what follows from a declaration is there everywhere."""
+
+import copy
+import pickle
+import timeit
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.cli._parser import Parser, option
+from escapement.cli.run import configure
+from escapement.errors import EscapementError, InvalidValue, UnknownArgument
+from escapement.mechanisms import KINDS, kind_of
+from escapement.model import Run
+from escapement.quantity import Declared, declared, quantities, quantity
+from escapement.study.parameters import Kind
+from escapement.study.parse import parse_plan
+from escapement.units import SYSTEMS, printed, unit_name
+
+OWNERS = [esc.Escapement, esc.Inertia, *map(kind_of, KINDS)]
+NUMBERS = {name: entry for owner in OWNERS for name, entry in quantities(owner).items()}
+CONFIGURATION = (Path(__file__).parents[1] / "docs" / "configuration.md").read_text("utf-8")
+INERTIA = esc.Inertia(1e-6, 1e-5)
+
+
+@pytest.mark.parametrize(
+    ("call", "wrong", "nearest"),
+    [
+        (lambda: esc.Geneva(slot=4), "slot", "slots"),
+        (lambda: esc.Geneva(4, kind="x"), "kind", "pins"),
+        (lambda: esc.Geneva(4, internl=True), "internl", "internal"),
+        (lambda: esc.GearDriven(4, 0, curv="epicycloid"), "curv", "curve"),
+        (lambda: esc.EllipticalPlanetary(sun_radus=2.0), "sun_radus", "sun_radius"),
+        (lambda: esc.Tabulated(theta=[], fi=[]), "fi", "known are theta, phi, measured"),
+        (lambda: esc.Inertia(driver=1.0, folower=1.0), "folower", "follower"),
+        (lambda: esc.Escapement(esc.Geneva(4), INERTIA, tork=1.0), "tork", "torque"),
+        (lambda: replace(esc.Geneva(4), slot=5), "slot", "slots"),
+    ],
+)
+def test_an_unknown_keyword_names_the_nearest(call, wrong, nearest):
+    with pytest.raises(UnknownArgument) as caught:
+        call()
+    assert isinstance(caught.value, TypeError)
+    assert isinstance(caught.value, EscapementError)
+    assert f"has no argument {wrong!r}; " in str(caught.value)
+    assert nearest in str(caught.value).partition(";")[2]
+
+
+def test_a_subclass_may_have_arguments_of_its_own():
+    class Mine(esc.Geneva):
+        def __init__(self, size, **more):
+            super().__init__(slots=size)
+
+    assert Mine(size=5, colour="red").slots == 5
+
+
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))]
+)
+def test_what_is_declared_can_be_copied(copied):
+    timer = esc.Escapement(esc.Geneva(4), INERTIA, torque=0.1, friction=0.2)
+    assert copied(timer) == timer
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_a_number_is_told_everywhere(name):
+    entry = NUMBERS[name]
+    parser = Parser(prog="test")
+    configure(parser)
+    assert option(name) in parser._option_string_actions
+    assert entry.metavar
+    assert entry.remedy
+    for system in SYSTEMS:
+        assert unit_name(entry.unit, system)
+    assert f"`{entry.key}`" in CONFIGURATION
+    assert not entry.axis or CONFIGURATION.count(f"`{name}`") >= (1 if entry.key != name else 2)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
+    known = Kind.named(kind)
+    assert {*known.settings} == {*known.parameters, *known.options} == {*declared(kind_of(kind))}
+    for name, entry in known.all_parameters.items():
+        assert entry.axis
+        assert entry.name == name
+    lost = {"friction", "efficiency"} - {*known.all_parameters}
+    assert lost == {"friction" if known.meshed else "efficiency"}
+
+
+def test_units_are_printed_as_they_are_written():
+    assert [printed("inertia", system) for system in SYSTEMS] == ["kg m^2", "in-lbf-s^2"]
+    assert [printed("torque", system) for system in SYSTEMS] == ["N m", "in-lbf"]
+    assert printed("acceleration", "SI") == "rad/s^2"
+    assert printed("ratio", "SI") == ""
+
+
+@dataclass(frozen=True)
+class Bearing(Declared):
+    """Stands for any number that is yet to come."""
+
+    offset: float = field(
+        default=0.0, metadata=quantity("offset", "length", minimum=-np.inf, remedy="give it")
+    )
+    share: float = field(
+        default=0.5, metadata=quantity("share", exclusive=True, maximum=1.0, remedy="0.5, say")
+    )
+
+    def __post_init__(self):
+        self.check_fields()
+
+
+def test_ranges():
+    assert Bearing(-3.0, 1).offset == -3.0
+    assert type(Bearing(np.float32(2), 1).share) is float
+    with pytest.raises(InvalidValue, match=r"offset must be a finite number, got nan; .* in m$"):
+        Bearing(float("nan"))
+    with pytest.raises(InvalidValue, match="share must be greater than 0 and at most 1, got 0"):
+        Bearing(share=0)
+    with pytest.raises(InvalidValue, match="share must be a finite number, got None"):
+        Bearing(share=None)
+
+
+def test_what_is_required_is_what_has_no_default():
+    required = {name for name, entry in NUMBERS.items() if entry.required}
+    model = {"torque", "driver_inertia", "follower_inertia"}
+    assert required == model | {"slots", "stations", "lobes", "sun_radius", "planet_radius"}
+    assert declared(Run)["initial_speed"].default == 0.0
+    with pytest.raises(InvalidValue, match="torque must be a finite number, got None"):
+        esc.Escapement(esc.Geneva(4), INERTIA, torque=None)
+
+
+def test_every_number_of_the_model_decides_of_a_scene():
+    """Or a study would share scenes that are not the same."""
+    plan = parse_plan(
+        {"torque": 1.0, "mechanism": {"slots": 4}, "sweep": {"driver_inertia": [1.0]}}
+        | {"inertia": {"follower": 1.0}}
+    )
+    model = {name for owner in (esc.Escapement, esc.Inertia) for name in quantities(owner)}
+    assert {*plan.parameters} == model - {"efficiency"} | {"slots", "pins", "initial_speed"}
+
+
+def test_building_an_escapement_takes_no_time():
+    """Some 5 us, three of them part of every simulation; a busy machine takes longer."""
+    wheel, inertia = esc.Geneva(4), INERTIA
+    run = timeit.Timer(lambda: esc.Escapement(wheel, inertia, torque=0.1, friction=0.3))
+    assert min(run.repeat(50, 200)) / 200 < 20e-6
