@@ -15,25 +15,27 @@ from escapement.scene import Scene, smooth_intervals, writeable
 
 
 @jit(allocates=True)
-def solve_scenes(calls, plain, cells, rho, mu, load, w, rtol, table, status):
+def solve_scenes(calls, plain, cells, numbers, rtol, table, status):
     """Fill table[i] and status[i] for every scene i; natural units.
 
     Parameters
     ----------
     calls, plain, cells : as `prepare.prepared` gives them, of any scene of the mechanism.
-    rho, mu, load, w, rtol, table, status : as `solve` takes and returns them; of a stall the
-        first two columns hold its driver angle [rad] and engagement.
+    numbers : rows rho, mu, load and w of the scenes, as `solve` takes them.
+    rtol, table, status : as `solve` takes and returns them; of a stall the first two columns
+        hold its driver angle [rad] and engagement.
     """
     same = scene_of(plain)
     store, events = workspace(same.edges)
-    for i in range(rho.size):
-        mu_plus, mu_minus = losses(same.path, mu[i])
-        scene = Scene(same.path, same.edges, same.dwell, rho[i], mu_plus, mu_minus, load[i])
+    for i in range(status.size):
+        rho, mu, load, w = numbers[0, i], numbers[1, i], numbers[2, i], numbers[3, i]
+        mu_plus, mu_minus = losses(same.path, mu)
+        scene = Scene(same.path, same.edges, same.dwell, rho, mu_plus, mu_minus, load)
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
             case = Case(calls, scene, cells, store, events)
-            status[i] = figures(case, w[i], rtol, table[i])
+            status[i] = figures(case, w, rtol, table[i])
 
 
 def solve(
@@ -70,6 +72,7 @@ def solve(
     edges = smooth_intervals(path, mechanism.breaks)
     plain = tuple(path), edges, dwell_angle(mechanism), 1.0, 0.0, 0.0, 0.0
     cells = cells_of(path, edges)
-    solve_scenes(addresses(), plain, cells, rho, mu, load, w, rtol, table, status)
+    numbers = np.array([rho, mu, load, w])
+    solve_scenes(addresses(), plain, cells, numbers, rtol, table, status)
     table[status != OK] = np.nan
     return table, status

@@ -27,9 +27,10 @@ def terminal(
 ) -> Figures:
     """Figures of merit without a transient in time; see `escapement.terminal`."""
     clock, scene = escapement.time_unit, escapement.scene
-    numbers = (scene.rho, scene.mu_plus, scene.load, (initial_speed * clock) ** 2)
+    w = (initial_speed * clock) ** 2
+    numbers = np.array([[scene.rho], [scene.mu_plus], [scene.load], [w]])
     table, codes = np.empty((1, FIGURES)), np.empty(1, dtype=np.uint8)
-    solve_scenes(*prepared(escapement), *(np.array([x]) for x in numbers), rtol, table, codes)
+    solve_scenes(*prepared(escapement), numbers, rtol, table, codes)
     out, code = table[0], int(codes[0])
     status = Status(code)
     if status is Status.STALL:
