@@ -16,6 +16,8 @@ from escapement.engines.energy import march as _march
 from escapement.engines.energy.cells import CELL
 from escapement.engines.energy.events import EVENT
 from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
+from escapement.engines.energy.passage import Request
+from escapement.jit import inner_jit
 from escapement.scene import Path, Scene
 
 
@@ -37,13 +39,22 @@ _numbers = np.empty(0)
 _scene = typeof(Scene(Path(False, _numbers, _numbers), _numbers, 0.0, 0.0, 0.0, 0.0, 0.0))
 _store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
 _cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
-_request = typeof(_march.Request(0, 0.0, 0.0))
+_request = typeof(Request(0, 0.0, 0.0))
 _f, _i = types.float64, types.int64
 
 march, _march_address = by_address(
     _march.march, 0, (_scene, _cells, _store, _i, _request, _f, _f, _f, _event, _i)
 )
 place, _place_address = by_address(_events.place, 1, (_scene, _store, _event, _i))
+
+
+@inner_jit(inlined=True)
+def march_case(case, count, request, w, rising, first):
+    """March one engagement of a case, its events noted from row `first` on."""
+    return march(
+        case.calls, case.scene, case.cells, case.store, count, request, w, 0.0, rising,
+        case.events, first,
+    )  # fmt: skip
 
 
 @cache

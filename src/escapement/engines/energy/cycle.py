@@ -11,17 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics import free_turn
-from escapement.engines.energy.calls import march, place
+from escapement.engines.energy.calls import march_case, place
 from escapement.engines.energy.events import ROUGH, is_extremum, turned
-from escapement.engines.energy.march import (
-    NO_TERMINAL,
-    NOT_CONVERGED,
-    OK,
-    STALL,
-    Record,
-    Request,
-)
+from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import NO_PANELS, tolerances
+from escapement.engines.energy.passage import Record, Request
 from escapement.jit import inner_jit
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
@@ -118,19 +112,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
     for _ in range(MAX_ENGAGEMENTS):
         record = np.int64(Record.EXTREMA) if near else glance
         request = Request(record, loose, strict)
-        found = march(
-            case.calls,
-            case.scene,
-            case.cells,
-            case.store,
-            count,
-            request,
-            w,
-            0.0,
-            0.0,
-            events,
-            first,
-        )
+        found = march_case(case, count, request, w, 0.0, first)
         count = found.panels
         if found.status == STALL and plain == 0:
             # follow the motion itself for a while, without the panels of that stop

@@ -91,7 +91,7 @@ def note(events, used, kind, angle, time, w):
 def note_extremum(scene, events, used, kind, work, panel, found, high):
     """Add an extremum between a panel's points `found.point` - 1 and it; returns how many.
 
-    `found` is a `march.Extremum`; its `final` is the value at x = `high`.
+    `found` is a `passage.Extremum`; its `final` is the value at x = `high`.
     """
     if used >= events.shape[0]:
         return used

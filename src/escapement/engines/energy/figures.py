@@ -3,7 +3,7 @@
 import numpy as np
 
 from escapement.dynamics import ends_alike, free_turn
-from escapement.engines.energy.calls import march, place
+from escapement.engines.energy.calls import march_case, place
 from escapement.engines.energy.cycle import (
     CONTRACTION,
     FIGURES,
@@ -27,15 +27,9 @@ from escapement.engines.energy.events import (
     note,
     turned,
 )
-from escapement.engines.energy.march import (
-    NO_TERMINAL,
-    NOT_CONVERGED,
-    OK,
-    STALL,
-    Record,
-    Request,
-)
+from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
+from escapement.engines.energy.passage import Record, Request
 from escapement.jit import inner_jit
 from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 
@@ -74,30 +68,14 @@ def figures(case, w, rtol, out):
     cycle_known, sought = False, False
     before = Steps(w, w)
     for k in range(MAX_ENGAGEMENTS):
-        found = march(
-            case.calls,
-            case.scene,
-            case.cells,
-            case.store,
-            count,
-            request,
-            w,
-            0.0,
-            rising,
-            events,
-            first,
-        )
-        count, rising, used = found.panels, found.rising, found.used
+        found = march_case(case, count, request, w, rising, first)
+        count = found.panels
         if found.status != OK:
             return _stopped(found, k, out)
         if even:
             # every engagement adds the same energy: the load stops the motion, or nothing does
             return NO_TERMINAL if found.source + 2.0 * scene.dwell > 0.0 else STALL
-        if scene.dwell > 0.0:
-            if rising < 0.0:
-                kind = np.int64(EventKind.MINIMUM)
-                used = note(events, used, kind, scene.edges[-1], found.time, found.w)
-            rising = 1.0
+        used, rising = _enter_dwell(scene, events, found)
         _complete(case, first, used, time)
         if cycle_known:
             calm = _judge(case, first, used, calm, out)
@@ -107,9 +85,7 @@ def figures(case, w, rtol, out):
             step = closer(w, found, scene, ends, turned(events, first, used))
             first = used
             if _worth_seeking(scene, w, step, k, used, events):
-                start = step.w if step.w > 0.0 else following
-                if step.sound and step.w > 0.0 and before.better != before.w:
-                    start = beyond(w, step.w, before)
+                start = _first_guess(w, step, before, following)
                 steps = Steps(w, step.w)
                 cycle = terminal_cycle(case, count, ends, start, following, steps, rtol, used, out)
                 sought, cycle_known, count = True, cycle.status == OK, cycle.panels
@@ -129,6 +105,33 @@ def figures(case, w, rtol, out):
     # beyond the limit a time is not given
     out[SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
+
+
+@inner_jit
+def _enter_dwell(scene, events, found):
+    """Note a minimum where a dwell begins, from which on the driver gains speed.
+
+    Returns
+    -------
+    used, rising : how many events are noted, and the sign of the acceleration.
+    """
+    if scene.dwell == 0.0:
+        return found.used, found.rising
+    used = found.used
+    if found.rising < 0.0:
+        kind = np.int64(EventKind.MINIMUM)
+        used = note(events, used, kind, scene.edges[-1], found.time, found.w)
+    return used, 1.0
+
+
+@inner_jit
+def _first_guess(w, step, before, following):
+    """Squared speed from which the terminal cycle is looked for."""
+    if not step.w > 0.0:
+        return following
+    if step.sound and before.better != before.w:
+        return beyond(w, step.w, before)
+    return step.w
 
 
 @inner_jit

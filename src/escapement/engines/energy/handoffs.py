@@ -5,8 +5,9 @@ import numpy as np
 from escapement.dynamics import free_turn, scene_of
 from escapement.engines.energy.calls import march
 from escapement.engines.energy.events import EVENT, NONE, most_events
-from escapement.engines.energy.march import OK, PAINLEVE, Record, Request
+from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
+from escapement.engines.energy.passage import Record, Request
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.painleve import beyond_painleve

@@ -13,7 +13,7 @@ from escapement.engines.energy.calls import march, place
 from escapement.engines.energy.events import EVENT, NONE, EventKind
 from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
-from escapement.engines.energy.march import OK, Record, Request
+from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import (
     FIRST,
     MAX_PANELS,
@@ -25,6 +25,7 @@ from escapement.engines.energy.panels import (
     survey,
     tolerances,
 )
+from escapement.engines.energy.passage import Record, Request
 from escapement.engines.energy.records import NUMBER, WHOLE, record
 from escapement.engines.energy.sampling import duration, run_over
 from escapement.engines.energy.solve import solve_side
