@@ -219,26 +219,37 @@ def dimensionless():
 
 def test_kernels_follow_the_lagrangian(dimensionless):
     from escapement import dynamics
+    from escapement.scene import Path, Scene
 
     states = random_states()
     g, _, dg, w, _, r, _, m = states
     everything, some = dimensionless["state"], dimensionless["contact_state"]
 
+    def scene(rho, mu, load):
+        nothing = np.empty(0)
+        return Scene(Path(False, nothing, nothing), nothing, 0.0, rho, mu, mu, load)
+
     def with_pin(kernel):
-        return lambda g, u, dg, w, s, rho, mu, load: kernel(g, u, dg, w, s, rho, (mu, mu), load)
+        return lambda g, u, dg, w, s, rho, mu, load: kernel(g, u, dg, w, s, scene(rho, mu, load))
+
+    def contact(g, dg, w, rho, load):
+        return dynamics.contact(g, dg, w, scene(rho, 0.0, load))
 
     acceleration, moment = with_pin(dynamics.acceleration), with_pin(dynamics.contact_moment)
     compare(acceleration, dimensionless["acceleration"], everything, states)
     compare(moment, dimensionless["moment"], everything, states)
-    compare(dynamics.contact, dimensionless["contact"], some, (g, dg, w, r, m))
+    compare(contact, dimensionless["contact"], some, (g, dg, w, r, m))
 
 
 def test_a_mesh_divides_by_its_efficiency_what_it_passes_on_and_multiplies_what_comes_back():
     from escapement import dynamics
+    from escapement.scene import Path, Scene
 
-    table = np.array([0.0])  # its first number alone tells a table from a pin path
+    nothing = np.empty(0)
+    table = Path(True, nothing, nothing)
     for eta in (0.3, 0.87, 1.0):
         pair = dynamics.losses(table, 1.0 / eta - 1.0)
+        scene = Scene(table, nothing, 0.0, 1.0, *pair, 0.0)
         for g in (1e-9, 0.7, 6.0):
-            assert dynamics.effective_ratio(g, g, 1.0, pair) == pytest.approx(g / eta, rel=1e-15)
-            assert dynamics.effective_ratio(g, g, -1.0, pair) == pytest.approx(g * eta, rel=1e-15)
+            assert dynamics.effective_ratio(g, g, 1.0, scene) == pytest.approx(g / eta, rel=1e-15)
+            assert dynamics.effective_ratio(g, g, -1.0, scene) == pytest.approx(g * eta, rel=1e-15)

@@ -157,7 +157,9 @@ def test_the_table_keeps_its_signs_up_to_the_stops(drive):
 @given(drives)
 def test_peak_acceleration(drive):
     top, angle = drive.acceleration_max
-    theta = np.linspace(drive.breaks[0], 0.0, 4001)
+    # of a slender ellipse the peak is narrow
+    near = angle * np.linspace(0.99, 1.01, 401)
+    theta = np.union1d(np.linspace(drive.breaks[0], 0.0, 4001), near)
     found = drive.transmission(theta).dg
     assert top >= found.max() * (1.0 - 1e-13)
     assert top == pytest.approx(found.max(), rel=1e-4)

@@ -362,7 +362,7 @@ def test_a_mechanism_of_ones_own_may_keep_its_path_in_any_array(kind, engine):
     assert np.array_equal(one.handoff_times, other.handoff_times)
 
 
-@pytest.mark.parametrize("path", [[1.0, 2.0], np.ones(9), None])
+@pytest.mark.parametrize("path", [[1.0, 2.0], np.ones(9)])
 def test_a_path_that_is_none_is_refused(path):
     with pytest.raises(InvalidValue, match=r"mechanism\.path must be a Path"):
         esc.Escapement(Plain(path, 0.5), INERTIA, 0.01)

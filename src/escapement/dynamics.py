@@ -35,7 +35,7 @@ def scene_of(plain):
     return Scene(Path(path[0], path[1], path[2]), edges, dwell, rho, mu_plus, mu_minus, load)
 
 
-@inner_jit
+@jit
 def losses(path, forward):
     """Pair of losses on the two sides, from friction or a mesh's 1/efficiency - 1."""
     return forward, forward / (1.0 + forward) if path.table else forward
@@ -47,7 +47,7 @@ def bend(side, scene):
     return scene.mu_plus if side > 0.0 else -scene.mu_minus
 
 
-@inner_jit
+@jit
 def effective_ratio(g, u, side, scene):
     """Transmission function as friction bends it, p = g + s mu_s |u|."""
     return g + bend(side, scene) * abs(u)
@@ -81,7 +81,7 @@ def acceleration(g, u, dg, w, side, scene):
     return driving(g, u, dg, w, side, scene) / reduced_inertia(g, u, side, scene)
 
 
-@inner_jit
+@jit
 def contact_moment(g, u, dg, w, side, scene):
     """Moment N R on the follower in units of the driving torque."""
     return contact(g, dg, w, scene) / reduced_inertia(g, u, side, scene)
