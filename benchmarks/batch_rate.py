@@ -68,7 +68,8 @@ def draw(cases: int, seed: int) -> list[Block]:
 def solve(block: Block, rtol: float) -> tuple[np.ndarray, np.ndarray]:
     """Figures of merit and status of a block."""
     nothing = np.zeros(block.ratio.size)
-    return batch.solve(block.mechanism, block.ratio, block.friction, nothing, nothing, rtol)
+    numbers = np.array([block.ratio, block.friction, block.friction, nothing, nothing])
+    return batch.solve(block.mechanism, numbers, rtol)
 
 
 def run(

@@ -248,8 +248,7 @@ def test_a_mesh_divides_by_its_efficiency_what_it_passes_on_and_multiplies_what_
     nothing = np.empty(0)
     table = Path(True, nothing, nothing)
     for eta in (0.3, 0.87, 1.0):
-        pair = dynamics.losses(table, 1.0 / eta - 1.0)
-        scene = Scene(table, nothing, 0.0, 1.0, *pair, 0.0)
+        scene = Scene(table, nothing, 0.0, 1.0, 1.0 / eta - 1.0, 1.0 - eta, 0.0)
         for g in (1e-9, 0.7, 6.0):
             assert dynamics.effective_ratio(g, g, 1.0, scene) == pytest.approx(g / eta, rel=1e-15)
             assert dynamics.effective_ratio(g, g, -1.0, scene) == pytest.approx(g * eta, rel=1e-15)

@@ -42,8 +42,8 @@ def test_laws_that_every_motion_obeys(engine, scene):
     np.testing.assert_array_equal(fine.theta[::100], coarse.theta)
     # at rest to begin with: Appendix D's initial acceleration
     found = mechanism.transmission(mechanism.breaks[0])
-    reduced = scene.inertia_ratio + abs(scene.friction * found.u * found.g)
-    load = 1.0 - scene.friction * abs(found.u) * scene.load_ratio
+    reduced = scene.scene.rho + abs(scene.friction * found.u * found.g)
+    load = 1.0 - scene.friction * abs(found.u) * scene.scene.load
     start = scene.torque / scene.inertia.follower * load / reduced
     assert coarse.theta_ddot[0] == pytest.approx(start, rel=1e-9)
     assert coarse.theta_dot[0] == pytest.approx(0.0, abs=close * speed)

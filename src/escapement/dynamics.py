@@ -31,14 +31,8 @@ from escapement.scene import Path, Scene
 @jit(allocates=True, inlined=True)
 def scene_of(plain):
     """Scene of plain tuples, as `scene.plain` makes them."""
-    path, edges, dwell, rho, mu_plus, mu_minus, load = plain
-    return Scene(Path(path[0], path[1], path[2]), edges, dwell, rho, mu_plus, mu_minus, load)
-
-
-@jit
-def losses(path, forward):
-    """Pair of losses on the two sides, from friction or a mesh's 1/efficiency - 1."""
-    return forward, forward / (1.0 + forward) if path.table else forward
+    path = plain[0]
+    return Scene(Path(path[0], path[1], path[2]), *plain[1:])
 
 
 @inner_jit

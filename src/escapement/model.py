@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
@@ -200,22 +201,23 @@ class Escapement(Declared):
     def _check_ratios(self) -> None:
         """Refuse numbers whose ratios a double cannot hold with room to spare."""
         _check_ratio("follower_inertia / torque", self.inertia.follower / self.torque)
-        if not self.load_ratio < MOST_UNEQUAL:
-            raise validate.fail(
-                "load_torque / torque", "below 1e100", self.load_ratio, "give a smaller load"
-            )
+        load = self.load_torque / self.torque
+        if not load < MOST_UNEQUAL:
+            raise validate.fail("load_torque / torque", "below 1e100", load, "give a smaller load")
 
     @cached_property
     def scene(self) -> Scene:
         """The escapement as an engine sees it."""
-        path = self.mechanism.path
+        mechanism = self.mechanism
+        values = vars(self) | {
+            "driver_inertia": self.inertia.driver,
+            "follower_inertia": self.inertia.follower,
+        }
         return Scene(
-            writeable(path),
-            smooth_intervals(path, self.mechanism.breaks),
-            dwell_angle(self.mechanism),
-            self.inertia_ratio,
-            *self.loss,
-            self.load_ratio,
+            writeable(mechanism.path),
+            smooth_intervals(mechanism.path, mechanism.breaks),
+            dwell_angle(mechanism),
+            **natural(values, self._meshed),
         )
 
     @cached_property
@@ -226,26 +228,6 @@ class Escapement(Declared):
     def __getstate__(self) -> dict[str, Any]:
         """Another process derives the scene and what hangs on it anew."""
         return {key: value for key, value in vars(self).items() if key not in ("scene", "kept")}
-
-    @property
-    def loss(self) -> tuple[float, float]:
-        """Losses where the follower is driven, and where it drives [-].
-
-        A pin's friction on both sides; of a mesh 1/efficiency - 1 and 1 - efficiency.
-        """
-        if self._meshed:
-            return 1.0 / self.efficiency - 1.0, 1.0 - self.efficiency
-        return self.friction, self.friction
-
-    @property
-    def inertia_ratio(self) -> float:
-        """Driver over follower inertia [-]."""
-        return self.inertia.driver / self.inertia.follower
-
-    @property
-    def load_ratio(self) -> float:
-        """Load torque over driving torque [-]."""
-        return self.load_torque / self.torque
 
     @cached_property
     def time_unit(self) -> float:
@@ -259,6 +241,28 @@ class Escapement(Declared):
     def load_work(self, turned: Any) -> Any:
         """Work that the load takes while the follower turns by angles [rad] on its way [J]."""
         return self.load_torque * turned
+
+
+def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
+    """Numbers of a `Scene` by their names, from numbers or arrays in SI.
+
+    Parameters
+    ----------
+    values : Mapping
+        What `Escapement` and `Inertia` declare, by the names that studies use [SI].
+    meshed : bool
+        Whether the mechanism loses by the efficiency of a mesh, not by friction in a slot.
+    """
+    if meshed:
+        losses = 1.0 / values["efficiency"] - 1.0, 1.0 - values["efficiency"]
+    else:
+        losses = values["friction"], values["friction"]
+    return {
+        "rho": values["driver_inertia"] / values["follower_inertia"],
+        "mu_plus": losses[0],
+        "mu_minus": losses[1],
+        "load": values["load_torque"] / values["torque"],
+    }
 
 
 def check_losses(owner: Declared, meshed: bool) -> None:

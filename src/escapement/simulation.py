@@ -168,7 +168,7 @@ def terminal(
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)
     if message is not None:
         return replace(base, status=Status.PAINLEVE, message=message)
-    if escapement.loss[0] == 0.0 and _ends_alike(escapement):
+    if escapement.scene.mu_plus == 0.0 and _ends_alike(escapement):
         status, message = _without_friction(escapement, engine, settings)
         return replace(base, status=status, message=message)
     figures: Figures = _engine(engine, "terminal")(escapement, base, **settings)
@@ -179,7 +179,7 @@ def _ends_alike(escapement: Escapement) -> bool:
     """Whether the reduced inertia is the same at pin entry and exit."""
     path, breaks = escapement.mechanism.path, escapement.mechanism.breaks
     entry, exit_ = (transmission_at(path, angle)[0] for angle in (breaks[0], breaks[-1]))
-    return bool(ends_alike(entry, exit_, escapement.inertia_ratio))
+    return bool(ends_alike(entry, exit_, escapement.scene.rho))
 
 
 def _without_friction(

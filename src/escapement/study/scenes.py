@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement.errors import InvalidValue
-from escapement.model import MOST_UNEQUAL, FloatArray, ratio_in_range
+from escapement.model import (
+    MOST_UNEQUAL,
+    Escapement,
+    FloatArray,
+    Inertia,
+    natural,
+    ratio_in_range,
+)
+from escapement.quantity import quantities
+from escapement.scene import Scene
 from escapement.simulation import FASTEST
 from escapement.status import Status
 from escapement.study.plan import StudyPlan
@@ -20,7 +29,8 @@ from escapement.study.plan import StudyPlan
 DRIVER, FOLLOWER = "driver_inertia", "follower_inertia"
 CLOCKED = TORQUE, LOAD, SPEED = "torque", "load_torque", "initial_speed"
 """What a scene depends on through the clock alone where there is neither load nor start."""
-NUMBERS = DRIVER, FOLLOWER, *CLOCKED
+DECIDING = {*quantities(Escapement), *quantities(Inertia), SPEED}
+"""Numbers of the model and of a run that decide a scene."""
 
 Figures = tuple[FloatArray, NDArray[np.uint8]]
 """Largest, smallest and mean velocity, period, rise and settling time in natural units,
@@ -31,18 +41,17 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
     """Figures of the scenes of some cases, none of them solved twice."""
     columns = plan.columns(cases)
     values = plan.fixed_si | columns
-    driver, follower, torque, load, speed, loss = (
-        np.broadcast_to(np.asarray(values[name], dtype=float), cases.shape)
-        for name in (*NUMBERS, plan.kind.loss)
-    )
-    if plan.kind.meshed:
-        loss = 1.0 / loss - 1.0
+    numbers = {
+        name: np.broadcast_to(np.asarray(value, dtype=float), cases.shape)
+        for name, value in values.items()
+        if name in DECIDING
+    }
     with np.errstate(all="ignore"):  # what is out of range is told by the status
-        scene = np.array([
-            driver / follower, loss, load / torque, speed**2 * (follower / torque)
-        ])  # fmt: skip
-        sound = ratio_in_range(scene[0]) & (scene[2] < MOST_UNEQUAL)
-        sound &= scene[3] <= FASTEST**2
+        ratios = natural(numbers, plan.kind.meshed)
+        w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
+        sound = ratio_in_range(ratios["rho"]) & (ratios["load"] < MOST_UNEQUAL)
+        sound &= w <= FASTEST**2
+    scene = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
     figures = np.full((6, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
     for rows in _by_mechanism(plan, columns, cases.size):
@@ -69,7 +78,7 @@ def _by_mechanism(plan: StudyPlan, columns: dict[str, NDArray[Any]], size: int) 
 
 
 def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> Figures:
-    """Solve the scenes of one mechanism, shape (4, n): equal ones once."""
+    """Solve the scenes of one mechanism, shape (k, n): equal ones once."""
     from escapement.engines.energy import batch, cycle
 
     order = np.lexsort(scene)
@@ -77,8 +86,7 @@ def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> Figures:
     new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
     which = np.empty(order.size, dtype=np.int64)
     which[order] = np.cumsum(new) - 1
-    rho, mu, load, w = np.ascontiguousarray(ordered[:, new])
-    table, status = batch.solve(mechanism, rho, mu, load, w, rtol)
+    table, status = batch.solve(mechanism, ordered[:, new], rtol)
     columns = table.T
     period = columns[cycle.PERIOD]
     figures = np.array([

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from escapement.engines.energy.batch import solve_scenes
+from escapement.engines.energy.batch import FIXED, solve_scenes
 from escapement.engines.energy.cycle import (
     CONTRACTION,
     FIGURES,
@@ -28,7 +28,7 @@ def terminal(
     """Figures of merit without a transient in time; see `escapement.terminal`."""
     clock, scene = escapement.time_unit, escapement.scene
     w = (initial_speed * clock) ** 2
-    numbers = np.array([[scene.rho], [scene.mu_plus], [scene.load], [w]])
+    numbers = np.array([[*scene[FIXED:], w]])
     table, codes = np.empty((1, FIGURES)), np.empty(1, dtype=np.uint8)
     solve_scenes(*prepared(escapement), numbers, rtol, table, codes)
     out, code = table[0], int(codes[0])
