@@ -42,6 +42,18 @@ def bend(side, scene):
 
 
 @jit
+def drive(scene):
+    """Torque that drives the driver, in units of the driving torque: all of it."""
+    return 1.0
+
+
+@jit
+def free_gain(angle, scene):
+    """What a driver that turns free of the follower gains in w over an angle."""
+    return 2.0 * angle * drive(scene) / scene.rho
+
+
+@jit
 def effective_ratio(g, u, side, scene):
     """Transmission function as friction bends it, p = g + s mu_s |u|."""
     return g + bend(side, scene) * abs(u)
@@ -54,13 +66,13 @@ def contact(g, dg, w, scene):
     Neither friction nor the side itself enters, so the side is explicit and
     unique below the Painleve limit. Its zero is Filemon's pin reversal.
     """
-    return scene.rho * (dg * w + scene.load) + g
+    return scene.rho * (dg * w + scene.load) + g * drive(scene)
 
 
 @inner_jit
 def driving(g, u, dg, w, side, scene):
     """Torque left to accelerate the driver, J_s theta_ddot = 1 - p_s (g' w + load)."""
-    return 1.0 - effective_ratio(g, u, side, scene) * (dg * w + scene.load)
+    return drive(scene) - effective_ratio(g, u, side, scene) * (dg * w + scene.load)
 
 
 @inner_jit
@@ -104,7 +116,8 @@ def energy_rates(g, u, dg, inverse, step, side, scene):
     c = bend(side, scene) * u
     share = 1.0 / (1.0 + g * c * inverse)
     twice = 2.0 * step
-    gain = twice * ((1.0 - g * scene.load) - c * (scene.rho * scene.load + g) * share * inverse)
+    lost = c * (scene.rho * scene.load + g * drive(scene)) * share * inverse
+    gain = twice * ((drive(scene) - g * scene.load) - lost)
     decay = twice * c * scene.rho * dg * share * inverse * inverse
     return gain, decay, share
 
@@ -117,9 +130,15 @@ def power_lost(g, u, dg, w, side, scene):
 
 
 @inner_jit
+def dwell_gain(scene):
+    """What a dwell adds to the squared speed."""
+    return free_gain(scene.dwell, scene)
+
+
+@inner_jit
 def free_turn(w, scene):
     """Squared speed after the dwell, in which the driver turns free, and the time it takes."""
-    after = w + 2.0 * scene.dwell / scene.rho
+    after = w + dwell_gain(scene)
     return after, 2.0 * scene.dwell / (np.sqrt(w) + np.sqrt(after)) if scene.dwell > 0.0 else 0.0
 
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.dynamics import tabulate
+from escapement.dynamics import drive, tabulate
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import radius
 from escapement.model import Escapement, FloatArray
@@ -176,7 +176,9 @@ class Motion:
         engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
         # in a dwell (sign 0) g = g' = 0: I_d theta_ddot = tau
         g, dg, moment = np.zeros((3, theta.size))
-        rate = np.full(theta.size, escapement.torque / escapement.inertia.driver)
+        rate = np.full(
+            theta.size, drive(escapement.scene) * escapement.torque / escapement.inertia.driver
+        )
         for side in (1.0, -1.0):
             held = sign == side
             angles = theta[held]

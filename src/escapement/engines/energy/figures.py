@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from escapement.dynamics import ends_alike, free_turn
+from escapement.dynamics import dwell_gain, ends_alike, free_turn
 from escapement.engines.energy.calls import march_case, place
 from escapement.engines.energy.cycle import (
     CONTRACTION,
@@ -56,8 +56,7 @@ def figures(case, w, rtol, out):
     for i in range(FIGURES):
         out[i] = np.nan
     last = cells.shape[0] - 1
-    free_gain = 2.0 * scene.dwell / scene.rho
-    ends = Ends(cells[0, 1].entry.g, cells[last, 1].exit.g, free_gain)
+    ends = Ends(cells[0, 1].entry.g, cells[last, 1].exit.g, dwell_gain(scene))
     even = scene.mu_plus == 0.0 and ends_alike(ends.entry, ends.exit, scene.rho)
     if even and scene.load == 0.0:
         return NO_TERMINAL
@@ -74,7 +73,7 @@ def figures(case, w, rtol, out):
             return _stopped(found, k, out)
         if even:
             # every engagement adds the same energy: the load stops the motion, or nothing does
-            return NO_TERMINAL if found.source + 2.0 * scene.dwell > 0.0 else STALL
+            return NO_TERMINAL if found.source + scene.rho * dwell_gain(scene) > 0.0 else STALL
         used, rising = _enter_dwell(scene, events, found)
         _complete(case, first, used, time)
         if cycle_known:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from escapement.dynamics import free_turn, scene_of
+from escapement.dynamics import dwell_gain, free_turn, scene_of
 from escapement.engines.energy.calls import march
 from escapement.engines.energy.events import EVENT, NONE, most_events
 from escapement.engines.energy.march import OK, PAINLEVE
@@ -46,7 +46,7 @@ def handoffs(calls, plain, cells, w, limit, rtol, clock, times, speeds):
     rho, edges = scene.rho, scene.edges
     inertia = transmission_at(scene.path, edges[0])[0] ** 2 + rho
     same = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
-    free_gain = 2.0 * scene.dwell / rho
+    free_gain = dwell_gain(scene)
     start = w
     for k in range(times.size):
         found = march(calls, scene, cells, store, count, request, w, 0.0, 0.0, events, NONE)

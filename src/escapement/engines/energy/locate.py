@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import contact, driving
+from escapement.dynamics import contact, driving, free_gain
 from escapement.engines.energy.gauss import (
     BARYCENTRIC,
     FROM_LEFT,
@@ -110,7 +110,7 @@ def reversal_at(scene, work, panel, side, x, slope, w):
     way = side * contact(g, dg, w, scene) / -slope
     way = panel.half * (way if abs(way) < NEAR else 0.0)
     # without a force the driver turns free
-    return Instant(angle + way, elapsed + way / np.sqrt(w), w + 2.0 * way / scene.rho)
+    return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, scene))
 
 
 class Turned(NamedTuple):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import power_lost, scene_of
+from escapement.dynamics import drive, power_lost, scene_of
 from escapement.engines.energy.calls import march, place
 from escapement.engines.energy.events import EVENT, NONE, EventKind
 from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
@@ -256,8 +256,8 @@ def follow(
     """
     angle, w, side = start
     if side == 0.0:
-        speed, rho = np.sqrt(w), scene.rho
-        return angle + times * (speed + times / (2.0 * rho)), (speed + times / rho) ** 2
+        speed, gain = np.sqrt(w), times * drive(scene) / scene.rho
+        return angle + times * (speed + 0.5 * gain), (speed + gain) ** 2
     theta, squares = np.empty_like(times), np.empty_like(times)
     states_in(scene, angle, end, w, side, rtol, times, theta, squares)
     return theta, squares

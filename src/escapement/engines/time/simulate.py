@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.dynamics import drive, free_gain
 from escapement.engines.time.law import Law
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
 from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
@@ -36,13 +37,13 @@ class FreeTurn(NamedTuple):
 
     theta: float
     speed: float
-    rho: float
+    rate: float
     length: float = np.inf
 
     def state(self, time: Any) -> tuple[Any, Any, Any]:
         """Driver angle [rad], speed and friction loss in natural units."""
-        theta = self.theta + time * (self.speed + time / (2.0 * self.rho))
-        return theta, self.speed + time / self.rho, 0.0 * time
+        gain = time * self.rate
+        return self.theta + time * (self.speed + 0.5 * gain), self.speed + gain, 0.0 * time
 
 
 class SolvedPiece(NamedTuple):
@@ -139,7 +140,7 @@ class _Simulation:
                 # stall: the drive does not carry the load
                 self.stalled = True
                 if not self.pieces:
-                    self._add(sign, 0.0, FreeTurn(self.theta, 0.0, np.inf))
+                    self._add(sign, 0.0, FreeTurn(self.theta, 0.0, 0.0))
             elif self._solve_piece(sign, end, slow) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
@@ -165,12 +166,13 @@ class _Simulation:
 
     def _dwell(self, end: float) -> None:
         """Let the driver turn free to the end of the cell, while the follower is locked."""
-        rho, angle = self.law.scene.rho, end - self.theta
-        self._note_corner(1.0 / rho)
-        # w grows by 2 angle / rho, and the time is the angle over the mean speed
-        arrival = np.sqrt(self.speed**2 + 2.0 * angle / rho)
+        scene, angle = self.law.scene, end - self.theta
+        rate = drive(scene) / scene.rho
+        self._note_corner(rate)
+        # the time is the angle over the mean speed
+        arrival = np.sqrt(self.speed**2 + free_gain(angle, scene))
         length = 2.0 * angle / (self.speed + arrival)
-        self._add(0.0, 0.0, FreeTurn(self.theta, self.speed, rho))
+        self._add(0.0, 0.0, FreeTurn(self.theta, self.speed, rate))
         if self.time + length > self.end_time:
             self.time = self.end_time
         else:
