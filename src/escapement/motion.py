@@ -176,9 +176,8 @@ class Motion:
         engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
         # in a dwell (sign 0) g = g' = 0: I_d theta_ddot = tau
         g, dg, moment = np.zeros((3, theta.size))
-        rate = np.full(
-            theta.size, drive(escapement.scene) * escapement.torque / escapement.inertia.driver
-        )
+        torque = drive(escapement.scene) * escapement.torque
+        rate = np.full(theta.size, torque / escapement.inertia.driver)
         for side in (1.0, -1.0):
             held = sign == side
             angles = theta[held]
