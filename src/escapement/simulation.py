@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from escapement import validate
-from escapement.dynamics import ends_alike
+from escapement.dynamics import drive, ends_alike
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
@@ -190,7 +190,7 @@ def _without_friction(
     if first.status is not Status.OK:
         return first.status, first.message
     mechanism = escapement.mechanism
-    gain = escapement.torque * mechanism.cell_angle
+    gain = drive(escapement.scene) * escapement.torque * mechanism.cell_angle
     carries = gain > escapement.load_work(mechanism.follower_step)
     status = Status.NO_TERMINAL if carries else Status.STALL
     return status, MESSAGES[status]

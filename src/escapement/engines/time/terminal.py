@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import toms748
 
+from escapement.dynamics import drive
 from escapement.engines.time.law import Law
 from escapement.engines.time.simulate import simulate
 from escapement.metrics import BOUNDLESS, Figures, read_cycle, read_transient
@@ -130,10 +131,11 @@ def _gain(motion: Motion, w: float) -> float:
     at_entry, at_exit = (law.transmission(angle)[0] ** 2 for angle in (entry, exit_))
     driver, follower = escapement.inertia.driver, escapement.inertia.follower
     turned = mechanism.follower_angle(np.array([entry, exit_]))
-    work = escapement.torque * (exit_ - entry) - escapement.load_work(turned[1] - turned[0])
+    torque = drive(escapement.scene) * escapement.torque
+    work = torque * (exit_ - entry) - escapement.load_work(turned[1] - turned[0])
     work -= motion.trajectory.friction_loss.sum()
     engaged = (2.0 * work + follower * (at_entry - at_exit) * w) / (driver + follower * at_exit)
-    return float(engaged + 2.0 * dwell_angle(mechanism) * escapement.torque / driver)
+    return float(engaged + 2.0 * dwell_angle(mechanism) * torque / driver)
 
 
 def _bracket_above(
