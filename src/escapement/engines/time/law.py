@@ -60,8 +60,8 @@ class Law(NamedTuple):
         table = np.empty((4, theta.size))
         tabulate(self.scene, theta, w, side, table)
         g, dg, rates, _moment = table
-        # N R J_s = rho (g' w + load) + g: neither friction nor s enters (PHYSICS.md 2)
-        return rates, self.scene.rho * (dg * w + self.scene.load) + g
+        # X = N R J_s knows neither friction nor the side
+        return rates, contact.py_func(g, dg, w, self.scene)
 
 
 @jit(allocates=True)
