@@ -19,12 +19,11 @@ import numpy as np
 
 import escapement as esc
 from escapement.study.block import blocks_of, encode_block
-from escapement.study.evaluate import Evaluator
+from escapement.study.evaluate import Evaluator, in_threads
 from escapement.study.from_escapement import plan_from
 from escapement.study.image import write_blocks
 from escapement.study.plan import StudyPlan
 from escapement.study.run import frame_of, write_plan
-from escapement.study.threads import in_threads
 
 
 def study(cases: int) -> StudyPlan:

@@ -14,7 +14,7 @@ import numpy as np
 
 from escapement.errors import CannotCreate, EscapementError
 from escapement.files import atomic
-from escapement.study import lock, owned_file
+from escapement.study import owned_file
 from escapement.study.block import blocks_of, encode_block
 from escapement.study.result import RESULTS, Study
 from escapement.study.writer import StudyWriter, partial_path
@@ -186,7 +186,7 @@ def faults(failing=None, code=None):
         ),
         mock.patch.object(owned_file, "open", faulty_open, create=True),
         mock.patch.object(atomic, "open", faulty_open, create=True),
-        mock.patch.object(lock.fcntl, "flock", plan.wrap(lock.fcntl.flock)),
+        mock.patch.object(owned_file.fcntl, "flock", plan.wrap(owned_file.fcntl.flock)),
     ):
         yield plan
 

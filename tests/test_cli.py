@@ -298,7 +298,7 @@ def test_what_strikes_from_outside_is_one_line(command, monkeypatch, error, code
     def strike(_path):
         raise error
 
-    monkeypatch.setattr("escapement.study.plan_file.load_plan", strike)
+    monkeypatch.setattr("escapement.study.parse.load_plan", strike)
     found, out, err = command("sweep", "x.toml")
     assert (found, out) == (code, "")
     assert err.startswith("escapement: error: ")

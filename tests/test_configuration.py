@@ -16,8 +16,7 @@ from escapement.model import Escapement, Inertia
 from escapement.quantity import quantities
 from escapement.solver import DEFAULT_ENGINE
 from escapement.study.from_escapement import plan_from
-from escapement.study.parse import parse_plan
-from escapement.study.plan_file import load_plan
+from escapement.study.parse import load_plan, parse_plan
 from escapement.units import INCH, INCH_POUND
 
 GOOD = {
@@ -315,7 +314,7 @@ def test_a_byte_order_mark_does_no_harm(tmp_path):
 
 def test_no_engine_is_loaded_to_read_a_configuration():
     code = (
-        "import sys; from escapement.study.plan_file import load_plan\n"
+        "import sys; from escapement.study.parse import load_plan\n"
         f"load_plan({str(RUNS / 'meyer_four_pins.toml')!r})\n"
         "assert not {'numba', 'scipy', 'h5py'} & set(sys.modules), 'loaded too much'"
     )

@@ -14,9 +14,8 @@ import pytest
 
 from escapement import simulation
 from escapement.metrics import Figures
-from escapement.study.evaluate import Evaluator
+from escapement.study.evaluate import Evaluator, in_threads
 from escapement.study.from_escapement import plan_from
-from escapement.study.threads import in_threads
 from natural_units import drive
 
 INTERRUPTED = """

@@ -19,7 +19,7 @@ from escapement.errors import CannotCreate
 from escapement.mechanisms import Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
-from escapement.study import lock, owned_file, run
+from escapement.study import owned_file, run
 from escapement.study.from_escapement import plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import SCHEMA_VERSION
@@ -343,15 +343,15 @@ def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatc
 
 
 def test_who_is_ending():
-    assert not lock.is_ending(os.getpid())
+    assert not owned_file.is_ending(os.getpid())
     waits = [sys.executable, "-c", "print(flush=True); input()"]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen(waits, **pipes) as process:
         process.stdout.readline()  # one that is being loaded waits for the disk, as one that ends
-        assert not lock.is_ending(process.pid)
+        assert not owned_file.is_ending(process.pid)
         process.kill()
         process.wait()
-        assert lock.is_ending(process.pid)
+        assert owned_file.is_ending(process.pid)
 
 
 def test_a_lock_without_a_name_is_waited_for(tmp_path, monkeypatch):
@@ -359,7 +359,7 @@ def test_a_lock_without_a_name_is_waited_for(tmp_path, monkeypatch):
     monkeypatch.setattr(owned_file, "_PATIENCE", 0.0)
     partial = partial_path(tmp_path / "a.h5")
     with open(partial, "wb") as nameless:
-        assert lock.try_lock(nameless.fileno())
+        assert owned_file.try_lock(nameless.fileno())
         threading.Timer(0.3, nameless.close).start()
         tools.write(tmp_path / "a.h5", tools.small_study())
     assert (tmp_path / "a.h5").exists()

@@ -10,7 +10,7 @@ from escapement.engines.energy import batch
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.status import Status
-from escapement.study import shared_scenes
+from escapement.study import scenes
 from escapement.study.evaluate import Evaluator
 from escapement.study.from_escapement import plan_from
 from escapement.study.result import RESULTS
@@ -53,8 +53,8 @@ def test_a_scene_is_solved_once_in_all_blocks(order, workers, solves):
 def test_the_bits_do_not_depend_on_what_is_shared(order, monkeypatch):
     plan = plan_from(TIMER, GRIDS[order])
     shared, threads = run_plan(plan), run_plan(plan, workers=4)
-    monkeypatch.setattr(shared_scenes, "MOST_SHARED", 50)  # too few: every block for itself
-    assert shared_scenes.shared_scenes(plan) is None
+    monkeypatch.setattr(scenes, "MOST_SHARED", 50)  # too few: every block for itself
+    assert scenes.shared_scenes(plan) is None
     alone = run_plan(plan)
     for name in RESULTS:
         np.testing.assert_array_equal(shared.results[name], threads.results[name])
@@ -73,7 +73,7 @@ INERTIAS = {"driver_inertia": [1e-6, 2e-6, 4e-6], "follower_inertia": [1e-6, 2e-
 
 
 @pytest.mark.parametrize(
-    ("axes", "scenes"),
+    ("axes", "count"),
     [
         ({"torque": [1.0, 2.0], "friction": [0.1, 0.2]}, 2),
         ({"torque": [1.0, 2.0]}, 1),
@@ -88,9 +88,9 @@ INERTIAS = {"driver_inertia": [1e-6, 2e-6, 4e-6], "follower_inertia": [1e-6, 2e-
         ({"driver_inertia": [1e-6, 2e-6], "follower_inertia": [1e-6, 3e-6]}, None),
     ],
 )
-def test_what_decides_a_scene(axes, scenes):
-    found = shared_scenes.shared_scenes(plan_from(TIMER, axes))
-    assert scenes == (None if found is None else found._status.size)
+def test_what_decides_a_scene(axes, count):
+    found = scenes.shared_scenes(plan_from(TIMER, axes))
+    assert count == (None if found is None else found._status.size)
 
 
 def test_inertias_of_one_ratio_share_a_scene(solves, monkeypatch):
@@ -99,7 +99,7 @@ def test_inertias_of_one_ratio_share_a_scene(solves, monkeypatch):
     plan = plan_from(TIMER, {"torque": [0.01, 0.02], **inertias})
     shared = run_plan(plan, workers=4)
     assert sum(solves) == 79
-    monkeypatch.setattr(shared_scenes, "MOST_SHARED", 50)
+    monkeypatch.setattr(scenes, "MOST_SHARED", 50)
     alone = run_plan(plan)
     for name in RESULTS:
         np.testing.assert_array_equal(shared.results[name], alone.results[name])

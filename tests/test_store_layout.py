@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 
 from escapement.status import Status
 from escapement.study import journal
-from escapement.study.block import blocks_of
-from escapement.study.chunks import encode, fletcher32, tiling
+from escapement.study.block import blocks_of, encode, fletcher32, tiling
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.writer import write_study

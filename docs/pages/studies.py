@@ -8,27 +8,25 @@ from escapement import plots
 from escapement.sources import meyer
 from escapement.sources.meyer.figures import plot_appendix_e
 from escapement.sources.meyer.program import program_1973
-from escapement.study.plan_file import load_plan
-from escapement.study.run import run_plan
 from pages import LINES, RUNS, drawn, panels, timer
 
 
 @drawn
 def four_pins() -> Figure:
     """Meyer's figure 10, true."""
-    return plots.plot_study(run_plan(load_plan(RUNS / "meyer_four_pins.toml")))
+    return plots.plot_study(esc.run_plan(esc.load_plan(RUNS / "meyer_four_pins.toml")))
 
 
 @drawn
 def torque_friction_map() -> Figure:
     """Lines and maps of a finer study."""
-    return plots.plot_study(run_plan(load_plan(RUNS / "torque_friction_map.toml")))
+    return plots.plot_study(esc.run_plan(esc.load_plan(RUNS / "torque_friction_map.toml")))
 
 
 @drawn
 def four_pins_tolerances() -> Figure:
     """What tolerances do to a period."""
-    return plots.plot_study(run_plan(load_plan(RUNS / "four_pins_tolerances.toml")))
+    return plots.plot_study(esc.run_plan(esc.load_plan(RUNS / "four_pins_tolerances.toml")))
 
 
 @drawn

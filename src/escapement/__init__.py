@@ -28,7 +28,7 @@ _NAMES = {
     "greatest_follower_inertia least_load_torque fewest_slots",
     "study.sweep": "sweep",
     "study.result": "Study",
-    "study.plan_file": "load_plan",
+    "study.parse": "load_plan",
     "study.run": "run_plan",
     "study.reader": "read_study",
     "study.writer": "write_study",
@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     from escapement.simulation import simulate as simulate
     from escapement.simulation import terminal as terminal
     from escapement.solver import Solver as Solver
-    from escapement.study.plan_file import load_plan as load_plan
+    from escapement.study.parse import load_plan as load_plan
     from escapement.study.reader import read_study as read_study
     from escapement.study.result import Study as Study
     from escapement.study.run import run_plan as run_plan

@@ -53,7 +53,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Run the study, then show a dozen of its cases."""
-    from escapement.study.plan_file import load_plan
+    from escapement.study.parse import load_plan
 
     plan = load_plan(args.config)
     if args.workers is not None and args.scheduler not in (None, "local"):

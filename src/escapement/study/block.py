@@ -1,32 +1,135 @@
 """A block of a study: the unit that is computed, kept, sent and written as a whole.
 
-A block is one HDF5 chunk of every result, already encoded. It holds a fixed range of
-cases, so that neither its bytes nor those of the file depend on who computed it.
+A block is one HDF5 chunk of every result, already encoded as HDF5's filters would encode it.
+It holds a fixed range of cases, so that neither its bytes nor those of the file depend on who
+computed it. Other threads can work while a chunk is encoded here, which HDF5 would not let
+them do, and an encoded chunk is a plain string of bytes that carries its own checksum.
 """
 
 import math
+import zlib
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement.study.chunks import Tiling, encode, tiling
 from escapement.study.result import RESULTS, Study, count_failed
 
+CELLS = 65536
+"""Values per chunk of an axis: 512 KiB, half of HDF5's default chunk cache."""
 _CASES = {"energy": (1024, 16384), "ivp": (4, 4)}
-"""Cases of a block, at least and at most: `energy` takes up to 0.25 s, `ivp` about 2 s.
+"""Fewest and most cases of a block: `energy` takes up to 0.25 s for one, `ivp` about 2 s.
 
-Fewer would cost more than a call and a chunk do, which is as much as tens of fast cases.
+A block costs a call and a chunk, which take as long as tens of fast cases; smaller blocks
+would make that cost count.
 """
-_BLOCKS = 64  # of any study that is large enough: as many cores have work
+_BLOCKS = 64  # blocks of a large study, so that up to 64 cores have work
+
+
+@dataclass(frozen=True)
+class Tiling:
+    """A grid cut so that every chunk holds consecutive cases in C order.
+
+    shape : of the grid. tile : of a chunk; 1 before the axis that is cut, whole
+    after it.
+    """
+
+    shape: tuple[int, ...]
+    tile: tuple[int, ...]
+
+    @property
+    def cells(self) -> int:
+        """Cases a full chunk holds."""
+        return math.prod(self.tile)
+
+    @property
+    def _cut(self) -> int:
+        """The axis that is cut: the first whose tile is not 1, else the last."""
+        return next((i for i, n in enumerate(self.tile) if n > 1), len(self.tile) - 1)
+
+    @property
+    def _pieces(self) -> int:
+        return -(-self.shape[self._cut] // self.tile[self._cut])
+
+    def __len__(self) -> int:
+        return math.prod(self.shape[: self._cut]) * self._pieces
+
+    def span(self, chunk: int) -> tuple[int, int]:
+        """First case of a chunk, and the one after its last."""
+        row, piece = divmod(chunk, self._pieces)
+        length, step = self.shape[self._cut], self.tile[self._cut]
+        tail = math.prod(self.shape[self._cut + 1 :])
+        start = row * length + piece * step
+        stop = row * length + min((piece + 1) * step, length)
+        return start * tail, stop * tail
+
+    def offset(self, chunk: int) -> tuple[int, ...]:
+        """Grid index of a chunk's first case."""
+        return tuple(int(i) for i in np.unravel_index(self.span(chunk)[0], self.shape))
+
+
+def tiling(shape: tuple[int, ...], cells: int) -> Tiling:
+    """Cut a grid into chunks of about `cells` cases, at most twice as many."""
+    tail = 1
+    tile = [1] * len(shape)
+    for axis in reversed(range(len(shape))):
+        pieces = -(-shape[axis] * tail // cells)
+        tile[axis] = -(-shape[axis] // pieces)
+        if pieces > 1:
+            break
+        tail *= shape[axis]
+    return Tiling(shape, tuple(tile))
+
+
+def encode(values: NDArray[np.generic], cells: int) -> bytes:
+    """Shuffle, deflate and checksum one chunk of values.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,), n <= cells
+        Consecutive cases in the byte order of the file.
+    cells : int
+        Length a full chunk has; the rest becomes zeros, which no reader sees.
+
+    Returns
+    -------
+    bytes
+        What the filters shuffle, gzip and fletcher32 make of the chunk.
+    """
+    padded = np.zeros(cells, values.dtype)
+    padded[: values.size] = values
+    planes = padded.view(np.uint8).reshape(cells, values.dtype.itemsize).T
+    # Shuffled doubles are runs of equal bytes and noise: to match runs alone takes a third
+    # of the time of a full search.
+    deflate = zlib.compressobj(1, zlib.DEFLATED, 15, 9, zlib.Z_RLE)
+    data = deflate.compress(planes.tobytes()) + deflate.flush()
+    return data + fletcher32(data).to_bytes(4, "little")
+
+
+def fletcher32(data: bytes) -> int:
+    """Checksum of HDF5's fletcher32 filter: sums of big-endian words mod 65535."""
+    even = len(data) // 2
+    words = np.frombuffer(data, ">u2", even).astype(np.int64)
+    if len(data) % 2:
+        words = np.append(words, data[-1] << 8)
+    first = int(words.sum())
+    second = int(words @ np.arange(words.size, 0, -1))
+    return _fold(second) << 16 | _fold(first)
+
+
+def _fold(total: int) -> int:
+    """End-around carry: 65535 stands for a multiple of 65535, 0 for nothing at all."""
+    return (total - 1) % 65535 + 1 if total else 0
 
 
 class Block(NamedTuple):
     """One chunk of every result.
 
-    number : place among the chunks. cases, failed : held, and those without an answer.
-    chunks : encoded, in the order of `RESULTS`.
+    number : place among the chunks.
+    cases, failed : number of cases in it, and of those without an answer.
+    chunks : the encoded results, in the order of `RESULTS`.
     """
 
     number: int
@@ -42,7 +145,7 @@ def blocks_of(frame: Study) -> Tiling:
 
 
 def encode_block(cut: Tiling, number: int, columns: Mapping[str, NDArray[Any]]) -> Block:
-    """A block of its results, shape (n,) each."""
+    """A block made of its results, shape (n,) each."""
     chunks = (
         encode(columns[name].astype(result.dtype, copy=False), cut.cells)
         for name, result in RESULTS.items()

@@ -10,10 +10,9 @@ from typing import Any
 
 from escapement import validate
 from escapement.errors import InvalidValue, StorageError
-from escapement.study.block import Block, encode_block
-from escapement.study.chunks import Tiling
+from escapement.study.block import Block, Tiling, encode_block
 from escapement.study.evaluate import Evaluator
-from escapement.study.numerics import numerics
+from escapement.study.identity import numerics
 from escapement.study.plan import StudyPlan
 
 LOCAL = "local"

@@ -1,8 +1,11 @@
-"""Evaluating consecutive cases of a plan: a bad one never ends the study."""
+"""Evaluating consecutive cases of a plan, on some threads: a bad case never ends the study."""
 
 import threading
-from concurrent.futures import CancelledError
-from typing import Any
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from itertools import islice
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +16,16 @@ from escapement.model import ratio_in_range
 from escapement.status import Status
 from escapement.study.plan import StudyPlan
 from escapement.study.result import RESULTS
-from escapement.study.scenes import solve_scenes
-from escapement.study.shared_scenes import shared_scenes
+from escapement.study.scenes import shared_scenes, solve_scenes
 
 Columns = dict[str, NDArray[Any]]
 """One array per result, over consecutive cases."""
 
 _SPEEDS = ("velocity_max", "velocity_min", "velocity_mean")
 _TIMES = ("period", "rise_time", "settling_time")
+_AHEAD = 8  # results that may wait while the disk is slow
+
+T = TypeVar("T")
 
 
 class Evaluator:
@@ -36,7 +41,7 @@ class Evaluator:
         self._stopped = threading.Event()
 
     def stop(self) -> None:
-        """Leave the blocks that are being solved, from case to case: CancelledError there."""
+        """Make every block that is being solved raise CancelledError before its next case."""
         self._stopped.set()
 
     def __call__(self, start: int, stop: int) -> Columns:
@@ -86,3 +91,26 @@ def _fill(block: Columns, row: int, plan: StudyPlan, case: int) -> None:
         return
     for name, column in block.items():
         column[row] = getattr(figures, name)
+
+
+def in_threads(
+    work: Callable[[int], T], numbers: Iterable[int], workers: int, stop: Callable[[], None]
+) -> Generator[T, None, None]:
+    """`work` of every number in order.
+
+    Closing the generator does not wait: work that has not begun is cancelled, and `stop`
+    is called so that work that has begun can end early.
+    """
+    waiting: Iterator[int] = iter(numbers)
+    running: deque[Future[T]] = deque()
+    pool = ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
+    try:
+        while True:
+            for number in islice(waiting, workers + _AHEAD - len(running)):
+                running.append(pool.submit(work, number))
+            if not running:
+                return
+            yield running.popleft().result()
+    finally:
+        stop()
+        pool.shutdown(wait=False, cancel_futures=True)

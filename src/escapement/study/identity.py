@@ -1,6 +1,13 @@
-"""What makes two runs the same study, and in which words they differ."""
+"""Whether two runs are of the same study, and how they differ where they are not.
 
+They are of the same study when configuration, attributes and the source code that decides
+the numbers are equal.
+"""
+
+import hashlib
 import json
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from escapement.errors import CannotCreate
@@ -8,6 +15,16 @@ from escapement.study.result import Study
 
 _FIXED_AT_START = ("created", "package_version")
 """Attributes that a resumed study takes over, so that its file is that of one run."""
+_SOURCES = (
+    *("units.py", "quantity.py", "model.py", "scene.py", "dynamics.py", "painleve.py"),
+    *("metrics.py", "motion.py", "trajectory.py"),
+    *("simulation.py", "solver.py", "status.py", "text.py"),
+    *("mechanisms/*.py", "engines/*/*.py"),
+    *(f"study/{name}.py" for name in ("axes", "from_escapement", "parameters")),
+    *(f"study/{name}.py" for name in ("parse", "plan", "sample", "spread", "evaluate", "scenes")),
+)
+"""Patterns of the files that decide what the results of a case are."""
+_ROOT = Path(__file__).parents[1]
 
 
 def journal_head(frame: Study, numerics: str) -> dict[str, Any]:
@@ -95,3 +112,21 @@ def first_difference(there: Any, here: Any, place: str = "") -> str:
 def _short(value: Any) -> str:
     text = json.dumps(value)
     return text if len(text) <= 60 else text[:40] + " ... " + text[-15:]
+
+
+def sources() -> list[Path]:
+    """The files that results depend on, in order."""
+    return sorted(path for pattern in _SOURCES for path in _ROOT.glob(pattern))
+
+
+@cache
+def numerics() -> str:
+    """Digest of these sources; equal digests, equal results.
+
+    A change of a comment changes the digest too: it is better to begin a study again than
+    to mix two kinds of numbers in it.
+    """
+    digest = hashlib.sha256()
+    for path in sources():
+        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:12]

@@ -22,8 +22,7 @@ from typing import Any
 import numpy as np
 
 from escapement.files.atomic import new_token, sync_folder, temporary_path
-from escapement.study.block import Block
-from escapement.study.chunks import Tiling
+from escapement.study.block import Block, Tiling
 from escapement.study.owned_file import OWNER, SIGNATURE, is_named, open_owned, owner_line, token_of
 from escapement.study.result import RESULTS
 

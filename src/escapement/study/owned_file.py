@@ -1,28 +1,81 @@
 """A file that one process at a time may have open; its first line says which.
 
-The file is its own lock.
+The open file carries the lock, which is gone when the process that holds it dies.
 """
 
 import os
 import re
 import socket
+import sys
 import time
 from pathlib import Path
 from typing import BinaryIO
 
 from escapement.errors import CannotCreate
-from escapement.study.lock import is_ending, try_lock
 
 SIGNATURE = b"escapement partial results, "
 """How the first line begins."""
 OWNER = 128
-"""Length of the first line."""
+"""Length of the first line [bytes]."""
 
-_PATIENCE = 0.5  # s for which a lock may be held by someone who is about to let go
-_LONG_PATIENCE = 20.0  # s for a killed process: as long as a disk may take
-
-
+_PATIENCE = 0.5  # s to wait for a process that may be about to finish
+_LONG_PATIENCE = 20.0  # s to wait for a killed process, whose disk may be slow
 _OWNER = re.compile(SIGNATURE + rb"(process (\d+) on (.*?)) *(?: token ([0-9a-f]{16}))?\n")
+# States in /proc of a process that is dead, or that waits for a disk. A healthy process is in
+# the last one for a moment only.
+_ENDING = ("Z", "X", "D")
+_KILLED = 1 << 8  # SIGKILL, in a mask of signals
+
+if sys.platform == "win32":
+    import msvcrt
+
+    _FAR = 1 << 40  # Windows locks bytes, and no other process may read a locked byte
+
+    def try_lock(descriptor: int) -> bool:
+        """Lock an open file until it is closed; False where another holds it."""
+        os.lseek(descriptor, _FAR, os.SEEK_SET)
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except PermissionError:
+            return False
+        return True
+
+else:
+    import fcntl
+
+    def try_lock(descriptor: int) -> bool:
+        """Lock an open file until it is closed; False where another holds it.
+
+        Raises OSError where the file system knows no locks.
+        """
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+
+def is_ending(process: int) -> bool:
+    """Whether a process of this machine is gone, or killed and on its way.
+
+    A process that is killed while its disk is busy keeps its files open until the disk
+    has answered. Where the system has no /proc, only a process that is gone counts.
+    """
+    if sys.platform == "win32":
+        return False  # Windows has no signal that only asks whether a process lives
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    except OSError:
+        return False
+    try:
+        text = Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return False
+    fields = dict(line.split(":\t", 1) for line in text.splitlines() if ":\t" in line)
+    pending = int(fields.get("SigPnd", "0"), 16) | int(fields.get("ShdPnd", "0"), 16)
+    return fields.get("State", "")[:1] in _ENDING or bool(pending & _KILLED)
 
 
 def owner_line(token: str) -> bytes:
@@ -67,7 +120,7 @@ def _wait_for(file: BinaryIO, path: Path, waited: float) -> None:
     line = file.read(OWNER)
     owner = _OWNER.match(line)
     here = owner is not None and owner[3].decode(errors="replace") == socket.gethostname()
-    # who has not even said its name was killed before it could
+    # an owner that has not written its first line was killed before it could
     ending = not line or (owner is not None and here and is_ending(int(owner[2])))
     if waited > (_LONG_PATIENCE if ending else _PATIENCE):
         name = "another process" if owner is None else owner[1].decode(errors="replace")

@@ -13,12 +13,11 @@ from escapement import __version__, validate
 from escapement.progress import Progress
 from escapement.study.block import Block, blocks_of, encode_block
 from escapement.study.cluster import connect, in_cluster
-from escapement.study.evaluate import Evaluator
-from escapement.study.numerics import numerics
+from escapement.study.evaluate import Evaluator, in_threads
+from escapement.study.identity import numerics
 from escapement.study.plan import StudyPlan
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
-from escapement.study.threads import in_threads
 from escapement.study.writer import StudyWriter
 
 Report = Callable[[int, int, int], object]

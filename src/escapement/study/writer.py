@@ -8,9 +8,9 @@ from typing import Self
 
 from escapement.errors import CannotCreate, EscapementError, StorageError
 from escapement.files.atomic import check_target, creation_error, storage_error
-from escapement.study.assembly import Assembly
 from escapement.study.block import Block, blocks_of, encode_block
 from escapement.study.identity import check_same, journal_head
+from escapement.study.image import Assembly
 from escapement.study.journal import Journal
 from escapement.study.reader import failed_cases
 from escapement.study.result import Study

@@ -9,6 +9,7 @@ from escapement.dynamics import (
     bend,
     contact,
     contact_moment,
+    drive,
     scene_of,
     side_at,
     tabulate,
@@ -60,8 +61,9 @@ class Law(NamedTuple):
         table = np.empty((4, theta.size))
         tabulate(self.scene, theta, w, side, table)
         g, dg, rates, _moment = table
-        # X = N R J_s knows neither friction nor the side
-        return rates, contact.py_func(g, dg, w, self.scene)
+        scene = self.scene
+        # X = N R J_s knows neither friction nor the side; `dynamics.contact` for many angles
+        return rates, scene.rho * (dg * w + scene.load) + g * drive(scene)
 
 
 @jit(allocates=True)
