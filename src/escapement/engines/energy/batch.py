@@ -1,9 +1,9 @@
-"""Figures of merit of many scenes of one mechanism, without a single trajectory."""
+"""Figures of merit of many scenes of one mechanism."""
 
 import numpy as np
 
 from escapement.dynamics import losses, scene_of
-from escapement.engines.energy.calls import Case, addresses
+from escapement.engines.energy.calls import Case, kernel_addresses
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
@@ -15,26 +15,29 @@ from escapement.scene import Scene, smooth_intervals, writeable
 
 
 @jit(allocates=True)
-def solve_scenes(calls, plain, cells, numbers, rtol, table, status):
-    """Fill table[i] and status[i] for every scene i; natural units.
+def solve_scenes(addresses, scene_tuple, cells, numbers, rtol, table, status):
+    """Fill table[i] and status[i] for every scene i, in natural units.
 
     Parameters
     ----------
-    calls, plain, cells : as `prepare.prepared` gives them, of any scene of the mechanism.
-    numbers : rows rho, mu, load and w of the scenes, as `solve` takes them.
-    rtol, table, status : as `solve` takes and returns them; of a stall the first two columns
-        hold its driver angle [rad] and engagement.
+    addresses, scene_tuple, cells : as `prepare.prepared` gives them, for any scene of the
+        mechanism, of which path, edges and dwell are used.
+    numbers : rows rho, mu, load and w of the scenes, described in `solve`.
+    rtol : relative error asked for.
+    table, status : results, described in `solve`; of a stall the first two columns hold the
+        driver angle [rad] and the engagement.
     """
-    same = scene_of(plain)
-    store, events = workspace(same.edges)
+    shared = scene_of(scene_tuple)
+    store, events = workspace(shared.edges)
     for i in range(status.size):
         rho, mu, load, w = numbers[0, i], numbers[1, i], numbers[2, i], numbers[3, i]
-        mu_plus, mu_minus = losses(same.path, mu)
-        scene = Scene(same.path, same.edges, same.dwell, rho, mu_plus, mu_minus, load)
+        mu_plus, mu_minus = losses(shared.path, mu)
+        scene = Scene(shared.path, shared.edges, shared.dwell, rho, mu_plus, mu_minus, load)
+        # at the Painleve limit J_s reaches zero, and the march would divide by it
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
-            case = Case(calls, scene, cells, store, events)
+            case = Case(addresses, scene, cells, store, events)
             status[i] = figures(case, w, rtol, table[i])
 
 
@@ -70,9 +73,10 @@ def solve(
     status = np.empty(rho.size, dtype=np.uint8)
     path = writeable(mechanism.path)
     edges = smooth_intervals(path, mechanism.breaks)
-    plain = tuple(path), edges, dwell_angle(mechanism), 1.0, 0.0, 0.0, 0.0
+    scene_tuple = tuple(path), edges, dwell_angle(mechanism), 1.0, 0.0, 0.0, 0.0
     cells = cells_of(path, edges)
     numbers = np.array([rho, mu, load, w])
-    solve_scenes(addresses(), plain, cells, numbers, rtol, table, status)
+    solve_scenes(kernel_addresses(), scene_tuple, cells, numbers, rtol, table, status)
+    # of a stall the table holds its angle and engagement, which are no figures of merit
     table[status != OK] = np.nan
     return table, status
