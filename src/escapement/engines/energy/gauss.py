@@ -55,7 +55,7 @@ def _product_with(m):
 
     @inner_jit
     def product(values, out):
-        # `out` may overlap `values` as well, so all values are read before the first is written
+        # all values are read first, because `out` might overlap them for all the compiler knows
         c0, c1, c2, c3 = values[0], values[1], values[2], values[3]
         c4, c5, c6, c7 = values[4], values[5], values[6], values[7]
         d0, d1, d2, d3 = values[8], values[9], values[10], values[11]

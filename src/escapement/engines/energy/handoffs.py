@@ -80,8 +80,8 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         speeds[k] = np.sqrt(out) / clock
         if time >= limit:
             return OK, k + 1, 0.0
-        # the changes of w to come sum to one over the gap, 1 - exp(-exponent), and their effect
-        # on the sum of times to one over its square; where that is small, the rest repeats
+        # the changes of w still to come add up to (out - w)/gap, and their effect on the sum of
+        # times to about (out - w)/gap^2: where that is negligible, later engagements repeat this
         gap = -np.expm1(-found.exponent)
         if abs(out - w) <= 0.05 * rtol * gap * gap * w:
             return OK, _repeat(k, time, length, limit, clock, times, speeds), 0.0

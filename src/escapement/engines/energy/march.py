@@ -73,8 +73,8 @@ STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(St
 START_SHARE = 1e-8
 # In a panel of at most this half width [rad] the deceleration before a stop is constant.
 SHORTEST_STOP = 4e-13
-# Times get this share of the tolerance: near a stop 1/sqrt(w) is convex, so that the errors of
-# all panels have the same sign and add up.
+# Times get this share of the tolerance, because near a stop the errors of all panels have the
+# same sign and add up.
 TIME_SHARE = 0.1
 # One engagement needs fewer panels than this and two for every edge.
 TOO_MANY_PANELS = 128
@@ -176,7 +176,7 @@ def _pass_over(scene, work, panel, starting, state, request):
     left = side * contact_at(panel.entry, w, scene)
     # in a start all energy comes from this panel, so that its error is the error of E itself
     split = tail > (request.strict if starting else request.loose)
-    time, slowing, reversal = state.time, FIRST_POINT, NOWHERE
+    time, slowing, reversal = state.time, np.int64(0), NOWHERE
     # the map alone needs no values inside, unless the right end shows a reversal or a stop
     if split or (request.detail == Detail.MAP and right > 0.0 and w_right > 0.0):
         return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)

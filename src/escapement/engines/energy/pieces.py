@@ -77,7 +77,7 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
 
     Returns
     -------
-    ndarray of HAPPENED
+    ndarray of MOTION_EVENT
         The events of each engagement in turn; its entry comes first.
     """
     scene = scene_of(scene_tuple)
@@ -182,8 +182,8 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
         after = max(after / (scene.rho + panel.exit.g**2), 0.0)
         loss += panel.half * _loss_over_x(scene, work, panel, side)
         length = duration(work)[0]
-        # so short a part without a good panel holds a stop: the time is the angle over the
-        # mean speed
+        # over so short a part whose panel is no good, as next to a stop, the time is the angle
+        # over the mean speed
         if short and not good:
             length = 2.0 * (part.right - part.left) / (np.sqrt(part.w) + np.sqrt(after))
             _read_short(part, length, after, end, times, theta, squares)
@@ -212,7 +212,7 @@ def _solve(scene, work, panel, part, side, strict):
     solve_side(scene, work, panel, side)
     solution = solution_of(panel, side)
     energy = part.w * (scene.rho + panel.entry.g**2)
-    _against, stopped, _slower = sample_panel(scene, work, panel, solution, side, energy)
+    _against, stopped, _slowing = sample_panel(scene, work, panel, solution, side, energy)
     roughness = duration(work)[1]
     smooth = roughness <= max(strict, solution.noise)
     return solution.tail <= strict and stopped == 0 and smooth

@@ -18,7 +18,7 @@ from escapement.jit import inner_jit
 # The error of b is judged against a decay of at least this much of |u| g': next to a stop the
 # true decay is smaller, and what a table gives there is rounding.
 LEAST_DECAY = 1e-9
-# This is the relative error of the sums.
+# The sums over the Gauss points have this relative rounding error.
 ROUNDING = 1e-15
 # A panel over which B has a greater integral than this is halved without a look at its tail.
 STEEPEST = 20.0
