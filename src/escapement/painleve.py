@@ -88,6 +88,7 @@ def beyond_painleve(scene):
     """
     if scene.path.table:
         return False
+    # g >= 0 in an engagement, so the side that may lose its J is s = -1
     mu, rho = scene.mu_minus, scene.rho
     g1, g2 = circle(scene.path)
     if mu * abs(g1 - g2) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):

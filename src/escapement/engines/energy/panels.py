@@ -209,11 +209,9 @@ def lay_out(scene, cells, store, loose):
         )
     count = intervals
     # an eighth of the memory at most is used here, and the march needs the rest
-    index = FIRST_PANEL
+    index, limit = FIRST_PANEL, GEOMETRY_SHARE * loose
     while index != CHAIN_END:
-        while (
-            store.panels[index].geometry_tail > GEOMETRY_SHARE * loose and count < MAX_PANELS // 8
-        ):
+        while store.panels[index].geometry_tail > limit and count < MAX_PANELS // 8:
             count = halve(scene, cells, store, index, count)
         index = store.panels[index].next
     return count

@@ -157,10 +157,8 @@ def _touches_at_end(negligible, end, one, two):
     slope = one * TO_SECOND**2 - two * TO_NEAREST**2 - unsure
     if not (slope < 0.0 and end > 0.0):
         return False
-    rise, scale = (
-        two * TO_NEAREST - one * TO_SECOND,
-        TO_NEAREST * TO_SECOND * (TO_SECOND - TO_NEAREST),
-    )
+    rise = two * TO_NEAREST - one * TO_SECOND
+    scale = TO_NEAREST * TO_SECOND * (TO_SECOND - TO_NEAREST)
     # its least value lies at t = -a/(2 b) and is end - a^2/(4 b)
     return -slope < 2.0 * rise * TO_SECOND and slope * slope > 2.0 * rise * scale * end
 
