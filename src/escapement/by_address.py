@@ -15,7 +15,7 @@ from numba.extending import intrinsic
 
 
 def by_address(
-    kernel: Any, place: int, arguments: tuple[Any, ...]
+    kernel: Any, index: int, arguments: tuple[Any, ...]
 ) -> tuple[Any, Callable[[], int]]:
     """Make a call of a kernel whose address is handed over in a tuple of addresses.
 
@@ -23,7 +23,7 @@ def by_address(
     ----------
     kernel : dispatcher
         A kernel made by `jit` that neither raises nor allocates arrays.
-    place : int
+    index : int
         Index of its address in the tuple.
     arguments : tuple of Numba types
         Types of its arguments. A caller with other types does not compile.
@@ -50,11 +50,12 @@ def by_address(
         code = compiled()
         return int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
+    # the address is read from the tuple when the call runs, since it differs between processes
     def emit(context: Any, builder: Any, full: Any, values: Any) -> Any:
         addresses, given = values
         result = full.return_type
         pointer = context.call_conv.get_function_type(result, accepted).as_pointer()
-        function = builder.inttoptr(builder.extract_value(addresses, place), pointer)
+        function = builder.inttoptr(builder.extract_value(addresses, index), pointer)
         row = [builder.extract_value(given, k) for k in range(len(accepted))]
         return context.call_conv.call_function(builder, function, result, accepted, row)[1]
 

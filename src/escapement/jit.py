@@ -19,7 +19,7 @@ from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 
 def kernel_digest(package: Path) -> str:
-    """Digest of all files under `package` that hold a kernel, or call one by address.
+    """Digest of all files under `package` whose text names the `jit` or `by_address` import.
 
     Parameters
     ----------

@@ -20,13 +20,13 @@ def painleve_ratio(path, theta, rho):
 
 
 @inner_jit
-def _stationary(first, second, rho, end):
-    """Root between 0 and `end` of the cubic for stationary painleve_ratio.
+def _stationary(g1, g2, rho, end):
+    """g between 0 and `end` at which (rho + g^2)/(|g| |u|) is stationary on the circle.
 
-    The cubic is negative at 0 and positive at both ends of the circle that
-    (g, u) runs on, so a bracketed Newton iteration cannot fail.
+    It is a root of the cubic in `critical_friction`. The cubic is negative at 0 and positive at
+    g1 and g2, of which `end` is one, so Newton's method kept in that bracket cannot fail.
     """
-    total, product = first + second, first * second
+    total, product = g1 + g2, g1 * g2
     inner, outer = 0.0, end
     g = 0.5 * end
     for _ in range(200):
@@ -56,21 +56,22 @@ def painleve_limit(path, rho, entry, exit_):
     if at_exit < limit:
         limit, angle = at_exit, exit_
     c = path.numbers
-    first, second = circle(path)
-    for end in (first, second):
-        g = _stationary(first, second, rho, end)
-        # g = (G0 + G1 x)/(L0 + L1 x) with x = sin^2 of the half angle
+    g1, g2 = circle(path)
+    for end in (g1, g2):
+        g = _stationary(g1, g2, rho, end)
+        # solve g = (G0 + G1 x)/(L0 + L1 x) for x, the squared sine of the half angle
         x = (g * c[1] - c[3]) / (c[4] - g * c[2])
         if not 0.0 < x <= 1.0:
             continue
         turn = np.arcsin(np.sqrt(x)) / abs(c[0])
         for theta in (-turn, turn):
             place = min(max(theta, entry), exit_)
-            # outside, by more than the rounding of an angle
+            # the angle lies outside the engagement by more than its rounding
             if abs(place - theta) > 1e-15 * abs(theta):
                 continue
-            # from the circle: with a light driver no angle is near enough to the exit
-            ratio = (rho + g * g) / (abs(g) * np.sqrt((first - g) * (g - second)))
+            # |u| comes from the circle: with a light driver the minimum lies so close to the
+            # exit that no double for the angle gives g to enough digits
+            ratio = (rho + g * g) / (abs(g) * np.sqrt((g1 - g) * (g - g2)))
             if ratio < limit:
                 limit, angle = ratio, place
     return limit, angle
@@ -80,21 +81,23 @@ def painleve_limit(path, rho, entry, exit_):
 def beyond_painleve(scene):
     """Whether friction is at or above the Painleve limit.
 
-    (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| at most the radius of the
-    circle that (g, u) runs on: most scenes need no more than this bound. Most
-    others need the place on the circle, but not the angle. A mesh has no such
-    limit: rho + g^2 eta is positive.
+    (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| is at most the radius of the circle that
+    (g, u) runs on. This bound settles most scenes. For most others the stationary g on the
+    circle is enough, without the driver angle that belongs to it. A mesh has no such limit,
+    because J_s = rho + g^2 eta is positive.
     """
     if scene.path.table:
         return False
+    # g >= 0 in an engagement, so the side that may lose its J is s = -1
     mu, rho = scene.mu_minus, scene.rho
-    first, second = circle(scene.path)
-    if mu * abs(first - second) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
+    g1, g2 = circle(scene.path)
+    if mu * abs(g1 - g2) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
         return False
-    if second < 0.0 < first:
-        # an engagement begins and ends with g = 0 and passes `first`, at dead centre
-        g = _stationary(first, second, rho, first)
-        share = mu * g * np.sqrt((first - g) * (g - second)) / (rho + g * g)
+    if g2 < 0.0 < g1:
+        # g rises from 0 at entry to g1 at dead centre, so the stationary g is passed
+        g = _stationary(g1, g2, rho, g1)
+        # the friction over its limit, mu |g u|/(rho + g^2)
+        share = mu * g * np.sqrt((g1 - g) * (g - g2)) / (rho + g * g)
         if abs(share - 1.0) > 1e-9:
             return share > 1.0
     return mu >= painleve_limit(scene.path, rho, scene.edges[0], scene.edges[-1])[0]
@@ -141,7 +144,7 @@ def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> f
         return entry
     from scipy.optimize import brentq
 
-    # the transmission repeats with the half angle's half turns, mirrored about dead centre
+    # |g u| is even about dead centre and repeats with every half turn of the half angle
     period = np.pi / abs(path.numbers[0])
     first = min(
         place

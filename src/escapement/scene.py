@@ -1,4 +1,4 @@
-"""What an engine sees of an escapement: a few dimensionless numbers and a pin path.
+"""What an engine sees of an escapement: a few dimensionless numbers and a path.
 
 The follower's inertia I_f, the driving torque tau and the time sqrt(I_f/tau) are the units
 of inertia, torque and time; angles are in radians. Two escapements with equal scenes move
@@ -23,11 +23,11 @@ else:
 class Path(NamedTuple):
     """Flat numbers from which kernels evaluate the transmission of a mechanism.
 
-    table : False for the path of a pin in a slot, made by `mechanisms.slotted`; True for a
-        table of g over the driver angle, made by `mechanisms.table`.
+    table : whether `numbers` tabulate g over the driver angle, as `mechanisms.table` makes
+        them; otherwise they describe the path of a pin in a slot, see `mechanisms.slotted`.
     numbers : shape (n,), as the maker lays them out.
     corners : driver angles [rad], shape (k,), at which the transmission of a table is not
-        smooth; those of a pin path are the breaks of its mechanism.
+        smooth. A pin path has none, because its mechanism names them among its breaks.
     """
 
     table: bool
@@ -60,9 +60,9 @@ class Scene(NamedTuple):
 def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]:
     """Driver angles between which the motion is smooth but for reversals [rad], ascending.
 
-    The breaks and, of a table, the corners between: over those no rule for smooth
-    functions keeps its accuracy. An edge that rounding alone tells from the one before,
-    or from the last, is left out.
+    They are the breaks of the mechanism and the corners of a table, since no quadrature for
+    smooth functions is accurate across one. An edge is left out where it lies within 1e-9 of
+    the whole range of the edge before it or of the last one, since rounding may part the two.
     """
     edges = sorted({*breaks, *path.corners.tolist()})
     gap = 1e-9 * (edges[-1] - edges[0])
@@ -72,15 +72,15 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
 
 
 def writeable(path: Path) -> Path:
-    """A path in arrays of its own: kernels take none that are read-only or have gaps."""
+    """A copy of a path; kernels are compiled for contiguous arrays that may be written to."""
     return Path(path.table, np.array(path.numbers), np.array(path.corners))
 
 
-def plain(scene: Scene) -> tuple[Any, ...]:
-    """A scene in plain tuples, of which `dynamics.scene_of` makes it again in a kernel.
+def scene_tuple(scene: Scene) -> tuple[Any, ...]:
+    """A scene as nested plain tuples, from which `dynamics.scene_of` rebuilds it in a kernel.
 
-    To find out the type of a named tuple takes Numba half a microsecond, a twentieth of a
-    simulation, so kernels that Python calls often take plain ones.
+    Numba takes half a microsecond to find out the type of a named tuple, a twentieth of a
+    simulation, so the kernels that Python calls often take plain tuples.
     """
     path, *rest = scene
     return tuple(path), *rest

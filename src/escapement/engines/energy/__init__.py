@@ -1,1 +1,61 @@
-"""The fast engine: the driver-angle domain, where the squared speed obeys a linear equation."""
+"""The fast engine: the squared driver speed solved as a linear equation over the driver angle.
+
+Symbols, those of PHYSICS.md 2 in natural units (I_f, the driving torque and sqrt(I_f/torque)
+are the units of inertia, torque and time); in brackets the names they have in the code:
+
+    theta   driver angle, 0 at dead centre [rad]             (theta, angle)
+    w       theta_dot^2, squared driver speed                (w, squares)
+    g       transmission function dphi/dtheta                (g)
+    u       relative sliding R'/R; kernels hold |u|          (u)
+    g'      dg/dtheta                                        (dg)
+    rho     I_d/I_f, inertia of the driver                   (scene.rho)
+    mu      loss of the side s: friction, or from eta        (scene.mu_plus, mu_minus)
+    s       side of the slot that carries the force, +-1     (side)
+    p       g + s mu |u|, ratio as friction bends it         (dynamics.effective_ratio)
+    J       rho + g p, reduced inertia J_s, positive         (dynamics.reduced_inertia)
+    X       rho (g' w + load) + g = J N R; s = sign X        (dynamics.contact)
+    E       (rho + g^2) w, twice the kinetic energy          (energy)
+    A, B    coefficients of dE/dx = A - B E for one s        (gain, decay)
+    b       int B from the left end of a panel               (b, exponent)
+    alpha   exp(-b)                                          (alpha)
+    beta    alpha int A/alpha, so E = alpha E_left + beta    (beta, source)
+    x       -1 to 1 over a panel, theta' = dtheta/dx         (x, dtheta_dx)
+
+J theta_ddot = 1 - p (g' w + load) is `dynamics.net_torque`, and dt/dx = theta'/sqrt(w) is the
+`slowness`. A reversal is a zero of X, an extremum of the speed is a zero of J theta_ddot.
+
+Files, in the order in which they are best read:
+
+    gauss      sixteen Gauss points: integrals, interpolation, tails, roots
+    records    types of the records with named fields
+    cells      g, |u| and g' on the first halvings of each interval, tabulated once
+    panels     a panel, the chain of panels of an engagement, and how one is halved
+    solve      alpha and beta of a panel, for one side of the slot
+    sampling   E, w, X, J theta_ddot and dt/dx at the points, and the signs they have there
+    start      a panel over the square root of the angle, for a start from rest
+    locate     the x of a reversal or an extremum, and the motion behind a reversal
+    events     reversals, extrema and breaks as they are noted and made exact
+    passage    what the steps of a march hand on
+    march      one engagement from entry to exit
+    calls      march and refine, called by address
+    prepare    what kernels need of an escapement, kept on it
+    handoffs   times and speeds of handoffs, one engagement after the other
+    pieces     events of a motion, and its states at given times
+    simulate   the motion that `escapement.simulate` returns
+    cycle      the terminal cycle by Newton's method
+    figures    figures of merit of one case, transient included
+    batch      figures of merit of many scenes
+    terminal   the figures that `escapement.terminal` returns
+
+A call of simulate: `simulate.simulate` takes addresses, scene and cells from
+`prepare.prepared`; `handoffs.handoffs` calls `march.march` for each engagement, adds the dwell
+and keeps time and speed of the handoff; an `EnergyTrajectory` holds them. When events are asked
+for, `pieces.events_of` marches again with full detail and `events.refine` makes each exact. When
+states are asked for, `pieces.follow` solves the piece again and inverts its time.
+
+A call of terminal: `terminal.terminal` gives one scene to `batch.solve_scenes`; that calls
+`figures.figures`, which marches through the transient and keeps its extrema.
+`cycle.terminal_cycle` finds the w that an engagement gives back. `figures` then compares the
+extrema with the cycle for rise and settling time. In the end `simulate.simulate` makes the
+motion over one engagement of the cycle. A study calls `batch.solve` with many scenes instead.
+"""

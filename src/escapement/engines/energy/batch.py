@@ -1,10 +1,10 @@
-"""Figures of merit of many scenes of one mechanism, without a single trajectory."""
+"""Figures of merit of many scenes of one mechanism."""
 
 import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.dynamics import scene_of
-from escapement.engines.energy.calls import Case, addresses
+from escapement.engines.energy.calls import Case, kernel_addresses
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
@@ -20,26 +20,29 @@ _NUMBERS = len(Scene._fields) - FIXED
 
 
 @jit(allocates=True)
-def solve_scenes(calls, plain, cells, numbers, rtol, table, status):
-    """Fill table[i] and status[i] for every scene i; natural units.
+def solve_scenes(addresses, scene_tuple, cells, numbers, rtol, table, status):
+    """Fill table[i] and status[i] for every scene i, in natural units.
 
     Parameters
     ----------
-    calls, plain, cells : as `prepare.prepared` gives them, of any scene of the mechanism.
-    numbers : array of shape (scenes, k): the numbers of each scene and its squared speed at
+    addresses, scene_tuple, cells : as `prepare.prepared` gives them, for any scene of the
+        mechanism, of which path, edges and dwell are used.
+    numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
-    rtol, table, status : as `solve` takes and returns them; of a stall the first two columns
-        hold its driver angle [rad] and engagement.
+    rtol : relative error asked for.
+    table, status : results, described in `solve`; of a stall the first two columns hold the
+        driver angle [rad] and the engagement.
     """
-    same = scene_of(plain)
-    store, events = workspace(same.edges)
+    shared = scene_of(scene_tuple)
+    store, events = workspace(shared.edges)
     for i in range(status.size):
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        scene = Scene(same.path, same.edges, same.dwell, *own)
+        scene = Scene(shared.path, shared.edges, shared.dwell, *own)
+        # at the Painleve limit J_s reaches zero, and the march would divide by it
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
-            case = Case(calls, scene, cells, store, events)
+            case = Case(addresses, scene, cells, store, events)
             status[i] = figures(case, numbers[i, _NUMBERS], rtol, table[i])
 
 
@@ -68,8 +71,9 @@ def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[Float
     status = np.empty(len(rows), dtype=np.uint8)
     path = writeable(mechanism.path)
     edges = smooth_intervals(path, mechanism.breaks)
-    plain = tuple(path), edges, dwell_angle(mechanism), *(0.0,) * _NUMBERS
+    scene_tuple = tuple(path), edges, dwell_angle(mechanism), *(0.0,) * _NUMBERS
     cells = cells_of(path, edges)
-    solve_scenes(addresses(), plain, cells, rows, rtol, table, status)
+    solve_scenes(kernel_addresses(), scene_tuple, cells, rows, rtol, table, status)
+    # of a stall the table holds its angle and engagement, which are no figures of merit
     table[status != OK] = np.nan
     return table, status

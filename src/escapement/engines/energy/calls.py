@@ -1,7 +1,7 @@
-"""The two long kernels of the engine, which all others call by address.
+"""The two long kernels of the engine, `march` and `refine`, which others call by address.
 
-Called by name they would be compiled again in every caller: all kernels then take 31 s instead
-of 20 s to compile.
+If they were called by name they would be compiled again in every caller, and all kernels
+together would take 31 s to compile instead of 20 s.
 """
 
 from functools import cache
@@ -22,19 +22,22 @@ from escapement.scene import Path, Scene
 
 
 class Case(NamedTuple):
-    """What every march of one case is given.
+    """The arguments that all marches of one case share.
 
-    calls : as `addresses` returns them. scene : a `Scene`. cells : of its mechanism.
-    store, events : memory, a `Store` and an array of `EVENT`.
+    addresses : as `kernel_addresses` returns them.
+    scene, cells : a `Scene`, and the cells of its mechanism.
+    store, events : memory that the marches fill, a `Store` and an array of `EVENT`.
     """
 
-    calls: tuple[int, int]
+    addresses: tuple[int, int]
     scene: Scene
     cells: Any
     store: Store
     events: Any
 
 
+# The types of the arguments are read off empty samples. A call by address needs them before
+# there is a caller, and they must be those of every caller.
 _numbers = np.empty(0)
 _path, _zeros = Path(False, _numbers, _numbers), (0.0,) * (len(Scene._fields) - 2)
 _scene = typeof(Scene(_path, _numbers, *_zeros))
@@ -46,19 +49,19 @@ _f, _i = types.float64, types.int64
 march, _march_address = by_address(
     _march.march, 0, (_scene, _cells, _store, _i, _request, _f, _f, _f, _event, _i)
 )
-place, _place_address = by_address(_events.place, 1, (_scene, _store, _event, _i))
+refine, _refine_address = by_address(_events.refine, 1, (_scene, _store, _event, _i))
 
 
 @inner_jit(inlined=True)
 def march_case(case, count, request, w, rising, first):
-    """March one engagement of a case, its events noted from row `first` on."""
+    """March one engagement of a case from w, and note its events from row `first` on."""
     return march(
-        case.calls, case.scene, case.cells, case.store, count, request, w, 0.0, rising,
+        case.addresses, case.scene, case.cells, case.store, count, request, w, 0.0, rising,
         case.events, first,
     )  # fmt: skip
 
 
 @cache
-def addresses() -> tuple[int, int]:
-    """What the calls take first, in this process."""
-    return _march_address(), _place_address()
+def kernel_addresses() -> tuple[int, int]:
+    """Addresses of `march` and `refine` in this process, the first argument of their calls."""
+    return _march_address(), _refine_address()

@@ -1,9 +1,9 @@
-"""The cycle a motion ends in, as the fixed point of an engagement.
+"""The terminal cycle, as the fixed point of the map from w at one handoff to w at the next.
 
-An engagement maps the squared handoff speed affinely once its reversals are
-known, and to first order they do not move the result. Newton's method on the
-fixed point is therefore the affine map's own fixed point, found again for the
-reversals found: it converges quadratically, and its contraction is exact.
+The map is affine as long as the reversals stay at their angles, and to first order their
+shifts do not change the result. A step of Newton's method is therefore the fixed point of the
+affine map that was found with the last reversals. The steps converge quadratically, and the
+contraction dw_out/dw_in is that of the affine map, without an error.
 """
 
 from typing import NamedTuple
@@ -11,22 +11,24 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics import free_turn
-from escapement.engines.energy.calls import march_case, place
-from escapement.engines.energy.events import ROUGH, is_extremum, turned
+from escapement.engines.energy.calls import march_case, refine
+from escapement.engines.energy.events import ROUGH_ERROR, has_reversal, is_extremum
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import NO_PANELS, tolerances
-from escapement.engines.energy.passage import Record, Request
+from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
 FIGURES = 7
 V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION = range(FIGURES)
-NO_LOSS = 1e-12  # share of E below which what friction takes is not told from rounding
-PATIENCE = 20  # engagements that are followed after Newton's method overshot into a stop
+# A share of E that friction takes is rounding where it is below this.
+NO_LOSS = 1e-12
+# So many engagements are followed, without Newton's method, after it has overshot into a stop.
+FOLLOWED = 20
 
 
 class Ends(NamedTuple):
-    """g at entry and exit of an engagement, and what a dwell adds to w."""
+    """g at the entry and the exit of an engagement, and 2 dwell/rho, what a dwell adds to w."""
 
     entry: float
     exit: float
@@ -34,70 +36,79 @@ class Ends(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A step of Newton's method: w next tried, contraction of the map, whether to trust both."""
+    """A step of Newton's method: the w it leads to, dw_out/dw_in, and whether both are sound."""
 
     w: float
-    shrink: float
+    contraction: float
     sound: bool
 
 
-class Steps(NamedTuple):
-    """Two steps of Newton's method: from `w` to `better`; equal ones count for nothing."""
+class Attempt(NamedTuple):
+    """The last step of Newton's method, from `w` to `better`; equal numbers mean there is none."""
 
     w: float
     better: float
 
 
 class Cycle(NamedTuple):
-    """Status of the search for a terminal cycle, and how many panels there are."""
+    """Status of the search for a terminal cycle, and number of panels in use."""
 
     status: int
     panels: int
 
 
 @inner_jit
-def closer(w, found, scene, ends, reversed_):
+def newton_step(w, found, scene, ends, has_turned):
     """Fixed point of the affine map by which a march went from w to `found`.
 
-    With E = (rho + g^2) w the gap 1 - shrink keeps its relative accuracy when next to
-    nothing is lost. The step is not sound where the map has no fixed point to be trusted.
+    The gap, 1 - dw_out/dw_in, is computed from the exponent of the map of E without a
+    difference, so that it is accurate even where friction takes very little. The step is not
+    sound where the map has no fixed point, or where rounding alone makes one.
     """
+    # in a published cell g differs between entry and exit: w_out (rho + g_out^2) =
+    # exp(-exponent) w_in (rho + g_in^2) + source has the slope exp(-exponent) (1 - unequal)
     leave = scene.rho + ends.exit * ends.exit
     unequal = (ends.exit - ends.entry) * (ends.exit + ends.entry) / leave
-    shrink = np.exp(-found.exponent) * (1.0 - unequal)
+    contraction = np.exp(-found.exponent) * (1.0 - unequal)
     gap = -np.expm1(-found.exponent) + np.exp(-found.exponent) * unequal
     following = found.w + ends.dwell
-    if gap <= 0.0 or (gap <= NO_LOSS and not reversed_):
-        # too slow for a pin reversal, friction only borrows: go where it takes
-        return Step(4.0 * following if following > w else following, shrink, False)
-    return Step((found.source / leave + ends.dwell) / gap, shrink, True)
+    if gap <= 0.0 or (gap <= NO_LOSS and not has_turned):
+        # Without a reversal s stays +1, and int B over the engagement is zero, since g' changes
+        # sign at dead centre: the map then has no fixed point. Where the motion gains speed,
+        # one twice as fast is tried, which may have a reversal.
+        return Step(4.0 * following if following > w else following, contraction, False)
+    # solve w = w - gap w + source/(rho + g_out^2) + dwell
+    return Step((found.source / leave + ends.dwell) / gap, contraction, True)
 
 
 @inner_jit
-def beyond(w, better, before):
-    """Fixed point from two steps of Newton's, whose errors go like the squares of what they had.
+def extrapolate(w, better, before):
+    """Fixed point extrapolated from two steps of Newton's method.
 
-    The better of the two where they are too close for that.
+    The error behind a step is in proportion to the square of the error before it. Where the
+    second step was not much shorter than the first, `better` is returned as it is.
     """
+    # the errors before the two steps, measured from the best w that is known
     was, now = before.w - better, w - better
     if now * now > 0.25 * was * was or abs(before.better - better) > abs(was):
         return better
+    # the line through both results over the squared errors, read at zero
     further = better - (before.better - better) * now * now / (was * was - now * now)
     return further if further > 0.0 else better
 
 
 @inner_jit
 def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
-    """Terminal cycle by Newton's method from w; fills the columns of `out` but the times.
+    """Terminal cycle by Newton's method from w; fills `out` except for rise and settling time.
 
     Parameters
     ----------
     case : Case
-    count : panels in use.
+    count : number of panels in use.
     ends : Ends
-    last_good : w to go on from when Newton's method overshoots into a stop.
-    before : `Steps` that led to w.
-    first : events may be noted from row `first` on.
+    last_good : w from which to go on when Newton's method overshoots into a stop.
+    before : the `Attempt` that led to w.
+    first : row from which on events may be noted.
 
     Returns
     -------
@@ -105,63 +116,65 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
     """
     scene, events = case.scene, case.events
     loose, strict = tolerances(rtol)
-    plain, patience = 0, PATIENCE
-    # a load often turns the pin twice inside a panel, which the map alone is blind for
-    glance = np.int64(Record.MAP if scene.load == 0.0 else Record.TIME)
+    to_follow, longer = 0, FOLLOWED
+    # with a load two reversals may lie inside one panel, and a march for the map misses them
+    far_detail = np.int64(Detail.MAP if scene.load == 0.0 else Detail.TIME)
     near = False
     for _ in range(MAX_ENGAGEMENTS):
-        record = np.int64(Record.EXTREMA) if near else glance
-        request = Request(record, loose, strict)
+        detail = np.int64(Detail.EXTREMA) if near else far_detail
+        request = Request(detail, loose, strict)
         found = march_case(case, count, request, w, 0.0, first)
         count = found.panels
-        if found.status == STALL and plain == 0:
-            # follow the motion itself for a while, without the panels of that stop
+        if found.status == STALL and to_follow == 0:
+            # follow the motion itself for a while, and drop the many panels that the stop made;
+            # should Newton's method overshoot again, follow it for twice as long
             count = NO_PANELS
-            w, plain, near, glance = last_good, patience, False, np.int64(Record.TIME)
-            patience *= 2
+            w, to_follow, near, far_detail = last_good, longer, False, np.int64(Detail.TIME)
+            longer *= 2
             continue
         if found.status != OK:
             return Cycle(found.status, count)
-        step = closer(w, found, scene, ends, turned(events, first, found.used))
+        step = newton_step(w, found, scene, ends, has_reversal(events, first, found.used))
         better = step.w
         last_good = found.w + ends.dwell
         change = abs(better - w)
-        # small changes of a motion that is only followed prove nothing
+        # only a step of Newton's method proves convergence: a motion that is followed changes
+        # little in every engagement when the contraction is nearly 1
         if near and step.sound and change <= 0.2 * rtol * w:
             _read(case, first, found, w, step, out)
             return Cycle(OK, count)
         if near or not step.sound:
-            # should the map alone have been blind for something after all
-            glance = np.int64(Record.TIME)
+            # the map may be wrong because of a pair of reversals that it missed
+            far_detail = np.int64(Detail.TIME)
         if not step.sound and scene.path.table and w < last_good < (1.0 + BOUNDLESS) * w:
             return Cycle(NO_TERMINAL, count)
-        # the next change is about the square of this one
+        # the error is squared by every step, so the next change will be below the tolerance
         near = step.sound and change <= np.sqrt(0.02 * rtol) * w
-        if plain > 0 or not better > 0.0:
+        if to_follow > 0 or not better > 0.0:
             better = last_good
             near = False
-            plain = max(plain - 1, 0)
+            to_follow = max(to_follow - 1, 0)
         elif step.sound and before.better != before.w:
-            following = beyond(w, better, before)
-            before, w = Steps(w, better), following
+            following = extrapolate(w, better, before)
+            before, w = Attempt(w, better), following
             continue
-        before = Steps(w, better)
+        before = Attempt(w, better)
         w = better
     return Cycle(NOT_CONVERGED, count)
 
 
 @inner_jit
 def _read(case, first, found, w, step, out):
-    """Extremes of the speed, period, handoff and contraction of the cycle just marched."""
+    """Read extreme speeds, period, handoff and contraction from the cycle just marched."""
     fast, slow = max(w, found.w), min(w, found.w)
     for i in range(first, found.used):
         event = case.events[i]
         if not is_extremum(event):
             continue
-        # only what may be the greatest or the least has to be exact
-        if not slow * (1.0 + ROUGH) < event.w < fast * (1.0 - ROUGH):
-            place(case.calls, case.scene, case.store, case.events, i)
+        # only an extremum that may be the greatest or the least has to be exact
+        if not slow * (1.0 + ROUGH_ERROR) < event.w < fast * (1.0 - ROUGH_ERROR):
+            refine(case.addresses, case.scene, case.store, case.events, i)
         fast, slow = max(fast, event.w), min(slow, event.w)
     out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
     out[PERIOD] = found.time + free_turn(found.w, case.scene)[1]
-    out[W_HANDOFF], out[CONTRACTION] = step.w, step.shrink
+    out[W_HANDOFF], out[CONTRACTION] = step.w, step.contraction

@@ -1,9 +1,9 @@
-"""Figures of merit of a case: its transient, and the cycle that ends in."""
+"""Figures of merit of a case, from its transient and its terminal cycle."""
 
 import numpy as np
 
 from escapement.dynamics import dwell_gain, ends_alike, free_turn
-from escapement.engines.energy.calls import march_case, place
+from escapement.engines.energy.calls import march_case, refine
 from escapement.engines.energy.cycle import (
     CONTRACTION,
     FIGURES,
@@ -11,108 +11,114 @@ from escapement.engines.energy.cycle import (
     SETTLING,
     V_MAX,
     V_MIN,
+    Attempt,
     Ends,
-    Steps,
-    beyond,
-    closer,
+    extrapolate,
+    newton_step,
     terminal_cycle,
 )
 from escapement.engines.energy.events import (
     EVENT,
-    NONE,
-    ROUGH,
+    NO_EVENTS,
+    ROUGH_ERROR,
     EventKind,
+    has_reversal,
     is_extremum,
     most_events,
     note,
-    turned,
 )
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
-from escapement.engines.energy.passage import Record, Request
+from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
 from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 
-SEEN = 256  # events of a transient that are kept
-PATIENCE = 40  # engagements after which the terminal cycle is looked for in any case
+# Of a transient so many events are kept until the terminal cycle is known.
+KEPT_EVENTS = 256
+# The terminal cycle is looked for after so many engagements, settled or not.
+LATEST_SEARCH = 40
 
 
 @inner_jit(allocates=True)
 def workspace(edges):
-    """Panel store and events, for `figures`."""
-    return new_store(MAX_PANELS), np.empty(SEEN + 2 * most_events(edges), EVENT)
+    """Memory for `figures`: a store of panels, and an array of events."""
+    return new_store(MAX_PANELS), np.empty(KEPT_EVENTS + 2 * most_events(edges), EVENT)
 
 
 @inner_jit
 def figures(case, w, rtol, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
-    The motion is followed from its start until it has nearly settled, its
-    extrema kept; Newton's method finds the terminal cycle from there;
-    only a motion that settles slowly is followed again. On a stall out[0:2]
-    holds its angle and the engagement.
+    The motion is followed from its start until it has nearly settled, and its extrema are
+    kept. Newton's method finds the terminal cycle from there. The kept extrema are then
+    compared with that cycle, and the motion is followed further until it has settled. On a
+    stall out[0] is the driver angle and out[1] the engagement.
     """
     scene, cells, events = case.scene, case.cells, case.events
     for i in range(FIGURES):
         out[i] = np.nan
     last = cells.shape[0] - 1
     ends = Ends(cells[0, 1].entry.g, cells[last, 1].exit.g, dwell_gain(scene))
-    even = scene.mu_plus == 0.0 and ends_alike(ends.entry, ends.exit, scene.rho)
-    if even and scene.load == 0.0:
+    constant_gain = scene.mu_plus == 0.0 and ends_alike(ends.entry, ends.exit, scene.rho)
+    # without friction and load every engagement adds the drive's work, which is positive
+    if constant_gain and scene.load == 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
-    request = Request(np.int64(Record.EXTREMA), loose, strict)
-    count, first, calm = NO_PANELS, NONE, NONE
+    request = Request(np.int64(Detail.EXTREMA), loose, strict)
+    count, first, in_band = NO_PANELS, NO_EVENTS, NO_EVENTS
     time, rising = 0.0, 0.0
     cycle_known, sought = False, False
-    before = Steps(w, w)
+    before = Attempt(w, w)
     for k in range(MAX_ENGAGEMENTS):
         found = march_case(case, count, request, w, rising, first)
         count = found.panels
         if found.status != OK:
             return _stopped(found, k, out)
-        if even:
-            # every engagement adds the same energy: the load stops the motion, or nothing does
+        if constant_gain:
+            # every engagement adds the same energy: a negative one stops the motion in the end,
+            # and with a positive one the speed grows without bound
             return NO_TERMINAL if found.source + scene.rho * dwell_gain(scene) > 0.0 else STALL
         used, rising = _enter_dwell(scene, events, found)
-        _complete(case, first, used, time)
+        _mark_extrema(case, first, used, time)
         if cycle_known:
-            calm = _judge(case, first, used, calm, out)
+            in_band = _judge(case, first, used, in_band, out)
         following, free = free_turn(found.w, scene)
         time += found.time + free
         if not sought:
-            step = closer(w, found, scene, ends, turned(events, first, used))
+            step = newton_step(w, found, scene, ends, has_reversal(events, first, used))
             first = used
             if _worth_seeking(scene, w, step, k, used, events):
                 start = _first_guess(w, step, before, following)
-                steps = Steps(w, step.w)
+                steps = Attempt(w, step.w)
                 cycle = terminal_cycle(case, count, ends, start, following, steps, rtol, used, out)
                 sought, cycle_known, count = True, cycle.status == OK, cycle.panels
                 if cycle.status in (NOT_CONVERGED, NO_TERMINAL):
                     return cycle.status
-                first = NONE
+                first = NO_EVENTS
                 if cycle_known:
-                    calm = _judge(case, first, used, calm, out)
-                    # far too slow: the band shrinks to 2 % in log(0.02)/log(contraction) turns
+                    in_band = _judge(case, first, used, in_band, out)
+                    # it takes log(0.02)/log(contraction) engagements to come within 2 %, here
+                    # more than the limit, so no time is given
                     if out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                         return OK
-            before = Steps(w, step.w)
+            before = Attempt(w, step.w)
         w = following
-        # motions do not cross: once both its extrema are within the band, so are all to come
-        if cycle_known and calm >= 2:
+        # two motions never cross, so w at entry tends to its terminal value from one side: when
+        # a maximum and a minimum are in the band, all later ones are
+        if cycle_known and in_band >= 2:
             return OK
-    # beyond the limit a time is not given
+    # a settling time beyond the limit of engagements is not given
     out[SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
 
 
 @inner_jit
 def _enter_dwell(scene, events, found):
-    """Note a minimum where a dwell begins, from which on the driver gains speed.
+    """Note a minimum where a dwell begins, because the driver gains speed in all of it.
 
     Returns
     -------
-    used, rising : how many events are noted, and the sign of the acceleration.
+    used, rising : number of events noted, and sign of theta_ddot.
     """
     if scene.dwell == 0.0:
         return found.used, found.rising
@@ -125,17 +131,17 @@ def _enter_dwell(scene, events, found):
 
 @inner_jit
 def _first_guess(w, step, before, following):
-    """Squared speed from which the terminal cycle is looked for."""
+    """The w from which the terminal cycle is looked for."""
     if not step.w > 0.0:
         return following
     if step.sound and before.better != before.w:
-        return beyond(w, step.w, before)
+        return extrapolate(w, step.w, before)
     return step.w
 
 
 @inner_jit
 def _stopped(found, k, out):
-    """Leave the place of a stall; returns the status."""
+    """Write the angle and the engagement of a stall into `out`; returns the status."""
     for i in range(FIGURES):
         out[i] = np.nan
     out[0], out[1] = found.angle, k
@@ -146,34 +152,37 @@ def _stopped(found, k, out):
 def _worth_seeking(scene, w, step, k, used, events):
     """Whether the terminal cycle is looked for after engagement k.
 
-    From an entry speed within twice the band on, which may be the first that is settled;
-    and when patience or room for events runs out.
+    That is when the entry speed is within twice the settling band of its terminal value, since
+    this engagement may be the first that is settled. It is also after LATEST_SEARCH
+    engagements, and when the memory for events runs out.
     """
+    # twice the band in the speed is four times the band in w
     settled = step.sound and abs(step.w - w) <= 4.0 * SETTLING_BAND * step.w
-    return settled or k == PATIENCE or used + most_events(scene.edges) > events.shape[0]
+    return settled or k == LATEST_SEARCH or used + most_events(scene.edges) > events.shape[0]
 
 
 @inner_jit
-def _complete(case, first, used, time):
-    """Tell the extrema of an engagement when that began, and which of them lead."""
+def _mark_extrema(case, first, used, time):
+    """Mark the extrema of an engagement with its start time, and the outermost of each kind."""
     events = case.events
     for i in range(first, used):
         if is_extremum(events[i]):
-            events[i].since = time
-            events[i].leading = _leads(case, first, used, i)
+            events[i].engagement_start = time
+            events[i].outermost = _is_outermost(case, first, used, i)
 
 
 @inner_jit
-def _leads(case, first, used, i):
-    """Whether no other extremum of its kind in the engagement goes further."""
+def _is_outermost(case, first, used, i):
+    """Whether event i is the greatest maximum, or the least minimum, of its engagement."""
     event = case.events[i]
     for j in range(first, used):
         other = case.events[j]
         if j == i or other.kind != event.kind:
             continue
-        if not abs(other.w / event.w - 1.0) > ROUGH:
-            place(case.calls, case.scene, case.store, case.events, i)
-            place(case.calls, case.scene, case.store, case.events, j)
+        # rough speeds that are too close to be compared, or NaN, are made exact first
+        if not abs(other.w / event.w - 1.0) > ROUGH_ERROR:
+            refine(case.addresses, case.scene, case.store, case.events, i)
+            refine(case.addresses, case.scene, case.store, case.events, j)
         further = other.w > event.w
         if further == (event.kind == EventKind.MAXIMUM) and other.w != event.w:
             return False
@@ -181,37 +190,39 @@ def _leads(case, first, used, i):
 
 
 @inner_jit
-def _judge(case, first, used, calm, out):
-    """Let extrema of the transient decide on rise and settling time.
+def _judge(case, first, used, in_band, out):
+    """Compare the extrema from row `first` on with the terminal cycle.
 
-    Only the greatest and the least speed of an engagement tend to the terminal
-    ones, so only they can unsettle a motion. Returns how many in a row did not.
+    Only the greatest and the least speed of an engagement tend to the terminal extremes, so
+    the settling time depends on these alone. Returns how many of them in a row, `in_band` at
+    first, were within the settling band.
     """
     for i in range(first, used):
         if is_extremum(case.events[i]):
-            calm = _judge_one(case, i, calm, out)
-    return calm
+            in_band = _judge_one(case, i, in_band, out)
+    return in_band
 
 
 @inner_jit
-def _judge_one(case, i, calm, out):
-    """The same of one extremum."""
+def _judge_one(case, i, in_band, out):
+    """Compare extremum i with the terminal cycle; returns the new `in_band`."""
     event = case.events[i]
     final = out[V_MAX] if event.kind == EventKind.MAXIMUM else out[V_MIN]
     error = abs(np.sqrt(event.w) / final - 1.0)
-    unsure = 0.5 * ROUGH  # of a speed: that of its square is twice as much
+    # the relative error of a speed is half of that of w
+    unsure = 0.5 * ROUGH_ERROR
     if not (abs(error - RISE_BAND) > unsure and abs(error - SETTLING_BAND) > unsure):
-        place(case.calls, case.scene, case.store, case.events, i)
+        refine(case.addresses, case.scene, case.store, case.events, i)
         error = abs(np.sqrt(event.w) / final - 1.0)
     if np.isnan(out[RISE]) and error <= RISE_BAND:
-        place(case.calls, case.scene, case.store, case.events, i)
-        out[RISE] = event.since + event.time
-    if not event.leading:
-        return calm
+        refine(case.addresses, case.scene, case.store, case.events, i)
+        out[RISE] = event.engagement_start + event.time
+    if not event.outermost:
+        return in_band
     if error > SETTLING_BAND:
         out[SETTLING] = np.nan
-        return NONE
+        return NO_EVENTS
     if np.isnan(out[SETTLING]):
-        place(case.calls, case.scene, case.store, case.events, i)
-        out[SETTLING] = event.since + event.time
-    return calm + 1
+        refine(case.addresses, case.scene, case.store, case.events, i)
+        out[SETTLING] = event.engagement_start + event.time
+    return in_band + 1

@@ -1,8 +1,8 @@
 """Sixteen Gauss points on [-1, 1]: quadrature, Legendre series and their roots.
 
-Functions take rows of N values, fields of a record. Where they take a `count` it is N, but
-read from the record: the compiler unrolls a loop whose length it knows, and makes vector code
-of one whose length it does not know.
+The functions take rows of N values, which are fields of a record. The `count` that some of
+them take is N as `panels.points_of` reads it from the workspace: the compiler unrolls a loop
+whose length it knows, and makes vector code of one whose length it does not know.
 """
 
 import numpy as np
@@ -18,20 +18,25 @@ LEGENDRE = np.polynomial.legendre.legvander(POINTS, N).T.copy()
 """Legendre polynomials 0..N (rows) at the points."""
 _ORDERS = np.arange(N)
 TRANSFORM = ((2 * _ORDERS + 1) / 2.0)[:, None] * LEGENDRE[:N] * WEIGHTS
-"""Values at the points to Legendre coefficients (rows)."""
-LAST, LAST_BUT_ONE = TRANSFORM[N - 1].copy(), TRANSFORM[N - 2].copy()
+"""Each row gives one Legendre coefficient from the values at the points."""
+LAST_COEFFICIENT, LAST_BUT_ONE_COEFFICIENT = TRANSFORM[N - 1].copy(), TRANSFORM[N - 2].copy()
 POWERS = (
     np.array([np.resize(np.append(leg2poly(row), np.zeros(N)), N) for row in np.eye(N)]).T
     @ TRANSFORM
 ).T.copy()
-"""What each value adds to the coefficients of a power series; good enough for a root."""
+"""POWERS[k, i]: weight of the value at point k in coefficient i of a power series.
+
+Such a series loses a few digits of the function, which is good enough to find its roots.
+"""
 BARYCENTRIC = np.sqrt((1.0 - POINTS**2) * WEIGHTS) * (-1.0) ** _ORDERS
 """Weights of the barycentric formula at the points."""
 FROM_LEFT = 1.0 / (1.0 + POINTS)
+"""Inverse distance of each point from the left end."""
 
 
 def _integrated(x: np.ndarray) -> np.ndarray:
     """Integral of each Legendre polynomial from -1 to x, shape (N, x.size)."""
+    # int P_n = (P_(n+1) - P_(n-1))/(2n + 1), and int P_0 = x + 1
     values = np.polynomial.legendre.legvander(x, N + 1).T
     upper = np.vstack([values[1:2] - 1.0 + 2.0, values[2 : N + 1] - values[: N - 1]])
     return upper / np.maximum(2 * _ORDERS + 1, 1)[:, None]
@@ -42,14 +47,15 @@ CUMULATE = (_integrated(POINTS).T @ TRANSFORM).T.copy()
 
 
 def _product_with(m):
-    """Kernel for out[i] = sum over k of m[k, i] values[k], as vector code.
+    """Make a kernel for out[i] = sum over k of m[k, i] values[k] that becomes vector code.
 
-    The matrix is a constant of the kernel's: of an argument it could not be known
-    that writing to `out` leaves it as it is.
+    The matrix is a constant of the kernel. If it were an argument, the compiler would have to
+    assume that writing to `out` may change it, and would load it again in every turn.
     """
 
     @inner_jit
     def product(values, out):
+        # all values are read first, because `out` might overlap them for all the compiler knows
         c0, c1, c2, c3 = values[0], values[1], values[2], values[3]
         c4, c5, c6, c7 = values[4], values[5], values[6], values[7]
         d0, d1, d2, d3 = values[8], values[9], values[10], values[11]
@@ -72,16 +78,16 @@ to_powers = _product_with(POWERS)
 
 @inner_jit(reorders=True)
 def tail_of(values, count):
-    """Size of the last two Legendre coefficients."""
+    """The tail: sum of the sizes of the last two Legendre coefficients."""
     last = last_but_one = 0.0
     for i in range(count & N):
-        last += LAST[i] * values[i]
-        last_but_one += LAST_BUT_ONE[i] * values[i]
+        last += LAST_COEFFICIENT[i] * values[i]
+        last_but_one += LAST_BUT_ONE_COEFFICIENT[i] * values[i]
     return abs(last) + abs(last_but_one)
 
 
 @inner_jit(reorders=True)
-def whole(values, count):
+def integral(values, count):
     """Integral over [-1, 1]."""
     total = 0.0
     for i in range(count & N):
@@ -102,16 +108,17 @@ def dot(a, b, count):
 def root_between(c, x, low, high, rising):
     """Root of the power series with coefficients c in a bracket, from the guess x.
 
-    Newton's method, kept inside the bracket by bisection; `rising` says whether the values
-    go from negative to positive. Terms are summed two at a time, so that the processor need
-    not wait for one before the next.
+    Newton's method is kept inside the bracket by bisection. `rising` says whether the values
+    go from negative to positive. The sums run in two halves, so that the processor need not
+    wait for one term before it begins the next.
 
     Returns
     -------
-    x, slope : the root, to some 1e-12 for a power series' rounding, and the slope there.
+    x, slope : the root, to about 1e-12, the rounding error of the series, and the slope there.
     """
     slope = 0.0
     for _ in range(60):
+        # the value of the series at x
         y = x * x
         z = y * y
         first = c[0] + c[1] * x + (c[2] + c[3] * x) * y
@@ -119,6 +126,7 @@ def root_between(c, x, low, high, rising):
         second = c[8] + c[9] * x + (c[10] + c[11] * x) * y
         second += (c[12] + c[13] * x + (c[14] + c[15] * x) * y) * z
         value = first + second * (z * z)
+        # its derivative at x
         first = c[1] + 2.0 * c[2] * x + (3.0 * c[3] + 4.0 * c[4] * x) * y
         first += (5.0 * c[5] + 6.0 * c[6] * x + (7.0 * c[7] + 8.0 * c[8] * x) * y) * z
         second = 9.0 * c[9] + 10.0 * c[10] * x + (11.0 * c[11] + 12.0 * c[12] * x) * y
@@ -133,7 +141,7 @@ def root_between(c, x, low, high, rising):
             guess = 0.5 * (low + high)
         step = abs(guess - x)
         x = guess
-        # Newton squares the error: the next step would be rounding
+        # Newton's method squares the error, so the next step would be below rounding
         if step <= 1e-7:
             break
     return x, slope

@@ -1,65 +1,72 @@
-"""Engagement after engagement: the times and speeds of handoffs, and nothing else."""
+"""The times and speeds of handoffs, from one engagement to the next."""
 
 import numpy as np
 
 from escapement.dynamics import dwell_gain, free_turn, scene_of
 from escapement.engines.energy.calls import march
-from escapement.engines.energy.events import EVENT, NONE, most_events
+from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
-from escapement.engines.energy.passage import Record, Request
+from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.painleve import beyond_painleve
 
-LITTLE = 0.1  # exponent of an engagement below which changes of w are summed, not w itself
+# Where the exponent int B of an engagement is below this, w changes little, and its change is
+# computed instead of w itself.
+SMALL_EXPONENT = 0.1
 
 
 @jit(allocates=True)
-def handoffs(calls, plain, cells, w, limit, rtol, clock, times, speeds):
-    """March engagements until `times` is full, `limit` is passed or a stall.
+def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds):
+    """March engagements until `times` is full, `limit` is passed, or the motion stalls.
 
     Parameters
     ----------
-    calls, plain, cells : as `prepare.prepared` gives them.
-    w, limit : squared driver speed at the first entry, time after which to
-        stop; natural units.
+    addresses, scene_tuple, cells : as `prepare.prepared` gives them.
+    w : squared driver speed at the first entry, in natural units.
+    limit : time after which to stop, in natural units.
     rtol : relative error asked for.
-    clock : unit of time of the results.
+    clock : unit of time of the results [s].
     times, speeds : arrays to fill with handoff times and driver speeds.
 
     Returns
     -------
     status, done, angle
-        Engagements completed; of a stall its driver angle [rad], its time being in times[done].
-        They are a plain tuple, which Python makes in a third of the time of a named one.
+        `done` is the number of engagements completed. Of a stall `angle` is the driver angle
+        [rad], and times[done] the time. A plain tuple is returned, because Python makes it in
+        a third of the time that a named one takes.
     """
-    scene = scene_of(plain)
+    scene = scene_of(scene_tuple)
     if beyond_painleve(scene):
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
-    request = Request(np.int64(Record.TIME), loose, strict)
+    request = Request(np.int64(Detail.TIME), loose, strict)
     store = new_store(MAX_PANELS)
     events = np.empty(most_events(scene.edges), EVENT)
     count = NO_PANELS
     time, carry, carry_w = 0.0, 0.0, 0.0
     rho, edges = scene.rho, scene.edges
     inertia = transmission_at(scene.path, edges[0])[0] ** 2 + rho
-    same = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
+    ends_equal = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
     free_gain = dwell_gain(scene)
     start = w
     for k in range(times.size):
-        found = march(calls, scene, cells, store, count, request, w, 0.0, 0.0, events, NONE)
+        found = march(
+            addresses, scene, cells, store, count, request, w, 0.0, 0.0, events, NO_EVENTS
+        )
         count = found.panels
         if found.status != OK:
             times[k] = (time + found.time) * clock
             return found.status, k, found.angle
         out, free = free_turn(found.w, scene)
-        if scene.mu_plus == 0.0 and same:
-            # every engagement adds the same energy: no sum, no rounding that adds up
+        if scene.mu_plus == 0.0 and ends_equal:
+            # without friction every engagement adds the same energy, so that a product takes the
+            # place of a sum, whose rounding errors would add up
             out = start + (k + 1) * (found.source / inertia + free_gain)
-        elif same and abs(found.exponent) < LITTLE:
-            # little is lost: what changes is added, its rounding errors carried along
+        elif ends_equal and abs(found.exponent) < SMALL_EXPONENT:
+            # w_out - w = (exp(-exponent) - 1) w + source/(rho + g^2) + 2 dwell/rho, added to w by
+            # Kahan's sum
             change = np.expm1(-found.exponent) * w + found.source / inertia + free_gain - carry_w
             out = w + change
             carry_w = (out - w) - change
@@ -73,7 +80,8 @@ def handoffs(calls, plain, cells, w, limit, rtol, clock, times, speeds):
         speeds[k] = np.sqrt(out) / clock
         if time >= limit:
             return OK, k + 1, 0.0
-        # what is left to converge, and what it can still do to the sum of times
+        # the changes of w still to come add up to (out - w)/gap, and their effect on the sum of
+        # times to about (out - w)/gap^2: where that is negligible, later engagements repeat this
         gap = -np.expm1(-found.exponent)
         if abs(out - w) <= 0.05 * rtol * gap * gap * w:
             return OK, _repeat(k, time, length, limit, clock, times, speeds), 0.0
@@ -83,7 +91,7 @@ def handoffs(calls, plain, cells, w, limit, rtol, clock, times, speeds):
 
 @inner_jit
 def _repeat(k, time, length, limit, clock, times, speeds):
-    """Repeat engagement k to the end or the limit; returns how many engagements there are."""
+    """Repeat engagement k to the end or the limit; returns the number of engagements."""
     for j in range(k + 1, times.size):
         passed = time + (j - k) * length
         times[j] = passed * clock

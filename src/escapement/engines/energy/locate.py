@@ -1,14 +1,15 @@
-"""Where in a panel something happens, and what the motion is there.
+"""The x of a reversal or an extremum in a panel, and the motion there and behind a reversal.
 
-Reversals and extrema are roots of values at the panel's points; what lies before and
-behind them follows from weights that interpolate to the place, and that integrate.
+Reversals are roots of X, extrema are roots of J theta_ddot; both are known at the panel's
+points. Two sets of weights at such an x interpolate a row of values there, and give its
+integral from the left end to there.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import contact, driving, free_gain
+from escapement.dynamics import contact, free_gain, net_torque
 from escapement.engines.energy.gauss import (
     BARYCENTRIC,
     FROM_LEFT,
@@ -21,25 +22,31 @@ from escapement.engines.energy.gauss import (
 )
 from escapement.engines.energy.panels import points_of, solution_of
 from escapement.engines.energy.sampling import (
-    EVERY_POINT,
-    MERGED,
-    NOTHING,
+    ALL_POINTS,
+    CLOSE_PAIR,
+    NEGLIGIBLE,
     contact_at,
-    dips,
-    driving_at,
     duration,
+    may_vanish,
+    net_torque_at,
 )
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 
-NEAR = 1e-4  # of a panel: a last step of Newton's beyond this is not trusted
+# A last step of Newton's method that is longer than this, in x, is due to rounding and left out.
+LARGEST_CORRECTION = 1e-4
 
 
 @inner_jit(reorders=True)
 def weights_to(work, x):
-    """Weights `at_x` that interpolate at x, and `from_left` for what vanishes at -1."""
+    """Fill the weights of the values at the points in the value at x.
+
+    Those of `at_x` are for any function. Those of `from_left` are for one that is zero at
+    x = -1, such as an integral from the left end, and keep its relative accuracy next to it.
+    """
     total = 0.0
     for i in range(points_of(work)):
+        # barycentric formula; at a point itself a tiny distance gives that point all the weight
         way = x - POINTS[i]
         weight = BARYCENTRIC[i] / (way if way != 0.0 else 1e-17)
         work.at_x[i] = weight
@@ -48,32 +55,36 @@ def weights_to(work, x):
     for i in range(points_of(work)):
         weight = work.at_x[i] * scale
         work.at_x[i] = weight
+        # interpolate f(x)/(1 + x), and multiply by 1 + x
         work.from_left[i] = weight * FROM_LEFT[i] * (1.0 + x)
 
 
 @inner_jit
-def locate(work, values, place, left, right, high):
-    """Where values at the points change sign between point `place` and the one before.
+def locate(work, values, point, left, right, high):
+    """Root of a function between `point` and the point before it.
 
-    `left` is the value at -1, `right` that at x = `high`, which bounds the last point.
+    `values` are those at the points, `left` is that at x = -1, and `right` is that at
+    x = `high`, the upper bound of the root where that comes before `point`.
 
     Returns
     -------
-    x, slope : the place, and the derivative of the values there.
+    x, slope : the root, and the derivative there.
     """
-    to_powers(values, work.series)
+    to_powers(values, work.scratch)
     low, value_low = -1.0, left
-    if place > 0:
-        low, value_low = POINTS[place - 1], values[place - 1]
+    if point > 0:
+        low, value_low = POINTS[point - 1], values[point - 1]
     value_high = right
-    if place < N and POINTS[place] < high:
-        high, value_high = POINTS[place], values[place]
+    if point < N and POINTS[point] < high:
+        high, value_high = POINTS[point], values[point]
+    # the first guess is the root of the chord
     x = low - value_low * (high - low) / (value_high - value_low)
     if not low <= x <= high:
         x = 0.5 * (low + high)
-    x, slope = root_between(work.series, x, low, high, value_low < 0.0)
-    if place == 0:
-        # so near the left end that the way from there should be accurate, not x
+    x, slope = root_between(work.scratch, x, low, high, value_low < 0.0)
+    if point == 0:
+        # so close to the left end, 1 + x has to be accurate and not only x: interpolate the
+        # difference from the value at the left end, which vanishes there
         for _ in range(2):
             weights_to(work, x)
             value = left
@@ -95,28 +106,30 @@ class Instant(NamedTuple):
 def reversal_at(scene, work, panel, side, x, slope, w):
     """Instant of a reversal located at x; `w` is that of the left end.
 
-    g may be rougher than what the panel was made for: it is evaluated, not interpolated.
+    The panel is only as fine as E needs, and g may be rougher: it is evaluated at x and not
+    interpolated.
     """
     count = points_of(work)
     if x <= -1.0:
         weights_to(work, -1.0)
         return Instant(panel.left, 0.0, w)
     weights_to(work, x)
-    cumulate(work.slowness, work.series)
+    cumulate(work.slowness, work.scratch)
     angle = panel.left + panel.half * (1.0 + x)
     g, _u, dg = transmission_at(scene.path, angle)
-    elapsed = dot(work.from_left, work.series, count)
+    elapsed = dot(work.from_left, work.scratch, count)
     w = dot(work.at_x, work.energy, count) / (scene.rho + g * g)
+    # one step of Newton's method on s X, as a part of the panel and then as an angle
     way = side * contact(g, dg, w, scene) / -slope
-    way = panel.half * (way if abs(way) < NEAR else 0.0)
-    # without a force the driver turns free
+    way = panel.half * (way if abs(way) < LARGEST_CORRECTION else 0.0)
+    # X = 0 means that there is no contact force: the driver turns free
     return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, scene))
 
 
-class Turned(NamedTuple):
-    """What a panel leads to that holds a reversal.
+class AfterReversal(NamedTuple):
+    """The motion at the right end of a panel that holds a reversal.
 
-    good : False where the panel is too coarse for this.
+    good : whether the panel is fine enough for it; otherwise it must be halved.
     energy, length : E at the right end; time from the left end there.
     exponent, source : of the affine map E_out = exp(-exponent) E_in + source up to there.
     """
@@ -129,18 +142,20 @@ class Turned(NamedTuple):
 
 
 @inner_jit
-def turn(scene, work, panel, side, reversal, strict, extrema, source):
-    """Go on with the other side's solution from the reversal to the right end.
+def pass_reversal(scene, work, panel, side, reversal, strict, extrema, source):
+    """Go from the reversal to the right end with the solution of the other side.
 
-    Both solutions are continued over the whole panel; the weights to the reversal
-    take of each the part that happens.
+    The solutions of both sides are smooth over the whole panel. The motion follows that of s
+    up to the reversal and that of -s behind it; the weights in the workspace, which are those
+    of the reversal, give both there.
 
     Parameters
     ----------
+    side : s before the reversal.
     reversal : the first point behind it.
     strict : tail allowed for values inside the panel.
     extrema : whether extrema of the driver speed matter.
-    source : of the map up to the left end, see `Turned`.
+    source : of the map up to the left end, see `AfterReversal`.
     """
     count = points_of(work)
     one, two = solution_of(panel, side), solution_of(panel, -side)
@@ -148,41 +163,46 @@ def turn(scene, work, panel, side, reversal, strict, extrema, source):
     alpha, beta = dot(work.at_x, one.alpha, count), dot(work.at_x, one.beta, count)
     other_alpha, other_beta = dot(work.at_x, two.alpha, count), dot(work.at_x, two.beta, count)
     b, other_b = dot(work.at_x, one.b, count), dot(work.at_x, two.b, count)
-    # the energy at the left end from which the other side would come here
+    # solve e = other_alpha E_left + other_beta: from this energy at the left end, the other
+    # side's solution has the energy e at the reversal
     fictive = (e - other_beta) / other_alpha
     bad = _run_behind(scene, work, panel, two, -side, fictive, reversal, extrema)
-    # the time of the other side, and what the part before the reversal differs by
-    cumulate(work.difference, work.series)
+    # the time is that of the other side over the whole panel, and up to the reversal the
+    # integral of the difference in dt/dx
+    cumulate(work.slowness_change, work.scratch)
     length, roughness = duration(work)
-    length += dot(work.from_left, work.series, count)
+    length += dot(work.from_left, work.scratch, count)
     e_right = two.alpha_end * fictive + two.beta_end
     w_right = e_right / (scene.rho + panel.exit.g**2)
     bad += not w_right > 0.0
     bad += _hides_more(scene, work, panel, side, w_right, reversal, extrema)
+    # compose the affine maps: to the reversal, back to the left end on the other side, and on
+    # to the right end; the reversal's own shift changes the result to second order only
     source = (alpha * source + beta - other_beta) / other_alpha
     source = two.alpha_end * source + two.beta_end
     good = bad == 0 and roughness <= max(strict, two.noise)
-    return Turned(good, e_right, length, b - other_b + two.b_end, source)
+    return AfterReversal(good, e_right, length, b - other_b + two.b_end, source)
 
 
 @inner_jit
 def _run_behind(scene, work, panel, solution, side, energy, reversal, extrema):
-    """Values of the side that carries the force behind a reversal; how many points are bad.
+    """Fill the workspace with the motion behind a reversal; returns the number of bad points.
 
-    Bad is a point without speed, and one behind the reversal where the force would change
-    sides again or the driver lose speed, which a panel with a reversal must not hold.
+    A point is bad where there is no speed. Behind the reversal it is also bad where the force
+    is back on the first side or, if extrema matter, where the driver slows down: a panel with
+    a reversal must hold neither of these.
     """
     bad = 0
-    apart = panel.half > MERGED
+    apart = panel.half > CLOSE_PAIR
     for i in range(points_of(work)):
-        w = (solution.alpha[i] * energy + solution.beta[i]) * panel.inverse[i]
-        slowness = panel.step[i] / np.sqrt(w)
-        work.difference[i] = work.slowness[i] - slowness
+        w = (solution.alpha[i] * energy + solution.beta[i]) * panel.inverse_inertia[i]
+        slowness = panel.dtheta_dx[i] / np.sqrt(w)
+        work.slowness_change[i] = work.slowness[i] - slowness
         work.slowness[i] = slowness
         c = -side * contact(panel.g[i], panel.dg[i], w, scene)
-        a = driving(panel.g[i], panel.u[i], panel.dg[i], w, side, scene)
+        a = net_torque(panel.g[i], panel.u[i], panel.dg[i], w, side, scene)
         work.contact[i] = c
-        work.rate[i] = a
+        work.net_torque[i] = a
         bad += not w > 0.0
         bad += apart and i >= reversal and c > 0.0
         bad += extrema and i >= reversal and a <= 0.0
@@ -191,19 +211,20 @@ def _run_behind(scene, work, panel, solution, side, energy, reversal, extrema):
 
 @inner_jit
 def _hides_more(scene, work, panel, side, w, reversal, extrema):
-    """How many signs there are of a further event between a reversal and the right end.
+    """Number of signs of a further event between a reversal and the right end.
 
-    `side` is that before the reversal, `w` that of the right end.
+    `side` is that before the reversal, and `w` is that at the right end.
     """
     c = side * contact_at(panel.exit, w, scene)
-    a = driving_at(panel.exit, -side, w, scene)
+    a = net_torque_at(panel.exit, -side, w, scene)
+    # the search begins one point later, because X passes through zero at the reversal itself
     rest, count = reversal + 1, points_of(work)
     more = 0
     more += extrema and a <= 0.0
-    if panel.half > MERGED:
-        nothing = NOTHING * (scene.rho + panel.entry.g**2)
+    if panel.half > CLOSE_PAIR:
+        negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
         more += c > 0.0
-        more += dips(work.contact, nothing, c, c, rest, EVERY_POINT, count)
+        more += may_vanish(work.contact, negligible, c, c, rest, ALL_POINTS, count)
         if extrema:
-            more += dips(work.rate, NOTHING, a, a, rest, EVERY_POINT, count)
+            more += may_vanish(work.net_torque, NEGLIGIBLE, a, a, rest, ALL_POINTS, count)
     return more

@@ -1,12 +1,12 @@
 """One engagement in the driver-angle domain, panel by panel.
 
-The march finds the panels too coarse for what it meets on the way (a reversal, an
-extremum, a start from rest, a near stop), halves them and goes on; the chain of
-panels is thus made by the scene, and later engagements reuse it.
+The march halves a panel that is too coarse for what it meets there (a reversal, an extremum,
+a start from rest, a near stop) and goes on with the left half. The scene thus makes the chain
+of panels as fine as it needs, and later engagements use the same chain again.
 
-A panel is passed in steps: `_choose` the panel and its solution, `_pass_over` it to its right
-end, `_check` it for extrema, `_note_inside` what happens in it, `_advance`. Every step but
-the last may find that the panel has to be halved first.
+A panel is passed in steps: `_choose` between it and the spare panel of a start, `_pass_over` it
+to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` what happens in it,
+and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first.
 """
 
 import numpy as np
@@ -19,10 +19,17 @@ from escapement.engines.energy.events import (
     note_extremum,
 )
 from escapement.engines.energy.gauss import N
-from escapement.engines.energy.locate import Instant, Turned, locate, reversal_at, turn, weights_to
+from escapement.engines.energy.locate import (
+    AfterReversal,
+    Instant,
+    locate,
+    pass_reversal,
+    reversal_at,
+    weights_to,
+)
 from escapement.engines.energy.panels import (
-    FIRST,
-    LAST,
+    CHAIN_END,
+    FIRST_PANEL,
     MAX_PANELS,
     NO_PANELS,
     SMALLEST,
@@ -34,83 +41,90 @@ from escapement.engines.energy.panels import (
 )
 from escapement.engines.energy.passage import (
     NOWHERE,
+    Detail,
     Engagement,
     Extremum,
     Inside,
     Passage,
-    Record,
     State,
 )
 from escapement.engines.energy.sampling import (
-    EVERY_POINT,
-    MERGED,
-    NO_POINT,
-    NOTHING,
+    ALL_POINTS,
+    CLOSE_PAIR,
+    FIRST_POINT,
+    NEGLIGIBLE,
     clearly_against,
     contact_at,
-    dips,
-    driving_at,
     duration,
     find_extremum,
     first_against,
-    run_over,
+    may_vanish,
+    net_torque_at,
+    sample_panel,
 )
 from escapement.engines.energy.solve import solve_side
-from escapement.engines.energy.start import begin, braking
+from escapement.engines.energy.start import slope_of_w, solve_start
 from escapement.jit import inner_jit
 from escapement.status import Status
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
-SLOW = 1e-8  # energy over that gained in a panel, below which the panel is one of a start
-NEARLY_STOPPED = 4e-13  # half width [rad] of a panel in which a stop is taken as even braking
-NEAR_STOP = 0.1  # share of the tolerance for times, whose errors have one sign near a stop
-MANY = 128  # panels, more than one engagement needs
+# A panel is one of a start where E at its left end is at most this share of what it gains.
+START_SHARE = 1e-8
+# In a panel of at most this half width [rad] the deceleration before a stop is constant.
+SHORTEST_STOP = 4e-13
+# Times get this share of the tolerance, because near a stop the errors of all panels have the
+# same sign and add up.
+TIME_SHARE = 0.1
+# One engagement needs fewer panels than this and two for every edge.
+TOO_MANY_PANELS = 128
 
 
 @inner_jit
 def march(scene, cells, store, count, request, w, side, rising, events, used):
-    """Advance from entry to exit of one engagement.
+    """March from the entry to the exit of one engagement.
 
     Parameters
     ----------
     scene : Scene
     cells : as `tabulate_cells` makes them for the scene's path.
-    store, count : memory, and panels in use. The chain starts with panel 0. It is laid out
-        where there is none, and anew where the events of many engagements, each elsewhere,
-        left too many.
+    store, count : memory, and number of panels in use. The chain is laid out where there is
+        none. It is laid out anew where it has grown too long, as many engagements whose
+        reversals lie at different angles make it.
     request : Request
     w : squared driver speed at entry.
-    side, rising : side of the slot (0: find out), and sign of the acceleration
-        before the entry (0: none).
-    events, used : array of `EVENT` to be filled from row `used` on; too short a one
-        ends the march.
+    side, rising : s at the entry, or 0 to have it found; and the sign of theta_ddot before the
+        entry, 0 where nothing came before.
+    events, used : array of `EVENT` to be filled from row `used` on. The march ends with
+        NOT_CONVERGED when the array is full.
 
     Returns
     -------
     Engagement
     """
-    if count == NO_PANELS or count > MANY + 2 * scene.edges.size:
+    if count == NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
         count = lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
-    state = _enter(scene, store.panels[FIRST], w, side, rising, used)
-    if w == 0.0 and driving_at(store.panels[FIRST].entry, state.side, 0.0, scene) <= 0.0:
-        return _found(STALL, state, store.panels[FIRST].left, 0.0, count)
-    while state.place != LAST:
-        chained = store.panels[state.place]
-        starting = _prepare(scene, work, chained, state, request)
-        panel = work.start if starting else chained
+    state = _enter(scene, store.panels[FIRST_PANEL], w, side, rising, used)
+    # a driver at rest that is not accelerated stays at rest
+    if w == 0.0 and net_torque_at(store.panels[FIRST_PANEL].entry, state.side, 0.0, scene) <= 0.0:
+        return _found(STALL, state, store.panels[FIRST_PANEL].left, 0.0, count)
+    while state.panel != CHAIN_END:
+        chained = store.panels[state.panel]
+        starting = _choose(scene, work, chained, state, request)
+        panel = work.spare if starting else chained
         passage = _pass_over(scene, work, panel, starting, state, request)
         if passage.stalled:
             return _found(STALL, state, passage.angle, passage.time, count)
-        if not passage.split and request.record > Record.TIME:
+        # the events of the left end come before those of the inside, in the order of time
+        if not passage.split and request.detail > Detail.TIME:
             state = _note_left_end(scene, chained, state, events)
         extremum = _check(scene, work, panel, starting, state, passage, request)
         inside = _note_inside(scene, work, panel, state, passage, extremum, request, events)
         if inside.split:
             if count >= MAX_PANELS or panel.half < SMALLEST:
                 return _found(NOT_CONVERGED, state, 0.0, state.time, count)
-            count = halve(scene, cells, store, state.place, count)
+            count = halve(scene, cells, store, state.panel, count)
             continue
         state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
@@ -120,7 +134,7 @@ def march(scene, cells, store, count, request, w, side, rising, events, used):
 
 @inner_jit(inlined=True)
 def _found(status, state, angle, time, count):
-    """What the march found, where it ends with `state`."""
+    """The result of a march that ends with `state`."""
     return Engagement(
         status, state.w, angle, time, state.exponent, state.source, state.side, state.rising,
         count, state.used,
@@ -129,22 +143,23 @@ def _found(status, state, angle, time, count):
 
 @inner_jit(inlined=True)
 def _enter(scene, panel, w, side, rising, used):
-    """State at the entry, at the left end of the first panel."""
+    """State at the entry, which is the left end of the first panel."""
     end = panel.entry
     if side == 0.0:
         side = side_at(end.g, end.dg, w, scene)
     energy = w * (scene.rho + end.g**2)
-    return State(FIRST, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
+    return State(FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
 
 
 @inner_jit(inlined=True)
-def _prepare(scene, work, panel, state, request):
-    """Have a panel solved for the side at hand; whether the start's panel takes its place."""
+def _choose(scene, work, panel, state, request):
+    """Solve a panel for side s; returns whether the spare panel of a start takes its place."""
     solution = solution_of(panel, state.side)
     if state.w > 0.0 and solution.tail == UNSOLVED:
         solve_side(scene, work, panel, state.side)
-    if state.w == 0.0 or state.energy <= SLOW * solution.beta_end:
-        return begin(scene, work, panel, state.side, state.w, request.strict)
+    # 1/sqrt(w) is singular at rest, and nearly so where E is small against what the panel adds
+    if state.w == 0.0 or state.energy <= START_SHARE * solution.beta_end:
+        return solve_start(scene, work, panel, state.side, state.w, request.strict)
     return False
 
 
@@ -154,86 +169,93 @@ def _pass_over(scene, work, panel, starting, state, request):
     side, w = state.side, state.w
     solution = solution_of(panel, side)
     tail = solution.tail
+    # E at the right end, and s X at both ends: their signs say which side carries the force
     energy = solution.alpha_end * state.energy + solution.beta_end
     w_right = energy / (scene.rho + panel.exit.g**2)
     right = side * contact_at(panel.exit, w_right, scene)
     left = side * contact_at(panel.entry, w, scene)
-    # next to rest an error of the energy counts in full
+    # in a start all energy comes from this panel, so that its error is the error of E itself
     split = tail > (request.strict if starting else request.loose)
-    time, slower, reversal = state.time, NO_POINT, NOWHERE
-    # where only the map is asked for, the right end says whether more has to be known
-    if split or (request.record == Record.MAP and right > 0.0 and w_right > 0.0):
-        return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slower, left)
-    against, stopped, slower = run_over(scene, work, panel, solution, side, state.energy)
+    time, slowing, reversal = state.time, np.int64(0), NOWHERE
+    # the map alone needs no values inside, unless the right end shows a reversal or a stop
+    if split or (request.detail == Detail.MAP and right > 0.0 and w_right > 0.0):
+        return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
+    against, stopped, slowing = sample_panel(scene, work, panel, solution, side, state.energy)
+    # at the stop of a mesh the sign of X is rounding, and would look like many reversals
     if starting and against > 0:
         against = clearly_against(work)
     if stopped > 0 or not w_right > 0.0:
-        if against == 0 and panel.half <= NEARLY_STOPPED:
-            way = -w / braking(scene, panel, side, w)
+        if against == 0 and panel.half <= SHORTEST_STOP:
+            # with constant deceleration w falls linearly to zero, and the time is 2 way/sqrt(w)
+            way = -w / slope_of_w(scene, panel, side, w)
             time += 2.0 * way / np.sqrt(w)
             angle = panel.left + way
-            return Passage(False, True, angle, energy, w, right, time, reversal, slower, left)
-        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slower, left)
-    nothing = NOTHING * (scene.rho + panel.entry.g**2)
+            return Passage(False, True, angle, energy, w, right, time, reversal, slowing, left)
+        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
+    negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
     if against > 0 or right <= 0.0:
         split, reversal = _single_reversal(
-            work, panel, against, left, right, nothing, starting or tail > request.strict
+            work, panel, against, left, right, negligible, starting or tail > request.strict
         )
     if not split:
         passed, split = _time_over(
-            work, panel, solution.noise, w, w_right, left, right, nothing, reversal, request
+            work, panel, solution.noise, w, w_right, left, right, negligible, reversal, request
         )
         time += passed
-    return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slower, left)
+    return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
 
 
 @inner_jit(inlined=True)
-def _single_reversal(work, panel, against, left, right, nothing, rough):
-    """Whether a panel must be halved to hold one reversal, and the first point behind that.
+def _single_reversal(work, panel, against, left, right, negligible, rough):
+    """Whether a panel must be halved for its reversals, and the first point behind the one left.
 
-    A panel may hold one reversal: behind it all is on the other side. `rough` panels
-    may hold none.
+    A panel may hold one reversal, so that s X <= 0 at all points behind it and at the right
+    end. A panel that is `rough` may hold none, since values inside it are not accurate.
     """
     reversal = first_against(work)
     split = rough or N - reversal != against or right > 0.0
     count = points_of(work)
-    split = split or dips(work.contact, nothing, left, right, NO_POINT, reversal, count)
-    if split and panel.half <= MERGED:
-        # so close a pair does nothing; of one the order of points is rounding
+    split = split or may_vanish(work.contact, negligible, left, right, FIRST_POINT, reversal, count)
+    if split and panel.half <= CLOSE_PAIR:
+        # in so short a panel a pair of reversals changes nothing; a single one is kept, though
+        # rounding may have mixed the signs at the points
         return False, reversal if right <= 0.0 else NOWHERE
     return split, reversal
 
 
 @inner_jit(inlined=True)
-def _time_over(work, panel, noise, w, w_right, left, right, nothing, reversal, request):
+def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal, request):
     """Time over a panel up to its right end, and whether the panel must be halved first."""
+    # time = int theta'/sqrt(w) dx
     passed, roughness = duration(work)
-    limit = request.strict if reversal >= 0 else NEAR_STOP * request.loose
+    limit = request.strict if reversal >= 0 else TIME_SHARE * request.loose
     split = roughness > max(limit, noise)
     if reversal >= 0:
         return passed, split
-    if split and panel.half <= NEARLY_STOPPED:
-        # next to a stop: so short a way is braked evenly
+    if split and panel.half <= SHORTEST_STOP:
+        # next to a stop the deceleration is constant over so short a way: the time is the
+        # angle over the mean speed
         return 4.0 * panel.half / (np.sqrt(w) + np.sqrt(w_right)), False
-    if not split and panel.half > MERGED:
+    if not split and panel.half > CLOSE_PAIR:
         count = points_of(work)
-        split = dips(work.contact, nothing, left, right, NO_POINT, EVERY_POINT, count)
+        split = may_vanish(work.contact, negligible, left, right, FIRST_POINT, ALL_POINTS, count)
     return passed, split
 
 
 @inner_jit(inlined=True)
 def _note_left_end(scene, panel, state, events):
-    """Note a break of the mechanism, and an extremum at a corner of the speed."""
+    """Note a break of the mechanism, and an extremum where theta_ddot jumps through zero."""
     used, rising = state.used, state.rising
-    if panel.kink and not state.kink_noted:
+    if panel.kink and not state.left_noted:
         used = note(events, used, np.int64(EventKind.BREAK), panel.left, state.time, state.w)
-    now = driving_at(panel.entry, state.side, state.w, scene)
+    # |u| has a kink and s has changed at such places, so that theta_ddot may change its sign
+    now = net_torque_at(panel.entry, state.side, state.w, scene)
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:
         rising = np.sign(now)
     return State(
-        state.place, state.w, state.energy, state.side, rising, state.time, state.exponent,
+        state.panel, state.w, state.energy, state.side, rising, state.time, state.exponent,
         state.source, used, True,
     )  # fmt: skip
 
@@ -243,39 +265,41 @@ def _check(scene, work, panel, starting, state, passage, request):
     """Look for an extremum of the driver speed in a panel, up to its reversal if it has one."""
     side, energy = state.side, state.energy
     first, final, point, split = 1.0, 1.0, NOWHERE, passage.split
-    if not split and request.record > Record.TIME:
-        first = driving_at(panel.entry, side, state.w, scene)
+    if not split and request.detail > Detail.TIME:
+        first = net_torque_at(panel.entry, side, state.w, scene)
         last = passage.reversal
-        # on a reversal the driver turns free of the follower and gains speed
+        # at a reversal X = 0, so that J theta_ddot = J/rho > 0: there `final` stays 1
         if last < 0:
-            final, last = driving_at(panel.exit, side, passage.w, scene), EVERY_POINT
-        slower, changes = passage.slower, 0
-        gains = slower == 0 and first > 0.0 and final > 0.0
-        if not gains and not (slower == N and first < 0.0 and final < 0.0):
-            changes, point = find_extremum(work.rate, last, first, final)
+            final, last = net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
+        slowing, changes = passage.slowing, 0
+        # one sign at all points and at both ends means that there is nothing to find
+        gains = slowing == 0 and first > 0.0 and final > 0.0
+        if not gains and not (slowing == N and first < 0.0 and final < 0.0):
+            changes, point = find_extremum(work.net_torque, last, first, final)
+        # a panel may hold one extremum, and the spare panel of a start may hold none
         split = changes > 1 or (changes == 1 and starting)
-        if not split and panel.half > MERGED:
+        if not split and panel.half > CLOSE_PAIR:
             count = points_of(work)
-            split = dips(work.rate, NOTHING, first, final, NO_POINT, last, count)
+            split = may_vanish(work.net_torque, NEGLIGIBLE, first, final, FIRST_POINT, last, count)
     coarse = solution_of(panel, side).tail > request.strict
     return Extremum(split, point, first, final, state.time, energy, side, coarse)
 
 
 @inner_jit(inlined=True)
 def _note_inside(scene, work, panel, state, passage, extremum, request, events):
-    """Note a panel's extremum and its reversal, and go on behind that on the other side."""
+    """Note the extremum and the reversal of a panel, and pass the reversal to the other side."""
     used, split, reversal = state.used, extremum.split, passage.reversal
-    turned = Turned(True, passage.energy, 0.0, 0.0, 0.0)
+    after_reversal = AfterReversal(True, passage.energy, 0.0, 0.0, 0.0)
     if split or (reversal < 0 and extremum.point < 0):
-        return Inside(split, used, turned)
+        return Inside(split, used, after_reversal)
     x, slope = 1.0, 0.0
     if reversal >= 0:
         other = solution_of(panel, -state.side)
         if other.tail == UNSOLVED:
             solve_side(scene, work, panel, -state.side)
         if other.tail > request.strict:
-            return Inside(True, used, turned)
-        # rounding alone may have it that the force is on the other side all along
+            return Inside(True, used, after_reversal)
+        # with s X <= 0 at the left end already, which is rounding, the reversal lies there
         x = -1.0
         if passage.left_contact > 0.0:
             left, right = passage.left_contact, passage.contact
@@ -285,32 +309,34 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         used = note_extremum(scene, events, used, kind, work, panel, extremum, x)
     if reversal >= 0:
         instant = Instant(np.nan, np.nan, np.nan)
-        if request.record == Record.EVERYTHING:
+        if request.detail == Detail.EVERYTHING:
             instant = reversal_at(scene, work, panel, state.side, x, slope, state.w)
         else:
-            # an error of the place changes energy and time by its square alone
+            # E and time change with the square of an error of x only, so x needs no correction
             weights_to(work, x)
         time = state.time + instant.elapsed
         kind = np.int64(EventKind.REVERSAL)
         used = note(events, used, kind, instant.angle, time, instant.w)
-        extrema = request.record > Record.TIME
-        turned = turn(
+        extrema = request.detail > Detail.TIME
+        after_reversal = pass_reversal(
             scene, work, panel, state.side, reversal, request.strict, extrema, state.source
         )
-    return Inside(not turned.good, used, turned)
+    return Inside(not after_reversal.good, used, after_reversal)
 
 
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """State at the right end of a panel, which is the left end of the one at `following`."""
+    # behind a reversal the driver gains speed, see `_check`, so that `rising` is 1
     if passage.reversal >= 0:
-        turned = inside.turned
-        w = turned.energy / (scene.rho + panel.exit.g**2)
+        after = inside.after_reversal
+        w = after.energy / (scene.rho + panel.exit.g**2)
         return State(
-            following, w, turned.energy, -state.side, 1.0, state.time + turned.length,
-            state.exponent + turned.exponent, turned.source, inside.used, False,
+            following, w, after.energy, -state.side, 1.0, state.time + after.length,
+            state.exponent + after.exponent, after.source, inside.used, False,
         )  # fmt: skip
     solution = solution_of(panel, state.side)
+    # the affine map of the panel is composed with that up to its left end
     rising = -state.rising if extremum.point >= 0 else state.rising
     return State(
         following, passage.w, passage.energy, state.side, rising, passage.time,

@@ -1,12 +1,13 @@
-"""Panels: an engagement cut into pieces on which the energy equation is solved.
+"""Panels: an engagement cut into parts on which the energy equation is solved.
 
-Values live at 16 Gauss points, x in [-1, 1] from the left end of a panel to its right end.
-Integrals over a whole panel converge twice as fast as interpolation inside it; a panel
-records the size of its last Legendre coefficients, its tails, and is halved when what is
-asked of it needs better.
+A panel holds values at 16 Gauss points, x in [-1, 1] from its left end to its right end.
+The tail of a function on a panel is the size of its last two Legendre coefficients, which
+estimates the error of interpolating it. Integrals over the whole panel converge twice as fast
+as interpolation inside it, so they tolerate a larger tail. A panel is halved when its tail is
+too large for what is asked of it.
 
-The panels of an engagement form a chain from left to right. What is evaluated on one panel
-at a time lies in a record of its own, the workspace.
+The panels of an engagement form a chain from left to right. The workspace is one record for
+the values that are needed on a single panel at a time.
 """
 
 from typing import NamedTuple
@@ -16,74 +17,79 @@ import numpy as np
 from escapement.engines.energy.gauss import POINTS, N, tail_of
 from escapement.engines.energy.records import (
     END,
+    FLAG,
     NUMBER,
     ROW,
-    TRUTH,
     WHOLE,
     copy_end,
     copy_row,
-    put_end,
-    record,
+    fill_end,
+    record_dtype,
 )
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_on
 
-SOLUTION = record(
+SOLUTION = record_dtype(
     {
-        # E(x) = alpha E_left + beta with alpha = exp(-b), b the integral of B; at the points
+        # at the points: E(x) = alpha E_left + beta with alpha = exp(-b) and b = int B
         **dict.fromkeys(("alpha", "beta", "b"), ROW),
         # the same three at the right end
         **dict.fromkeys(("alpha_end", "beta_end", "b_end"), NUMBER),
-        # size of the last coefficients, UNSOLVED before they are known, and their rounding
+        # relative tail of the solution, UNSOLVED before there is one, and its rounding error
         **dict.fromkeys(("tail", "noise"), NUMBER),
     }
 )
 """Solution of the energy equation on a panel for one side of the slot."""
 
-PANEL = record(
+PANEL = record_dtype(
     {
         **dict.fromkeys(("left", "half"), NUMBER),  # driver angle of the left end, half the width
-        "next": WHOLE,  # panel to its right, LAST if there is none
-        "kink": TRUTH,  # whether the left end is a break of the mechanism
-        **dict.fromkeys(("interval", "cell"), WHOLE),  # where the mechanism's cells have it
+        "next": WHOLE,  # index of the panel to its right, CHAIN_END if there is none
+        "kink": FLAG,  # whether |u| has a kink at the left end, as at dead centre
+        **dict.fromkeys(("interval", "cell"), WHOLE),  # indices of its geometry in the cells
         **dict.fromkeys(("g", "u", "dg"), ROW),  # g, |u| and g' at the points
-        "inverse": ROW,  # 1/(rho + g^2) at the points
-        "sharp": NUMBER,  # size of the last coefficients of `inverse`, relative
-        "step": ROW,  # driver angle by x at the points
+        "inverse_inertia": ROW,  # 1/(rho + g^2) at the points
+        "geometry_tail": NUMBER,  # relative tail of 1/(rho + g^2)
+        "dtheta_dx": ROW,  # theta' = dtheta/dx at the points
         **dict.fromkeys(("entry", "exit"), END),  # g, |u| and g' at the left and the right end
         **dict.fromkeys(("plus", "minus"), SOLUTION),  # for the sides s = +1 and -1
     }
 )
 """A panel: its geometry, and its solution for either side of the slot."""
 
-WORKSPACE = record(
+WORKSPACE = record_dtype(
     {
         "points": WHOLE,  # N, see `points_of`
-        # E, w, X by s, J theta_ddot and dt/dx at the points of the panel at hand
-        **dict.fromkeys(("energy", "w", "contact", "rate", "slowness"), ROW),
-        "difference": ROW,  # of the slowness on the two sides of a reversal
-        "series": ROW,  # a power series, points of a panel to be laid out, or times
+        # E, w, s X, J theta_ddot and dt/dx = theta'/sqrt(w) at the points
+        **dict.fromkeys(("energy", "w", "contact", "net_torque", "slowness"), ROW),
+        "slowness_change": ROW,  # dt/dx before a reversal less that behind it
+        "scratch": ROW,  # passed from one step to the next: points, or integrals
         **dict.fromkeys(("at_x", "from_left"), ROW),  # weights of `locate.weights_to`
         **dict.fromkeys(("decay", "gain"), ROW),  # B and A by x while a panel is being solved
-        "start": PANEL,  # the panel a motion starts in, over the square root of the angle
+        "spare": PANEL,  # a panel outside the chain, for a start and for refined events
     }
 )
-"""What is evaluated on one panel at a time."""
+"""Values that are needed on one panel at a time."""
 
 
 class Store(NamedTuple):
-    """Memory of a march: records of `PANEL`, of which panel 0 is the first, and one workspace."""
+    """Memory of a march: records of `PANEL`, whose chain begins at index 0, and one workspace."""
 
     panels: np.ndarray
     workspace: np.ndarray
 
 
 UNSOLVED = -1.0
-FIRST, LAST = np.int64(0), np.int64(-1)  # int64: for a plain constant numba compiles users anew
+# A Python integer would have a type of its own in Numba, which would compile every kernel that
+# is given one a second time; these have the type of all other integers in kernels.
+FIRST_PANEL, CHAIN_END = np.int64(0), np.int64(-1)
+NO_PANELS = np.int64(0)
 MAX_PANELS = np.int64(2048)
-NO_PANELS = np.int64(0)  # have been laid out yet
-COARSE = 0.1  # of the tail allowed: what is solved for is rougher than its coefficients
-SMALLEST = 1e-13  # half width [rad] below which no panel is halved
+# The tail of 1/(rho + g^2) must be below this share of the tail allowed, because A, B and E
+# are rougher than the geometry from which they are made.
+GEOMETRY_SHARE = 0.1
+# A panel of a smaller half width [rad] is not halved.
+SMALLEST = 1e-13
 
 
 @inner_jit(allocates=True)
@@ -96,41 +102,42 @@ def new_store(most):
 
 @inner_jit
 def points_of(work):
-    """N, unknown to the compiler, which makes vector code of loops of such a length."""
+    """N as a number that the compiler does not know, so that loops over it become vector code."""
     return work.points & N
 
 
 @inner_jit
 def solution_of(panel, side):
-    """Solution of a panel for a side of the slot."""
+    """Solution of a panel for the side s of the slot."""
     return panel.plus if side > 0.0 else panel.minus
 
 
 @inner_jit
-def at_gauss_points(work):
-    """Have `survey` fill an ordinary panel."""
+def choose_gauss_points(work):
+    """Put the Gauss points into the row from which `evaluate_geometry` takes its points."""
     for i in range(N):
-        work.series[i] = POINTS[i]
+        work.scratch[i] = POINTS[i]
 
 
 @inner_jit
-def survey(work, panel, path, rho, left, right):
-    """Fill the geometry of a panel at the points in `work.series`, from -1 to 1."""
+def evaluate_geometry(work, panel, path, rho, left, right):
+    """Evaluate g, |u| and g' of a panel at the points x in `work.scratch`, and at its ends."""
     half = 0.5 * (right - left)
     panel.left = left
     panel.half = half
-    transmission_on(path, left, half, work.series, points_of(work), panel.g, panel.u, panel.dg)
-    put_end(panel.entry, path, left)
-    put_end(panel.exit, path, right)
-    complete(panel, rho, points_of(work))
+    transmission_on(path, left, half, work.scratch, points_of(work), panel.g, panel.u, panel.dg)
+    fill_end(panel.entry, path, left)
+    fill_end(panel.exit, path, right)
+    finish_geometry(panel, rho, points_of(work))
 
 
 @inner_jit
-def recall(work, panel, path, cells, rho, left, right):
-    """Fill the geometry of a panel from the mechanism's cells where they have it."""
+def fill_geometry(work, panel, path, cells, rho, left, right):
+    """Fill the geometry of a panel from the mechanism's cells, or evaluate it."""
+    # the cells hold only the first halvings of an interval
     if panel.cell >= cells.shape[1]:
-        at_gauss_points(work)
-        survey(work, panel, path, rho, left, right)
+        choose_gauss_points(work)
+        evaluate_geometry(work, panel, path, rho, left, right)
         return
     cell = cells[panel.interval, panel.cell]
     panel.left = left
@@ -141,42 +148,44 @@ def recall(work, panel, path, cells, rho, left, right):
     copy_row(panel.dg, cell.dg, count)
     copy_end(panel.entry, cell.entry)
     copy_end(panel.exit, cell.exit)
-    complete(panel, rho, points_of(work))
+    finish_geometry(panel, rho, points_of(work))
 
 
 @inner_jit
-def complete(panel, rho, count):
-    """Fill what follows from the transmission and the half width; it is not solved yet."""
+def finish_geometry(panel, rho, count):
+    """Fill what follows from g and the half width, and mark both sides as unsolved."""
     half = panel.half
     for i in range(count & N):
-        panel.inverse[i] = 1.0 / (rho + panel.g[i] * panel.g[i])
-        panel.step[i] = half
-    largest = max(panel.inverse[0], panel.inverse[N - 1])
-    panel.sharp = tail_of(panel.inverse, count) / largest
+        panel.inverse_inertia[i] = 1.0 / (rho + panel.g[i] * panel.g[i])
+        panel.dtheta_dx[i] = half
+    # where |g| only rises or only falls, 1/(rho + g^2) is greatest at one of the end points
+    largest = max(panel.inverse_inertia[0], panel.inverse_inertia[N - 1])
+    panel.geometry_tail = tail_of(panel.inverse_inertia, count) / largest
     panel.plus.tail = UNSOLVED
     panel.minus.tail = UNSOLVED
 
 
 @inner_jit
-def halve(scene, cells, store, place, count):
-    """Split the panel at `place` in two; returns the new number of panels.
+def halve(scene, cells, store, index, count):
+    """Split the panel at `index` in two; returns the new number of panels.
 
-    The left half keeps the place, the right half gets place `count` and follows it
-    in the chain.
+    The left half keeps its index. The right half gets the index `count` and follows the left
+    one in the chain.
     """
     work = store.workspace[0]
-    panel, new = store.panels[place], store.panels[count]
+    panel, new = store.panels[index], store.panels[count]
     left = panel.left
     middle = left + panel.half
     right = left + 2.0 * panel.half
-    # a break of the mechanism keeps its exact angle
-    if panel.next != LAST:
+    # the sum may round, but an edge of the scene must keep its exact angle
+    if panel.next != CHAIN_END:
         right = store.panels[panel.next].left
+    # the halves of cell k are the cells 2k and 2k + 1
     new.interval = panel.interval
     new.cell = 2 * panel.cell + 1
     panel.cell = 2 * panel.cell
-    recall(work, panel, scene.path, cells, scene.rho, left, middle)
-    recall(work, new, scene.path, cells, scene.rho, middle, right)
+    fill_geometry(work, panel, scene.path, cells, scene.rho, left, middle)
+    fill_geometry(work, new, scene.path, cells, scene.rho, middle, right)
     new.next = panel.next
     panel.next = count
     new.kink = False
@@ -185,33 +194,36 @@ def halve(scene, cells, store, place, count):
 
 @inner_jit
 def lay_out(scene, cells, store, loose):
-    """First panels of an engagement, fine enough for its geometry; returns their number."""
+    """Lay out the chain of an engagement, fine enough for its geometry; returns its length."""
     edges = scene.edges
     intervals = edges.size - 1
     for k in range(intervals):
         panel = store.panels[k]
-        panel.next = k + 1 if k + 1 < intervals else LAST
-        # a corner of a table is none of the friction in a slot
+        panel.next = k + 1 if k + 1 < intervals else CHAIN_END
+        # at a break of a slotted path |u| has a kink; at the corner of a table it has none
         panel.kink = k > 0 and not scene.path.table
         panel.interval = k
         panel.cell = 1
-        recall(store.workspace[0], panel, scene.path, cells, scene.rho, edges[k], edges[k + 1])
+        fill_geometry(
+            store.workspace[0], panel, scene.path, cells, scene.rho, edges[k], edges[k + 1]
+        )
     count = intervals
-    place = FIRST
-    while place != LAST:
-        while store.panels[place].sharp > COARSE * loose and count < MAX_PANELS // 8:
-            count = halve(scene, cells, store, place, count)
-        place = store.panels[place].next
+    # an eighth of the memory at most is used here, and the march needs the rest
+    index, limit = FIRST_PANEL, GEOMETRY_SHARE * loose
+    while index != CHAIN_END:
+        while store.panels[index].geometry_tail > limit and count < MAX_PANELS // 8:
+            count = halve(scene, cells, store, index, count)
+        index = store.panels[index].next
     return count
 
 
 @inner_jit
 def tolerances(rtol):
-    """Tails allowed in panels for a relative error: whole panel, and inside.
+    """Tails `loose` and `strict` that a panel may have for a relative error of `rtol`.
 
-    Measured on random scenes the error is at most a hundredth of the square of
-    the first and a twentieth of the second. Beyond 1e-8 that no longer holds of every
-    scene, and next to nothing would be saved.
+    The first is for integrals over whole panels, the second for values inside. Measured on
+    random scenes, the error is at most a hundredth of the square of `loose` and a twentieth
+    of `strict`. For an rtol above 1e-8 some scenes break that rule, and little time is saved.
     """
     rtol = min(rtol, 1e-8)
     return 3.0 * np.sqrt(rtol), max(15.0 * rtol, 1e-14)

@@ -1,25 +1,22 @@
-"""What a march is asked for, where it stands, and what it finds: its records.
-
-The steps of `march` hand these on; all of them are named tuples of plain numbers.
-"""
+"""The named tuples that the steps of a march hand on: its request, its state, its results."""
 
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.engines.energy.locate import Turned
+from escapement.engines.energy.locate import AfterReversal
 
 NOWHERE = np.int64(-1)
-"""Stands for a point where there is none."""
+"""The index of a point where there is none."""
 
 
-class Record(IntEnum):
-    """What a march is asked for, each with all before it.
+class Detail(IntEnum):
+    """How much a march is asked for; each member includes those before it.
 
-    MAP: the map from w at entry to w at exit, blind for a pair of reversals inside a panel.
-    TIME: also the time. EXTREMA: also the extrema of the driver speed, and how many reversals
-    there are. EVERYTHING: also where and when they are.
+    MAP: the map from w at entry to w at exit. It misses a pair of reversals inside one panel.
+    TIME: the time as well, and such pairs. EXTREMA: the extrema of the driver speed as well,
+    and the number of reversals. EVERYTHING: the angles and times of the reversals as well.
     """
 
     MAP = 0
@@ -29,30 +26,33 @@ class Record(IntEnum):
 
 
 class Request(NamedTuple):
-    """What a march is asked for.
+    """What a march is asked for, and how accurately.
 
-    record : a `Record`.
-    loose, strict : tail allowed in a panel for whole-panel integrals, and for values
-        inside it, as `panels.tolerances` gives them.
+    detail : a `Detail`.
+    loose, strict : tails allowed in a panel for integrals over the whole panel, and for
+        values inside it, as `panels.tolerances` gives them.
     """
 
-    record: int
+    detail: int
     loose: float
     strict: float
 
 
 class State(NamedTuple):
-    """Where a march stands: at the left end of a panel.
+    """The motion at the left end of the panel that a march has reached.
 
-    place : of the panel in the store.
+    panel : index of the panel in the store.
     w, energy : theta_dot^2, and E = (rho + g^2) w.
-    side : of the slot, s. rising : sign of the acceleration before, 0 where there is none.
+    side : s, the side of the slot that carries the force.
+    rising : sign of theta_ddot just before, 0 where nothing came before.
     time : since the entry.
-    exponent, source : of the map E = exp(-exponent) E_entry + source to here.
-    used : how many events are noted. kink_noted : whether that of the left end is among them.
+    exponent, source : of the affine map E = exp(-exponent) E_entry + source to here.
+    used : number of events noted.
+    left_noted : whether the events of this left end are among them, as they are when the
+        panel is halved and entered again.
     """
 
-    place: int
+    panel: int
     w: float
     energy: float
     side: float
@@ -61,19 +61,19 @@ class State(NamedTuple):
     exponent: float
     source: float
     used: int
-    kink_noted: bool
+    left_noted: bool
 
 
 class Passage(NamedTuple):
-    """What one panel does to the motion.
+    """The motion over one panel.
 
-    split : whether it must be halved first.
+    split : whether the panel must be halved first, so that nothing else here counts.
     stalled : whether the motion ends inside it, at driver angle `angle` [rad].
-    energy, w, contact : E, w and X by s at the right end.
+    energy, w, contact : E, w and s X at the right end.
     time : from the entry to the right end, or to the stall.
     reversal : first point behind a pin reversal, `NOWHERE` without one.
-    slower : points where the driver gains no speed.
-    left_contact : X by s at the left end.
+    slowing : number of points at which theta_ddot <= 0.
+    left_contact : s X at the left end.
     """
 
     split: bool
@@ -84,18 +84,18 @@ class Passage(NamedTuple):
     contact: float
     time: float
     reversal: int
-    slower: int
+    slowing: int
     left_contact: float
 
 
 class Extremum(NamedTuple):
-    """An extremum of the driver speed that a panel holds.
+    """The extremum of the driver speed that a panel holds, if it holds one.
 
     split : whether the panel must be halved first.
-    point : the point behind it, `NOWHERE` without one.
+    point : the point behind the extremum, `NOWHERE` without one.
     first, final : J theta_ddot at the left end, and at the right end or reversal.
-    time, energy, side : of the left end.
-    coarse : whether the panel is too coarse to be interpolated.
+    time, energy, side : time since the entry and E at the left end, and s.
+    coarse : whether the panel is too coarse for interpolation inside it.
     """
 
     split: bool
@@ -109,15 +109,17 @@ class Extremum(NamedTuple):
 
 
 class Engagement(NamedTuple):
-    """What a march finds.
+    """The result of a march over one engagement.
 
-    status : of `Status`.
-    w : at the exit. angle : driver angle of a stall [rad].
-    time : from entry to exit, or stall.
-    exponent, source : w_out (rho + g_out^2) = exp(-exponent) w_in (rho + g_in^2) + source for
-        the sides switched at the same angles.
-    side, rising : at the exit.
-    panels, used : how many panels and events there are.
+    status : a value of `Status`.
+    w : theta_dot^2 at the exit.
+    angle : driver angle of a stall [rad].
+    time : from the entry to the exit, or to the stall.
+    exponent, source : of the affine map
+        w_out (rho + g_out^2) = exp(-exponent) w_in (rho + g_in^2) + source,
+        which holds as long as the reversals stay at their angles.
+    side, rising : s, and the sign of theta_ddot, at the exit.
+    panels, used : number of panels in use, and of events noted.
     """
 
     status: int
@@ -133,12 +135,13 @@ class Engagement(NamedTuple):
 
 
 class Inside(NamedTuple):
-    """What was noted of a reversal and an extremum inside a panel.
+    """The result of noting a reversal and an extremum inside a panel.
 
-    split : whether the panel must be halved first. used : how many events are noted.
-    turned : the motion behind the reversal, where there is one.
+    split : whether the panel must be halved first.
+    used : number of events noted.
+    after_reversal : the motion behind the reversal, where there is one.
     """
 
     split: bool
     used: int
-    turned: Turned
+    after_reversal: AfterReversal

@@ -1,55 +1,59 @@
-"""What lies between the handoffs: events, and states at given times.
+"""The motion between the handoffs: its events, and its states at given times.
 
-Nothing here is on the path of the figures of merit. A piece is solved again on
-panels of its own, fine enough to be interpolated, and its time is inverted.
+A piece is a part of the motion with one side of the slot. For its states it is solved again on
+panels of its own, fine enough for interpolation, and time as a function of the angle is
+inverted. The figures of merit need none of this.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import drive, power_lost, scene_of
-from escapement.engines.energy.calls import march, place
-from escapement.engines.energy.events import EVENT, NONE, EventKind
+from escapement.dynamics import drive, loss_per_angle, scene_of
+from escapement.engines.energy.calls import march, refine
+from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
 from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import (
-    FIRST,
+    FIRST_PANEL,
     MAX_PANELS,
     NO_PANELS,
-    at_gauss_points,
+    choose_gauss_points,
+    evaluate_geometry,
     new_store,
     points_of,
     solution_of,
-    survey,
     tolerances,
 )
-from escapement.engines.energy.passage import Record, Request
-from escapement.engines.energy.records import NUMBER, WHOLE, record
-from escapement.engines.energy.sampling import duration, run_over
+from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.records import NUMBER, WHOLE, record_dtype
+from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.scene import Scene
 
-HAPPENED = record(
+MOTION_EVENT = record_dtype(
     {
         **dict.fromkeys(("engagement", "kind"), WHOLE),
         **dict.fromkeys(("angle", "time", "w", "side"), NUMBER),
     }
 )
-"""An event of a motion: driver angle from dead centre, time from the start, w; at an entry
-the side of the slot."""
+"""An event of a motion: driver angle from dead centre, time from the start, and w; at an entry
+also s, and 0 elsewhere."""
 
 ONE = np.int64(1)
-_ROOM = 64  # events of one engagement
-_HALVINGS = 80  # of a piece, one inside the other
-_EVEN = 1e-12  # width below which the acceleration is constant [rad]
+# One engagement gets memory for so many events, and for four more at every edge.
+_ROOM = 64
+# A piece is halved at most so many times, one half inside the other.
+_HALVINGS = 80
+# The acceleration is constant over an angle of at most this much [rad].
+_SHORTEST = 1e-12
 
 
 @inner_jit
-def _put(table, filled, engagement, kind, angle, time, w, side):
+def _append(table, filled, engagement, kind, angle, time, w, side):
     row = table[filled]
     row.engagement, row.kind, row.side = engagement, kind, side
     row.angle, row.time, row.w = angle, time, w
@@ -58,7 +62,7 @@ def _put(table, filled, engagement, kind, angle, time, w, side):
 
 @inner_jit
 def _copy(table, to, filled):
-    # not by slices, whose error messages take a tenth of all compilation
+    # assigning to a slice would take a tenth of all compilation, because of its error messages
     for i in range(filled):
         row, other = to[i], table[i]
         row.engagement, row.kind, row.side = other.engagement, other.kind, other.side
@@ -66,57 +70,61 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(calls, plain, cells, starts, squares, rtol):
-    """All events of the engagements that start at `starts` with `squares`.
+def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
+    """All events of the engagements that start at the times `starts` with the w of `squares`.
 
-    `calls`, `plain` and `cells` are as `prepare.prepared` gives them.
+    `addresses`, `scene_tuple` and `cells` are as `prepare.prepared` gives them.
 
     Returns
     -------
-    ndarray of HAPPENED
+    ndarray of MOTION_EVENT
         The events of each engagement in turn; its entry comes first.
     """
-    scene = scene_of(plain)
+    scene = scene_of(scene_tuple)
     loose, strict = tolerances(rtol)
-    request = Request(np.int64(Record.EVERYTHING), loose, strict)
+    request = Request(np.int64(Detail.EVERYTHING), loose, strict)
     store = new_store(MAX_PANELS)
     events = np.empty(_ROOM + 4 * scene.edges.size, EVENT)
-    table = np.empty(8 * starts.size + 64, HAPPENED)
-    count, filled, rising = NO_PANELS, NONE, 0.0
+    table = np.empty(8 * starts.size + 64, MOTION_EVENT)
+    count, filled, rising = NO_PANELS, NO_EVENTS, 0.0
     exit_ = scene.edges[-1]
     for k in range(starts.size):
         w, start = squares[k], starts[k]
-        found = march(calls, scene, cells, store, count, request, w, 0.0, rising, events, NONE)
+        found = march(
+            addresses, scene, cells, store, count, request, w, 0.0, rising, events, NO_EVENTS
+        )
         count, rising, used = found.panels, found.rising, found.used
         if filled + used + 3 > table.shape[0]:
-            larger = np.empty(2 * table.shape[0] + used, HAPPENED)
+            larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
             _copy(table, larger, filled)
             table = larger
+        # the march returns s at the exit, and every reversal has changed its sign
         side = _side_at_entry(found.side, events, used)
         kind = np.int64(EventKind.ENTRY)
-        filled = _put(table, filled, k, kind, scene.edges[0], start, w, side)
+        filled = _append(table, filled, k, kind, scene.edges[0], start, w, side)
         for i in range(used):
-            place(calls, scene, store, events, i)
+            refine(addresses, scene, store, events, i)
             event = events[i]
             time = start + event.time
-            filled = _put(table, filled, k, event.kind, event.angle, time, event.w, 0.0)
+            filled = _append(table, filled, k, event.kind, event.angle, time, event.w, 0.0)
         if found.status != OK:
             break
+        # in a dwell the driver gains speed, so a speed that fell before it has its minimum there
         if scene.dwell > 0.0:
             kind, time = np.int64(EventKind.MINIMUM), start + found.time
             if rising < 0.0:
-                filled = _put(table, filled, k, kind, exit_, time, found.w, 0.0)
+                filled = _append(table, filled, k, kind, exit_, time, found.w, 0.0)
             kind = np.int64(EventKind.EXIT)
-            filled = _put(table, filled, k, kind, exit_, time, found.w, 0.0)
+            filled = _append(table, filled, k, kind, exit_, time, found.w, 0.0)
             rising = 1.0
-    happened = np.empty(filled, HAPPENED)
+    happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
     return happened
 
 
 @inner_jit
 def _side_at_entry(side, events, used):
-    """Side of the slot at the entry, from that at the exit."""
+    """s at the entry, from `side`, which is s at the exit, and the reversals between."""
     for i in range(used):
         if events[i].kind == EventKind.REVERSAL:
             side = -side
@@ -124,7 +132,7 @@ def _side_at_entry(side, events, used):
 
 
 class Stretch(NamedTuple):
-    """A part of a piece: driver angles where it begins and ends, time and w where it begins."""
+    """A part of a piece: the driver angles of its ends, and the time and w at its left end."""
 
     left: float
     right: float
@@ -134,14 +142,14 @@ class Stretch(NamedTuple):
 
 @jit(allocates=True)
 def states_in(scene, left, end, w, side, rtol, times, theta, squares):
-    """Angles and squared speeds at times since the start of one piece.
+    """Fill driver angles and w at times since the start of one piece.
 
     Parameters
     ----------
-    left, end : driver angle where the piece starts and ends.
-    w, side : squared speed at its start, side of the slot.
-    times : since the start; clipped to the piece.
-    theta, squares : results, as long as `times`.
+    left, end : driver angles where the piece starts and ends.
+    w, side : w at its start, and s.
+    times : since the start; later ones than the end of the piece give the state at its end.
+    theta, squares : results, angles and w, as long as `times`.
 
     Returns
     -------
@@ -149,7 +157,7 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
     """
     _loose, strict = tolerances(rtol)
     store = new_store(ONE)
-    work, panel = store.workspace[0], store.panels[FIRST]
+    work, panel = store.workspace[0], store.panels[FIRST_PANEL]
     ends = np.empty(_HALVINGS)
     waiting = 0
     part = Stretch(left, _next(scene.edges, left, end), 0.0, w)
@@ -157,28 +165,33 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
     for j in range(times.size):
         theta[j], squares[j] = left, w
     while part.left < end:
+        # halve the part until the panel over it is fine enough; the right ends of the halves that
+        # wait for their turn are kept in `ends`
         good = _solve(scene, work, panel, part, side, strict)
-        even = part.right - part.left <= _EVEN
+        short = part.right - part.left <= _SHORTEST
         middle = 0.5 * (part.left + part.right)
-        if not good and not even and waiting < _HALVINGS and part.left < middle < part.right:
+        if not good and not short and waiting < _HALVINGS and part.left < middle < part.right:
             ends[waiting] = part.right
             waiting += 1
             part = Stretch(part.left, middle, part.time, part.w)
             continue
         solution = solution_of(panel, side)
         energy = part.w * (scene.rho + panel.entry.g**2)
+        # E = alpha E_left + beta at the right end, and w = E/(rho + g^2), 0 after a stop
         after = solution.alpha_end * energy + solution.beta_end
         after = max(after / (scene.rho + panel.exit.g**2), 0.0)
-        loss += panel.half * _lost(scene, work, panel, side)
+        loss += panel.half * _loss_over_x(scene, work, panel, side)
         length = duration(work)[0]
-        if even and not good:
+        # over so short a part whose panel is no good, as next to a stop, the time is the angle
+        # over the mean speed
+        if short and not good:
             length = 2.0 * (part.right - part.left) / (np.sqrt(part.w) + np.sqrt(after))
-            _read_even(part, length, after, end, times, theta, squares)
+            _read_short(part, length, after, end, times, theta, squares)
         else:
             _read(scene, work, panel, part, length, end, times, theta, squares)
         now = part.time + length
         if after == 0.0:
-            # a stop, and nothing moves later
+            # the motion has stopped, and keeps this angle at all later times
             for j in range(times.size):
                 if times[j] >= now:
                     theta[j], squares[j] = part.right, 0.0
@@ -193,13 +206,13 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
 
 @inner_jit
 def _solve(scene, work, panel, part, side, strict):
-    """Solve a panel over a part of a piece; whether it is fine enough to be interpolated."""
-    at_gauss_points(work)
-    survey(work, panel, scene.path, scene.rho, part.left, part.right)
+    """Solve a panel over a part of a piece; returns whether it is fine enough to interpolate."""
+    choose_gauss_points(work)
+    evaluate_geometry(work, panel, scene.path, scene.rho, part.left, part.right)
     solve_side(scene, work, panel, side)
     solution = solution_of(panel, side)
     energy = part.w * (scene.rho + panel.entry.g**2)
-    _against, stopped, _slower = run_over(scene, work, panel, solution, side, energy)
+    _against, stopped, _slowing = sample_panel(scene, work, panel, solution, side, energy)
     roughness = duration(work)[1]
     smooth = roughness <= max(strict, solution.noise)
     return solution.tail <= strict and stopped == 0 and smooth
@@ -207,8 +220,9 @@ def _solve(scene, work, panel, part, side, strict):
 
 @inner_jit
 def _read(scene, work, panel, part, length, end, times, theta, squares):
-    """States at the times within a part, on its panel."""
-    cumulate(work.slowness, work.series)
+    """Fill the states at the times within a part, by interpolation on its panel."""
+    # the integral of dt/dx from the left end to every point
+    cumulate(work.slowness, work.scratch)
     for j in range(times.size):
         t = times[j] - part.time
         if t < 0.0 or (t > length and part.right < end):
@@ -216,12 +230,13 @@ def _read(scene, work, panel, part, length, end, times, theta, squares):
         x = _invert(work, min(t, length), length)
         theta[j] = 0.5 * (part.left + part.right) + panel.half * x
         g = transmission_at(scene.path, theta[j])[0]
+        # E is interpolated, because w is rougher where g varies; w = E/(rho + g^2)
         squares[j] = dot(work.at_x, work.energy, points_of(work)) / (scene.rho + g * g)
 
 
 @inner_jit
-def _read_even(part, length, after, end, times, theta, squares):
-    """States at the times within a part so short that its acceleration is constant."""
+def _read_short(part, length, after, end, times, theta, squares):
+    """Fill the states at the times within a part so short that its acceleration is constant."""
     before, gain = np.sqrt(part.w), np.sqrt(after) - np.sqrt(part.w)
     for j in range(times.size):
         t = times[j] - part.time
@@ -256,6 +271,7 @@ def follow(
     """
     angle, w, side = start
     if side == 0.0:
+        # in a dwell rho theta_ddot = 1
         speed, gain = np.sqrt(w), times * drive(scene) / scene.rho
         return angle + times * (speed + 0.5 * gain), (speed + gain) ** 2
     theta, squares = np.empty_like(times), np.empty_like(times)
@@ -265,7 +281,7 @@ def follow(
 
 @inner_jit
 def _next(edges, left, end):
-    """The first edge behind `left`, if it comes before the end."""
+    """The first edge behind `left`, or the end where that comes before it."""
     for i in range(edges.size):
         if edges[i] > left:
             return min(edges[i], end)
@@ -273,28 +289,32 @@ def _next(edges, left, end):
 
 
 @inner_jit
-def _lost(scene, work, panel, side):
-    """Work lost in friction over a panel, by x."""
+def _loss_over_x(scene, work, panel, side):
+    """int mu |u| |N R| dx over a panel; times its half width this is the work lost."""
     total = 0.0
     for i in range(N):
-        lost = power_lost(panel.g[i], panel.u[i], panel.dg[i], work.w[i], side, scene)
+        lost = loss_per_angle(panel.g[i], panel.u[i], panel.dg[i], work.w[i], side, scene)
         total += WEIGHTS[i] * lost
     return total
 
 
 @inner_jit
 def _invert(work, target, whole_time):
-    """x in [-1, 1] at a time since the left end; leaves the weights to it in the workspace."""
+    """x in [-1, 1] at the time `target` since the left end; leaves its weights in the workspace.
+
+    `whole_time` is the time over the panel, and `work.scratch` holds that to every point.
+    """
     count = points_of(work)
     x = 2.0 * target / whole_time - 1.0
     low, high = -1.0, 1.0
     for _ in range(60):
         weights_to(work, x)
-        passed = dot(work.from_left, work.series, count)
+        passed = dot(work.from_left, work.scratch, count)
         if passed > target:
             high = x
         else:
             low = x
+        # Newton's method on the time, whose derivative by x is dt/dx, kept in its bracket
         guess = x + (target - passed) / dot(work.at_x, work.slowness, count)
         if not low <= guess <= high:
             guess = 0.5 * (low + high)

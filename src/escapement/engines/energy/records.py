@@ -1,4 +1,4 @@
-"""Records with named fields: what the kernels keep in arrays."""
+"""Types of the records with named fields that kernels keep in arrays, and of their parts."""
 
 from typing import Any
 
@@ -8,19 +8,20 @@ from escapement.engines.energy.gauss import N
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 
-NUMBER, WHOLE, TRUTH = np.float64, np.int64, np.bool_
+NUMBER, WHOLE, FLAG = np.float64, np.int64, np.bool_
 ROW = (NUMBER, (N,))
-"""Values at the Gauss points."""
+"""Type of a row: the values at the Gauss points."""
 
 
-def record(fields: dict[str, Any]) -> np.dtype:
-    """Type of a record whose fields are attributes, in kernels and where nothing is compiled.
+def record_dtype(fields: dict[str, Any]) -> np.dtype:
+    """Type of a record whose fields are attributes, both in kernels and in plain Python.
 
     Parameters
     ----------
     fields : dict
         Name of each field and its type: a number, a row or another record.
     """
+    # the fields are aligned as in C, so that each lies where the processor loads it fastest
     plain = np.dtype(
         [(name, *kind) if kind is ROW else (name, kind) for name, kind in fields.items()],
         align=True,
@@ -28,25 +29,26 @@ def record(fields: dict[str, Any]) -> np.dtype:
     return np.dtype((np.record, plain))
 
 
-END = record({"g": NUMBER, "u": NUMBER, "dg": NUMBER})
+END = record_dtype({"g": NUMBER, "u": NUMBER, "dg": NUMBER})
 """g, |u| and g' at one driver angle."""
 
 
 @inner_jit
-def put_end(end, path, theta):
-    """Fill an `END` with the transmission at a driver angle."""
+def fill_end(end, path, theta):
+    """Fill an `END` with g, |u| and g' at a driver angle."""
     g, u, dg = transmission_at(path, theta)
     end.g, end.u, end.dg = g, abs(u), dg
 
 
 @inner_jit
 def copy_end(end, other):
-    """Fill an `END` with another."""
+    """Copy the `END` named `other`."""
     end.g, end.u, end.dg = other.g, other.u, other.dg
 
 
 @inner_jit
 def copy_row(row, other, count):
-    """Fill a row with another; `count` is that of `panels.points_of`."""
+    """Copy the row named `other`; `count` is what `panels.points_of` gives."""
+    # assigning to a slice would take longer to compile, because of its error messages
     for i in range(count & N):
         row[i] = other[i]

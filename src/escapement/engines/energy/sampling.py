@@ -1,66 +1,85 @@
-"""What a march meets inside one panel: speeds, reversals, extrema.
+"""The motion at the points of one panel: energy, speed, contact, acceleration and time.
 
-All of it works on values at the panel's points, kept in the workspace; the march decides
-what is asked of which panel.
+`sample_panel` evaluates them and keeps them in the workspace. The other functions read from
+these values whether the panel holds a reversal, an extremum or a stop; the march decides
+which of these it asks of which panel.
 """
 
 import numpy as np
 
-from escapement.dynamics import contact, driving
-from escapement.engines.energy.gauss import LAST, LAST_BUT_ONE, POINTS, WEIGHTS, N
+from escapement.dynamics import contact, net_torque
+from escapement.engines.energy.gauss import (
+    LAST_BUT_ONE_COEFFICIENT,
+    LAST_COEFFICIENT,
+    POINTS,
+    WEIGHTS,
+    N,
+)
 from escapement.engines.energy.panels import points_of
 from escapement.jit import inner_jit
 
-NEAREST, SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])  # ways of two points from an end
-NO_POINT, EVERY_POINT = np.int64(0), np.int64(N)  # for plain constants numba compiles users anew
-NOTHING = 1e-12  # of the drive's torque: next to the stop of a mesh rounding has more dips
-MERGED = 1e-9  # half width [rad] of a panel in which a pair of reversals does nothing
-UNSURE = 0.01  # relative error of the slope that two points give at an end
+# These are the distances in x of an end of the panel from the two points next to it.
+TO_NEAREST, TO_SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])
+# See `panels.FIRST_PANEL` for why these are not Python integers.
+FIRST_POINT, ALL_POINTS = np.int64(0), np.int64(N)
+# Values below this share of the driving torque are taken for rounding: next to the stop of a
+# mesh it makes the sign of a vanishing force or acceleration change many times.
+NEGLIGIBLE = 1e-12
+# Two reversals in a panel of at most this half width [rad] are so close that they leave the
+# motion as it is, and are not looked for.
+CLOSE_PAIR = 1e-9
+# This is the relative error of a slope at an end that is read from two points.
+SLOPE_ERROR = 0.01
 
 
 @inner_jit
-def driving_at(end, side, w, scene):
-    """J theta_ddot at an end of a panel: the sign of the acceleration."""
-    return driving(end.g, end.u, end.dg, w, side, scene)
+def net_torque_at(end, side, w, scene):
+    """J theta_ddot at an end of a panel, where `end` holds g, |u| and g'."""
+    return net_torque(end.g, end.u, end.dg, w, side, scene)
 
 
 @inner_jit
 def contact_at(end, w, scene):
-    """Contact function X at an end of a panel."""
+    """X at an end of a panel, where `end` holds g, |u| and g'."""
     return contact(end.g, end.dg, w, scene)
 
 
 @inner_jit
-def run_over(scene, work, panel, solution, side, energy):
-    """Energy, speed, slowness, contact and sign of the acceleration at the points.
+def sample_panel(scene, work, panel, solution, side, energy):
+    """Fill the workspace with E, w, s X, J theta_ddot and dt/dx at the points of a panel.
+
+    `energy` is E at the left end.
 
     Returns
     -------
-    against, stopped, slower : points where the other side carries the force, where
-        there is no speed left, and where the driver gains none.
+    against, stopped, slowing : numbers of points at which s X <= 0, so that the other side
+        carries the force; at which w <= 0; and at which theta_ddot <= 0.
     """
     against = 0
     stopped = 0
-    slower = 0
+    slowing = 0
     for i in range(points_of(work)):
+        # E = alpha E_left + beta, and w = E/(rho + g^2)
         e = solution.alpha[i] * energy + solution.beta[i]
-        w = e * panel.inverse[i]
+        w = e * panel.inverse_inertia[i]
+        # X = rho (g' w + load) + g is the contact moment times J > 0
         c = side * contact(panel.g[i], panel.dg[i], w, scene)
-        a = driving(panel.g[i], panel.u[i], panel.dg[i], w, side, scene)
+        a = net_torque(panel.g[i], panel.u[i], panel.dg[i], w, side, scene)
         work.energy[i] = e
         work.w[i] = w
         work.contact[i] = c
-        work.rate[i] = a
-        work.slowness[i] = panel.step[i] / np.sqrt(w)
+        work.net_torque[i] = a
+        # dt/dx = theta'/sqrt(w); where there is no speed it is infinite or NaN
+        work.slowness[i] = panel.dtheta_dx[i] / np.sqrt(w)
         against += c <= 0.0
         stopped += not w > 0.0
-        slower += a <= 0.0
-    return against, stopped, slower
+        slowing += a <= 0.0
+    return against, stopped, slowing
 
 
 @inner_jit
 def first_against(work):
-    """First point where the other side carries the force; N if there is none."""
+    """The first point at which s X <= 0; N if there is none."""
     for i in range(N):
         if work.contact[i] <= 0.0:
             return i
@@ -69,9 +88,9 @@ def first_against(work):
 
 @inner_jit
 def clearly_against(work):
-    """Points where the other side carries a force beyond rounding.
+    """Number of points at which s X is negative by more than rounding.
 
-    Next to the stop of a mesh, known from a table, g and g' are rounding errors.
+    Next to the stop of a mesh that is known from a table, g and g' are rounding errors.
     """
     largest = 0.0
     for i in range(points_of(work)):
@@ -83,89 +102,97 @@ def clearly_against(work):
 
 
 @inner_jit
-def dips(values, nothing, left, right, first, last, points):
-    """Whether values of one sign nearly vanish from point `first` to before `last`.
+def may_vanish(values, negligible, left, right, first, last, points):
+    """Whether a function of one sign at the points may vanish between them.
 
-    Two zeros may hide there. `left` and `right` are the values at the ends; what is below
-    `nothing` all around does nothing either. `points` is that of `points_of`.
+    Two zeros may lie between two points. The points from `first` to before `last` are tried,
+    and the ends of the panel, at which the values are `left` and `right`, where these points
+    reach them. A minimum of the absolute value is ignored where the values on both sides of
+    it are below `negligible` too. `points` is what `points_of` gives.
     """
     count, steep = 0, 0
     for i in range(points - 1):
-        # neighbours of one sign and within a factor of two have a product above zero
+        # the product is positive for neighbours of one sign that are within a factor of two;
+        # without a steeper pair the loop below can find nothing
         one, two = values[i], values[i + 1]
         steep += (one - 2.0 * two) * (two - 2.0 * one) < 0.0
     if steep > 0:
         for i in range(max(1, first), min(last, N - 1)):
-            count += _touches(nothing, values[i - 1], values[i], values[i + 1])
+            count += _touches(negligible, values[i - 1], values[i], values[i + 1])
     if first == 0 < last:
-        count += _touches_at_end(nothing, left, values[0], values[1])
+        count += _touches_at_end(negligible, left, values[0], values[1])
     if last == N:
-        count += _touches_at_end(nothing, right, values[N - 1], values[N - 2])
+        count += _touches_at_end(negligible, right, values[N - 1], values[N - 2])
     return count > 0
 
 
 @inner_jit
-def _touches(nothing, before, here, after):
-    """Whether three values may be next to where a function touches zero.
+def _touches(negligible, before, here, after):
+    """Whether a function may touch zero next to the middle one of three neighbours.
 
-    Of a parabola that does the one nearest has less than half of what one beside it has.
+    Where a parabola touches zero, its value at the nearest point is less than half of its
+    value at one of the two points beside that one.
     """
     if not (before * here > 0.0 and here * after > 0.0):
         return False
     here, before, after = abs(here), abs(before), abs(after)
     high = max(before, after)
-    return here <= min(before, after) and 2.0 * here < high and high > nothing
+    return here <= min(before, after) and 2.0 * here < high and high > negligible
 
 
 @inner_jit
-def _touches_at_end(nothing, end, one, two):
+def _touches_at_end(negligible, end, one, two):
     """Whether the parabola through an end and two points falls between them to half of `end`.
 
-    Where `end` is next to nothing, so may be what its slope, a little uncertain, tells.
+    Where `end` is nearly zero, a small slope is enough for that; it is therefore taken at
+    the lower bound of its error.
     """
     if end < 0.0:
         end, one, two = -end, -one, -two
-    if not max(end, two) > nothing:
+    if not max(end, two) > negligible:
         return False
+    # the parabola is end + a t + b t^2 at the distance t; slope and rise are a and b by `scale`
     one, two = one - end, two - end
-    unsure = UNSURE * abs(two) * NEAREST * (SECOND - NEAREST)
-    slope = one * SECOND**2 - two * NEAREST**2 - unsure
+    unsure = SLOPE_ERROR * abs(two) * TO_NEAREST * (TO_SECOND - TO_NEAREST)
+    slope = one * TO_SECOND**2 - two * TO_NEAREST**2 - unsure
     if not (slope < 0.0 and end > 0.0):
         return False
-    rise, scale = two * NEAREST - one * SECOND, NEAREST * SECOND * (SECOND - NEAREST)
-    return -slope < 2.0 * rise * SECOND and slope * slope > 2.0 * rise * scale * end
+    rise = two * TO_NEAREST - one * TO_SECOND
+    scale = TO_NEAREST * TO_SECOND * (TO_SECOND - TO_NEAREST)
+    # its least value lies at t = -a/(2 b) and is end - a^2/(4 b)
+    return -slope < 2.0 * rise * TO_SECOND and slope * slope > 2.0 * rise * scale * end
 
 
 @inner_jit(reorders=True)
 def duration(work):
-    """Time over the panel, and how rough the slowness is: its last coefficients, relative."""
+    """Time over the panel, int dt/dx, and the tail of dt/dx relative to its middle value."""
     total = last = last_but_one = 0.0
     for i in range(points_of(work)):
         total += WEIGHTS[i] * work.slowness[i]
-        last += LAST[i] * work.slowness[i]
-        last_but_one += LAST_BUT_ONE[i] * work.slowness[i]
+        last += LAST_COEFFICIENT[i] * work.slowness[i]
+        last_but_one += LAST_BUT_ONE_COEFFICIENT[i] * work.slowness[i]
     return total, (abs(last) + abs(last_but_one)) / work.slowness[N // 2]
 
 
 @inner_jit
-def find_extremum(rate, last, first, final):
-    """Changes of sign of the acceleration before point `last` (N: over the panel).
+def find_extremum(torque, last, first, final):
+    """Changes of the sign of theta_ddot before the point `last`, or on the panel where that is N.
 
-    `rate` has its sign at the points, `first` and `final` at the left end, and at the right
-    end or reversal.
+    `torque` is J theta_ddot at the points, `first` at the left end, and `final` at the right
+    end or at the reversal.
 
     Returns
     -------
-    changes, place : how many, and the point after the last one.
+    changes, point : number of changes, and the point behind the last one, -1 without one.
     """
     if last == 0:
         return (1, 0) if first * final < 0.0 else (0, -1)
-    changes, place = (1, 0) if first * rate[0] < 0.0 else (0, -1)
+    changes, point = (1, 0) if first * torque[0] < 0.0 else (0, -1)
     for i in range(1, last):
-        if (rate[i - 1] <= 0.0) != (rate[i] <= 0.0):
+        if (torque[i - 1] <= 0.0) != (torque[i] <= 0.0):
             changes += 1
-            place = i
-    if rate[last - 1] * final < 0.0:
+            point = i
+    if torque[last - 1] * final < 0.0:
         changes += 1
-        place = last
-    return changes, place
+        point = last
+    return changes, point

@@ -1,7 +1,7 @@
-"""The fast engine: linear in theta_dot^2 over the driver angle.
+"""A motion by the fast engine, whose equation is linear in w over the driver angle.
 
-A motion is the list of its handoffs; reversals, extrema and states in between
-are worked out when asked for, by marching the engagement in question again.
+At first only the handoffs are computed. Reversals, extrema and states between the handoffs
+are computed when they are asked for, from the w at the start of each engagement.
 """
 
 from dataclasses import dataclass
@@ -19,19 +19,21 @@ from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
 from escapement.validate import fail
 
-_NOWHERE = np.empty(0)
+_EMPTY = np.empty(0)
 _START = np.zeros(1)
-_AT_ONCE = 1 << 15  # engagements between two moments at which Ctrl-C is heard
+# Events are computed for so many engagements in one call of a kernel, and Ctrl-C is heard
+# between two calls.
+_AT_ONCE = 1 << 15
 _DONE = MESSAGES[Status.OK]
 
 
 @dataclass
 class EnergyTrajectory:
-    """Handoffs of a motion, and what follows from them; natural units inside.
+    """Handoffs of a motion, and the pieces and events that follow from them.
 
-    initial_speed : at the first entry [rad/s].
-    times, speeds : of handoffs, of which the first `turns` start an engagement [s, rad/s].
-    end_time : [s].
+    initial_speed : driver speed at the first entry [rad/s].
+    times, speeds : of the handoffs [s, rad/s]; each of the first `turns` starts an engagement.
+    end_time : time at which the motion ends [s].
     """
 
     escapement: Escapement
@@ -44,16 +46,17 @@ class EnergyTrajectory:
 
     @cached_property
     def _events(self) -> np.ndarray:
-        """Every event of the motion, an array of `pieces.HAPPENED`."""
+        """Every event of the motion, an array of `pieces.MOTION_EVENT` in natural units."""
         clock = self.escapement.time_unit
         starts = np.concatenate([_START, self.times[: self.turns]]) / clock
         speeds = np.concatenate([[self.initial_speed], self.speeds[: self.turns]])
         squares = (speeds * clock) ** 2
-        known, tables = prepared(self.escapement), []
+        kernel_inputs, tables = prepared(self.escapement), []
         for first in range(0, starts.size, _AT_ONCE):
-            # from one engagement before: whether the speed was rising decides of an extremum
+            # begin one engagement earlier: a handoff is an extremum if theta_ddot changes its
+            # sign there, which needs the sign before it
             some = slice(max(first - 1, 0), first + _AT_ONCE)
-            table = events_of(*known, starts[some], squares[some], self.rtol)
+            table = events_of(*kernel_inputs, starts[some], squares[some], self.rtol)
             table["engagement"] += some.start
             within = table["time"] * clock <= self.end_time
             tables.append(table[(table["engagement"] >= first) & within])
@@ -61,7 +64,10 @@ class EnergyTrajectory:
 
     @cached_property
     def _pieces(self) -> FloatArray:
-        """Start time, engagement, side, start angle, end angle, w; shape (6, pieces)."""
+        """Start time, engagement, s, start angle, end angle and w of all pieces; shape (6, n).
+
+        They are in natural units, and s is 0 in a dwell.
+        """
         rows: list[list[float]] = []
         side = 0.0
         exit_ = self.escapement.mechanism.breaks[-1]
@@ -74,6 +80,7 @@ class EnergyTrajectory:
                 side = 0.0
             elif kind != EventKind.BREAK:
                 continue
+            # a piece ends where the next one of its engagement begins, the last one at the exit
             if rows and rows[-1][1] == engagement:
                 rows[-1][4] = angle
             rows.append([time, engagement, side, angle, exit_, w])
@@ -93,7 +100,7 @@ class EnergyTrajectory:
 
     @property
     def sign(self) -> FloatArray:
-        """Side of the slot in each piece, 0 while locked."""
+        """s in each piece, or 0 while the follower is locked."""
         result: FloatArray = self._pieces[2]
         return result
 
@@ -106,9 +113,9 @@ class EnergyTrajectory:
         if pieces[-1, 0] != 0.0:
             since = np.array([end_time - self._pieces[0, -1]])
             pieces[-1, 2] = self._solve(len(pieces) - 1, since)[0][0]
-        # a motion that has settled repeats its pieces
+        # a motion that has settled repeats its pieces, of which each is solved once
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
-        none = (_NOWHERE, _NOWHERE, _NOWHERE)
+        none = (_EMPTY, _EMPTY, _EMPTY)
         lost = [
             states_in(scene, angle, end, w, side, self.rtol, *none) if side else 0.0
             for side, angle, end, w in distinct
@@ -134,7 +141,7 @@ class EnergyTrajectory:
         return engagement, events["time"] * clock, theta, np.sqrt(events["w"]) / clock
 
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Angles and squared speeds at times since the piece's start."""
+        """Driver angles and w at times since the start of a piece, in natural units."""
         _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
         return follow(self.escapement.scene, (angle, w, sign), end, times, self.rtol)
 
@@ -159,13 +166,14 @@ def simulate(
 
     A duration of more than `longest` engagements is refused.
     """
-    clock, known = escapement.time_unit, prepared(escapement)
+    clock, kernel_inputs = escapement.time_unit, prepared(escapement)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64
+    # how many engagements a duration takes is unknown: the arrays grow until they hold it
     while True:
         times, speeds = np.empty(size), np.empty(size)
-        code, done, angle = handoffs(*known, w, horizon, rtol, clock, times, speeds)
+        code, done, angle = handoffs(*kernel_inputs, w, horizon, rtol, clock, times, speeds)
         if code != OK or duration is None or done < size or times[-1] >= duration:
             break
         if size >= longest:
@@ -174,7 +182,7 @@ def simulate(
         size = min(8 * size, longest)
     if code == PAINLEVE:
         return no_motion(escapement, "energy", rtol)
-    # the engagement in which the motion ends, and when
+    # after a stall times[done] is the time of the stall, and otherwise times[done - 1] the end
     last = done - 1 if code == OK else done
     end = float(times[last])
     status, message = Status.OK, _DONE

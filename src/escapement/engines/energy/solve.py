@@ -4,32 +4,42 @@ Twice the kinetic energy, E = (rho + g^2) w, obeys on a panel with side s
 
     dE/dx = A - B E                   (`dynamics.energy_rates`)
 
-so E = alpha E_left + beta with alpha = exp(-int B), beta = alpha int A/alpha:
-two quadratures, whatever the energy at the left end.
+so E = alpha E_left + beta with b = int B, alpha = exp(-b) and beta = alpha int A/alpha. Two
+quadratures solve it for every energy at the left end.
 """
 
 import numpy as np
 
-from escapement.dynamics import bend, energy_rates
-from escapement.engines.energy.gauss import N, cumulate, tail_of, whole
+from escapement.dynamics import energy_rates, signed_loss
+from escapement.engines.energy.gauss import N, cumulate, integral, tail_of
 from escapement.engines.energy.panels import points_of, solution_of
 from escapement.jit import inner_jit
 
-LEAST = 1e-9  # of |u| g' by angle: less is lost next to a stop, or is a table's rounding
-ROUNDING = 1e-15  # relative error of the sums; J is a difference and loses digits to it
-STEEPEST = 20.0  # decay over a panel beyond which it is halved unseen
-SERIES = 0.7  # greatest exponent of the power series below
+# The error of b is judged against a decay of at least this much of |u| g': next to a stop the
+# true decay is smaller, and what a table gives there is rounding.
+LEAST_DECAY = 1e-9
+# The sums over the Gauss points have this relative rounding error.
+ROUNDING = 1e-15
+# A panel over which B has a greater integral than this is halved without a look at its tail.
+STEEPEST = 20.0
+# This is the greatest |b| for which `_exponentials` is accurate to rounding.
+SERIES = 0.7
 
 
 @inner_jit
 def _exponentials(b):
-    """exp(-b) and exp(b) for |b| <= SERIES, by their power series: vector code."""
+    """exp(-b) and exp(b) for |b| <= SERIES.
+
+    The power series of cosh and sinh compile to vector code, which a call of exp does not.
+    """
+    # cosh b, in powers of y = b^2
     y = b * b
     z = y * y
     even = 1.0 + y * (1.0 / 2.0) + (1.0 / 24.0 + y * (1.0 / 720.0)) * z
     last = 1.0 / 40320.0 + y * (1.0 / 3628800.0)
     last += (1.0 / 479001600.0 + y * (1.0 / 87178291200.0)) * z
     even += last * (z * z)
+    # sinh b / b, multiplied by b at the end
     odd = 1.0 + y * (1.0 / 6.0) + (1.0 / 120.0 + y * (1.0 / 5040.0)) * z
     last = 1.0 / 362880.0 + y * (1.0 / 39916800.0)
     last += (1.0 / 6227020800.0 + y * (1.0 / 1307674368000.0)) * z
@@ -38,11 +48,12 @@ def _exponentials(b):
 
 
 @inner_jit
-def _decay(solution, gain, count):
-    """Fill alpha = exp(-b) at the points, and divide the gain by it."""
+def _fill_alpha(solution, gain, count):
+    """Fill alpha = exp(-b) at the points, and turn the gain A into A/alpha."""
     large = 0
     for i in range(count & N):
         large += abs(solution.b[i]) > SERIES
+    # the power series would lose digits at any point where |b| is large
     if large > 0:
         for i in range(N):
             solution.alpha[i] = np.exp(-solution.b[i])
@@ -56,21 +67,31 @@ def _decay(solution, gain, count):
 
 @inner_jit
 def solve_side(scene, work, panel, side):
-    """Solve the energy equation on a panel for one side of the slot."""
+    """Solve dE/dx = A - B E on a panel for the side s of the slot."""
     solution = solution_of(panel, side)
     count = points_of(work)
     for i in range(count & N):
-        gain, decay, share = energy_rates(
-            panel.g[i], panel.u[i], panel.dg[i], panel.inverse[i], panel.step[i], side, scene
+        gain, decay, amplification = energy_rates(
+            panel.g[i],
+            panel.u[i],
+            panel.dg[i],
+            panel.inverse_inertia[i],
+            panel.dtheta_dx[i],
+            side,
+            scene,
         )
         work.gain[i], work.decay[i] = gain, decay
-        solution.beta[i] = share
-    # J is a difference near the Painleve limit: finer panels cannot help below this
-    noise = ROUNDING * (1.0 + whole(solution.beta, count))
-    total = whole(work.decay, count)
+        # the row holds (rho + g^2)/J until beta is known
+        solution.beta[i] = amplification
+    # J is a difference of nearly equal terms near the Painleve limit: its rounding error is
+    # amplified by (rho + g^2)/J, and no finer panel makes it smaller
+    noise = ROUNDING * (1.0 + integral(solution.beta, count))
+    total = integral(work.decay, count)
+    # b = int B from the left end to each point, and alpha = exp(-b)
     cumulate(work.decay, solution.b)
-    _decay(solution, work.gain, count)
-    source = whole(work.gain, count)
+    _fill_alpha(solution, work.gain, count)
+    # beta = alpha int A/alpha
+    source = integral(work.gain, count)
     cumulate(work.gain, solution.beta)
     for i in range(count & N):
         solution.beta[i] *= solution.alpha[i]
@@ -82,17 +103,28 @@ def solve_side(scene, work, panel, side):
 
 @inner_jit
 def _tail(scene, panel, solution, side, count):
-    """Size of the last coefficients of a solution: 0 below its rounding, 1 where it is useless."""
+    """Greatest relative size of the last coefficients of b, alpha, beta and 1/(rho + g^2).
+
+    It is 0 where it is below the rounding error, and 1 where the solution is useless.
+    """
     middle, last = N // 2, N - 1
     total = solution.b_end
-    # next to a cycle that hardly loses, what is lost has to be accurate by itself
+    # where friction takes little, 1 - alpha fixes the terminal cycle, so b needs digits of its own
     lost = max(abs(total), max(abs(solution.b[middle]), abs(solution.b[last])))
-    lost = max(lost, LEAST * abs(bend(side, scene)) * scene.rho * panel.inverse[middle] ** 2)
+    lost = max(
+        lost,
+        LEAST_DECAY
+        * abs(signed_loss(side, scene))
+        * scene.rho
+        * panel.inverse_inertia[middle] ** 2,
+    )
+    # beta starts at zero, so that its size is read at the middle and the last point
     largest = max(abs(solution.beta[last]), abs(solution.beta[middle]))
     tail = tail_of(solution.b, count) / max(lost, 1e-300)
     tail = max(tail, tail_of(solution.alpha, count) / max(1.0, solution.alpha_end))
     tail = max(tail, tail_of(solution.beta, count) / max(largest, 1e-300))
-    tail = max(tail, panel.sharp)
+    tail = max(tail, panel.geometry_tail)
     if tail < solution.noise:
         tail = 0.0
+    # a NaN fails the comparison and counts as useless
     return 1.0 if not tail < 1.0 or abs(total) > STEEPEST else tail

@@ -38,9 +38,10 @@ def terminal(
         return replace(base, status=status, message=message)
     if status is not Status.OK:
         return replace(base, status=status, message=MESSAGES[status])
+    # w is in units of 1/clock^2
     handoff = float(np.sqrt(out[W_HANDOFF]) / clock)
     cycle = simulate(escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol)
-    # to the last digit that of the motion at hand, which may be asked for its end
+    # the period of the motion that is returned, so that its end time has the same digits
     period = float(cycle.end_time)
     message = base.message
     if np.isnan(out[SETTLING]):

@@ -6,12 +6,12 @@ import numpy as np
 
 from escapement.dynamics import (
     acceleration,
-    bend,
     contact,
     contact_moment,
     drive,
     scene_of,
     side_at,
+    signed_loss,
     tabulate,
 )
 from escapement.jit import jit
@@ -67,13 +67,13 @@ class Law(NamedTuple):
 
 
 @jit(allocates=True)
-def slope(x, y, anchor, unit, side, plain):
+def slope(x, y, anchor, unit, side, scene_tuple):
     """Derivative of y by x, in the units of a piece.
 
     y = (angle from `anchor`, speed / unit, friction loss / unit^2), and x = time * unit;
-    the scene comes as `scene.plain` gives it.
+    the scene comes as `scene.scene_tuple` gives it.
     """
-    scene = scene_of(plain)
+    scene = scene_of(scene_tuple)
     out = np.empty(3)
     g, u, dg = transmission_at(scene.path, anchor + y[0])
     w = (unit * y[1]) ** 2
@@ -83,5 +83,5 @@ def slope(x, y, anchor, unit, side, plain):
     # The loss is mu |N R| |u| theta_dot. It is taken with the sign of N, so that it stays
     # smooth where a trial step runs past the reversal.
     moment = contact_moment(g, u, dg, w, side, scene)
-    out[2] = bend(side, scene) * abs(u) * moment * y[1] / unit**2
+    out[2] = signed_loss(side, scene) * abs(u) * moment * y[1] / unit**2
     return out
