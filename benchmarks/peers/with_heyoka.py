@@ -16,13 +16,13 @@ import heyoka as hy
 import numpy as np
 
 from escapement.benchmark.problems import Problem, pieces_of
-from escapement.benchmark.solvers import Run
+from escapement.benchmark.solvers import TimedRun
 from escapement.model import FloatArray
 
 _FOREVER = 1e6  # natural units; an event ends the run
 
 
-def prepare(problem: Problem, rtol: float) -> Run:
+def prepare(problem: Problem, rtol: float) -> TimedRun:
     """A run of `problem` at a tolerance, in time."""
     approach, push, follow = (piece.parameters[2] for piece in pieces_of(problem))
     end = problem.numbers[3]
@@ -58,7 +58,7 @@ def prepare(problem: Problem, rtol: float) -> Run:
     return run
 
 
-def prepare_angle(problem: Problem, rtol: float) -> Run:
+def prepare_angle(problem: Problem, rtol: float) -> TimedRun:
     """The same over the driver angle, but for the way from rest to the first dead centre."""
     approach, push, follow = (piece.parameters[2] for piece in pieces_of(problem))
     end = problem.numbers[3]

@@ -115,7 +115,7 @@ PROBLEMS = (
 
 Parameters = tuple[float, float, float]
 """Centre distance a, inertia ratio rho, signed friction kappa."""
-State = Sequence[float] | FloatArray
+Vector = Sequence[float] | FloatArray
 """Driver angle and driver speed."""
 
 
@@ -160,12 +160,12 @@ def contact_function(theta: float, speed: float, a: float, rho: float) -> float:
     return n * (q - 2.0 * n) - rho * q * a * math.sin(theta) * speed * speed
 
 
-def derivative(t: float, y: State, a: float, rho: float, kappa: float) -> list[float]:
+def derivative(t: float, y: Vector, a: float, rho: float, kappa: float) -> list[float]:
     """Right-hand side for y = (theta, theta_dot) in plain Python."""
     return [y[1], driver_acceleration(y[0], y[1], a, rho, kappa)]
 
 
-def reversal(t: float, y: State, a: float, rho: float, kappa: float) -> float:
+def reversal(t: float, y: Vector, a: float, rho: float, kappa: float) -> float:
     """Event of the reversal in plain Python."""
     return contact_function(y[0], y[1], a, rho)
 

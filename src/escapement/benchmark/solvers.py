@@ -24,7 +24,7 @@ from escapement.simulation import simulate
 
 Answer = tuple[FloatArray, FloatArray]
 """Handoff times [s] and handoff velocities [rad/s]."""
-Run = Callable[[], Answer]
+TimedRun = Callable[[], Answer]
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 """Those of solve_ivp."""
@@ -51,7 +51,7 @@ class MeasuredSolver(NamedTuple):
     language: str
     loosest: int
     tightest: int
-    prepare: Callable[[Problem, float], Run]
+    prepare: Callable[[Problem, float], TimedRun]
 
     @property
     def tolerances(self) -> list[float]:
@@ -62,7 +62,7 @@ class MeasuredSolver(NamedTuple):
 def own_solvers() -> Iterator[MeasuredSolver]:
     """Both engines, and each method of solve_ivp with the equation in each language."""
     for engine, tightest in (("energy", -13), ("ivp", -12)):
-        prepare: Callable[[Problem, float], Run] = partial(_prepare_engine, engine=engine)
+        prepare: Callable[[Problem, float], TimedRun] = partial(_prepare_engine, engine=engine)
         yield MeasuredSolver(engine, engine, "", "Numba", -4, tightest, prepare)
     for method in METHODS:
         for language in _EQUATIONS:
@@ -71,7 +71,7 @@ def own_solvers() -> Iterator[MeasuredSolver]:
             yield MeasuredSolver(name, "solve_ivp", method, language, -3, -13, prepare)
 
 
-def _prepare_engine(problem: Problem, rtol: float, engine: str) -> Run:
+def _prepare_engine(problem: Problem, rtol: float, engine: str) -> TimedRun:
     """A run by one of the package's engines, called as a user calls it."""
     escapement, engagements = problem.escapement, problem.engagements
 
@@ -82,7 +82,7 @@ def _prepare_engine(problem: Problem, rtol: float, engine: str) -> Run:
     return run
 
 
-def _prepare_solve_ivp(problem: Problem, rtol: float, method: str, language: str) -> Run:
+def _prepare_solve_ivp(problem: Problem, rtol: float, method: str, language: str) -> TimedRun:
     """A run by a method of solve_ivp, with the equation in a language."""
     derivative, reversal = _EQUATIONS[language]
     pieces = [(piece, _event(piece, reversal)) for piece in problems.pieces_of(problem)]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from escapement.benchmark.measuring import shortest, timed
 from escapement.benchmark.problems import Problem
-from escapement.benchmark.solvers import MeasuredSolver, Run
+from escapement.benchmark.solvers import MeasuredSolver, TimedRun
 from escapement.solver import DEFAULT_RTOL
 
 COMPARED_AT = 1e-10
@@ -59,7 +59,7 @@ def sweep_tolerances(
         Turns of each, of which the shortest counts.
     """
     points: list[Point] = []
-    runs: list[Run] = []
+    runs: list[TimedRun] = []
     for solver in solvers:
         for rtol in solver.tolerances[::decades]:
             point, run = _try(solver, problem, rtol)
@@ -73,7 +73,7 @@ def sweep_tolerances(
     return [point._replace(time=time) for point, time in zip(points, times, strict=True)]
 
 
-def _try(solver: MeasuredSolver, problem: Problem, rtol: float) -> tuple[Point, Run | None]:
+def _try(solver: MeasuredSolver, problem: Problem, rtol: float) -> tuple[Point, TimedRun | None]:
     """A point timed roughly, and its run; None for a run that fails."""
     point = Point(problem.name, *solver[:4], rtol, math.nan, math.nan, math.nan)
     try:

@@ -14,7 +14,7 @@ from escapement.mechanisms import KINDS, kind_of
 from escapement.model import Escapement, Inertia, Mechanism
 from escapement.quantity import declared, quantities
 from escapement.solver import DEFAULT_ENGINE
-from escapement.study.parameters import Kind
+from escapement.study.parameters import PlanKind
 from escapement.study.parse import parse_plan
 from escapement.study.plan import StudyPlan
 
@@ -59,7 +59,7 @@ def plan_from(
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     machine, own = _describe(escapement.mechanism)
-    kind = Kind.of(escapement.mechanism) if own is not None else Kind.named(machine["kind"])
+    kind = PlanKind.of(escapement.mechanism) if own is not None else PlanKind.named(machine["kind"])
     inertia = escapement.inertia
     solver = {"engine": engine, "rtol": rtol, "atol": atol, "method": method, "max_step": max_step}
     configuration = {

@@ -18,7 +18,7 @@ def model_numbers() -> dict[str, Quantity]:
 
 
 @dataclass(frozen=True)
-class Kind:
+class PlanKind:
     """What a study may say of one kind of mechanism.
 
     build : who makes one of its settings; None for a mechanism of the user's own.
@@ -29,13 +29,13 @@ class Kind:
     meshed: bool
 
     @classmethod
-    def named(cls, name: str) -> "Kind":
+    def named(cls, name: str) -> "PlanKind":
         """The kind that a file calls so."""
         build = kind_of(name)
         return cls(build, build.meshed)
 
     @classmethod
-    def of(cls, mechanism: Mechanism) -> "Kind":
+    def of(cls, mechanism: Mechanism) -> "PlanKind":
         """The kind of a mechanism that no file can describe."""
         return cls(None, mechanism.path.table)
 
@@ -80,7 +80,7 @@ class Kind:
         return built
 
 
-def homes(kind: Kind) -> dict[str, str]:
+def homes(kind: PlanKind) -> dict[str, str]:
     """Where keys belong that stand in the wrong place, or are of another kind of mechanism."""
     found = _of_other_kinds(kind)
     for name, entry in model_numbers().items():
@@ -90,10 +90,10 @@ def homes(kind: Kind) -> dict[str, str]:
     return found | dict.fromkeys(["kind", *kind.options], "[mechanism]")
 
 
-def _of_other_kinds(kind: Kind) -> dict[str, str]:
+def _of_other_kinds(kind: PlanKind) -> dict[str, str]:
     owners: dict[str, list[str]] = {}
     for name in KINDS:
-        for key in Kind.named(name).settings:
+        for key in PlanKind.named(name).settings:
             owners.setdefault(key, []).append(name)
     return {
         key: "[mechanism] of kind " + " or ".join(map(repr, kinds))

@@ -15,7 +15,7 @@ from escapement.model import Mechanism
 from escapement.quantity import Quantity
 from escapement.solver import Solver
 from escapement.study.axes import axis_values
-from escapement.study.parameters import Kind, homes
+from escapement.study.parameters import PlanKind, homes
 from escapement.study.plan import StudyPlan
 from escapement.study.sample import Sample, parse_sample
 from escapement.validate import known_keys
@@ -101,11 +101,11 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     machine = dict(table(configuration, "mechanism"))
     if mechanism is None:
         machine.setdefault("kind", DEFAULT_KIND)
-        kind = Kind.named(validate.choice("mechanism.kind", machine["kind"], tuple(KINDS)))
+        kind = PlanKind.named(validate.choice("mechanism.kind", machine["kind"], tuple(KINDS)))
         _check_keys(configuration, kind)
         machine = {"kind": machine["kind"]} | _options(machine, kind)
     else:
-        kind = Kind.of(mechanism)
+        kind = PlanKind.of(mechanism)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     parameters = kind.all_parameters
     axes, forms = _axes(table(configuration, "sweep"), parameters, _homes(kind))
@@ -142,13 +142,13 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     return plan
 
 
-def _homes(kind: Kind) -> dict[str, str]:
+def _homes(kind: PlanKind) -> dict[str, str]:
     """Where keys belong that are no parameters of the model."""
     settings = dict.fromkeys((setting.name for setting in fields(Solver)), "[solver]")
     return homes(kind) | settings | dict.fromkeys(["size", "seed"], "[sample]")
 
 
-def _check_keys(configuration: Mapping[str, Any], kind: Kind) -> None:
+def _check_keys(configuration: Mapping[str, Any], kind: PlanKind) -> None:
     """Refuse keys that no part of a study has, naming where each would belong."""
     known = _homes(kind)
     keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
@@ -172,7 +172,7 @@ def table(configuration: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     return value
 
 
-def _options(machine: Mapping[str, Any], kind: Kind) -> dict[str, Any]:
+def _options(machine: Mapping[str, Any], kind: PlanKind) -> dict[str, Any]:
     for name, option in kind.options.items():
         if option.required and name not in machine:
             raise InvalidValue(f"the study lacks mechanism.{name}; write it in [mechanism]")

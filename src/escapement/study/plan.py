@@ -13,7 +13,7 @@ from escapement import units
 from escapement.model import Escapement, Inertia, Mechanism
 from escapement.quantity import Quantity, declared, quantities
 from escapement.solver import Solver
-from escapement.study.parameters import Kind
+from escapement.study.parameters import PlanKind
 from escapement.study.sample import CASE, Sample
 
 
@@ -31,7 +31,7 @@ class StudyPlan:
         One line for people.
     unit_system : str
         "SI" or "in-lbf-s".
-    kind : Kind
+    kind : PlanKind
         What the mechanism is made of.
     machine : dict
         Kind and options of the mechanism, as the [mechanism] table has them.
@@ -51,7 +51,7 @@ class StudyPlan:
 
     title: str
     unit_system: str
-    kind: Kind
+    kind: PlanKind
     machine: dict[str, Any]
     fixed: dict[str, float]
     axes: dict[str, NDArray[Any]]

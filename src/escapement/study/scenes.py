@@ -40,12 +40,12 @@ MOST_SHARED = 1 << 20
 
 _SLICE = 256  # scenes solved at a time: a few milliseconds, and always the same ones together
 
-Figures = tuple[FloatArray, NDArray[np.uint8]]
+SceneFigures = tuple[FloatArray, NDArray[np.uint8]]
 """Largest, smallest and mean velocity, period, rise and settling time in natural units,
 shape (6, n), and the status, shape (n,)."""
 
 
-def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> Figures:
+def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases, none of them solved twice."""
     columns = plan.columns(cases)
     values = plan.fixed_si | columns
@@ -85,7 +85,7 @@ def _by_mechanism(plan: StudyPlan, columns: dict[str, NDArray[Any]], size: int) 
     return np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
 
 
-def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> Figures:
+def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n): equal ones once."""
     from escapement.engines.energy import batch, cycle
 
@@ -143,7 +143,7 @@ class SharedScenes:
         self._slices: dict[int, Future[None]] = {}
         self._access = threading.Lock()
 
-    def of(self, cases: NDArray[np.int64]) -> Figures:
+    def of(self, cases: NDArray[np.int64]) -> SceneFigures:
         """Figures of the scenes of some cases, as `solve_scenes` gives them."""
         places = np.unravel_index(cases, self._plan.shape)
         scenes = np.zeros(cases.size, dtype=np.int64)

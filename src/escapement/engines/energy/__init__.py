@@ -53,7 +53,7 @@ and keeps time and speed of the handoff; an `EnergyTrajectory` holds them. When 
 for, `pieces.events_of` marches again with full detail and `events.refine` makes each exact. When
 states are asked for, `pieces.follow` solves the piece again and inverts its time.
 
-A call of terminal: `terminal.terminal` gives one scene to `batch.solve_scenes`; that calls
+A call of terminal: `terminal.terminal` gives one scene to `batch.solve_rows`; that calls
 `figures.figures`, which marches through the transient and keeps its extrema.
 `cycle.terminal_cycle` finds the w that an engagement gives back. `figures` then compares the
 extrema with the cycle for rise and settling time. In the end `simulate.simulate` makes the

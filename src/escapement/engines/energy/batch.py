@@ -4,7 +4,7 @@ import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.dynamics import scene_of
-from escapement.engines.energy.calls import Case, kernel_addresses
+from escapement.engines.energy.calls import MarchInputs, kernel_addresses
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
@@ -20,7 +20,7 @@ _NUMBERS = len(Scene._fields) - FIXED
 
 
 @jit(allocates=True)
-def solve_scenes(addresses, scene_tuple, cells, numbers, rtol, table, status):
+def solve_rows(addresses, scene_tuple, cells, numbers, rtol, table, status):
     """Fill table[i] and status[i] for every scene i, in natural units.
 
     Parameters
@@ -42,7 +42,7 @@ def solve_scenes(addresses, scene_tuple, cells, numbers, rtol, table, status):
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
-            case = Case(addresses, scene, cells, store, events)
+            case = MarchInputs(addresses, scene, cells, store, events)
             status[i] = figures(case, numbers[i, _NUMBERS], rtol, table[i])
 
 
@@ -73,7 +73,7 @@ def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[Float
     edges = smooth_intervals(path, mechanism.breaks)
     scene_tuple = tuple(path), edges, dwell_angle(mechanism), *(0.0,) * _NUMBERS
     cells = cells_of(path, edges)
-    solve_scenes(kernel_addresses(), scene_tuple, cells, rows, rtol, table, status)
+    solve_rows(kernel_addresses(), scene_tuple, cells, rows, rtol, table, status)
     # of a stall the table holds its angle and engagement, which are no figures of merit
     table[status != OK] = np.nan
     return table, status

@@ -21,7 +21,7 @@ from escapement.jit import inner_jit
 from escapement.scene import Path, Scene
 
 
-class Case(NamedTuple):
+class MarchInputs(NamedTuple):
     """The arguments that all marches of one case share.
 
     addresses : as `kernel_addresses` returns them.

@@ -103,7 +103,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
 
     Parameters
     ----------
-    case : Case
+    case : MarchInputs
     count : number of panels in use.
     ends : Ends
     last_good : w from which to go on when Newton's method overshoots into a stop.

@@ -99,7 +99,7 @@ def note(events, used, kind, angle, time, w):
 def note_extremum(scene, events, used, kind, work, panel, found, high):
     """Add an extremum just before the point `found.point`; returns the number of events.
 
-    `found` is a `passage.Extremum`; its `final` is the value at x = `high`.
+    `found` is a `passage.SpeedExtremum`; its `final` is the value at x = `high`.
     """
     if used >= events.shape[0]:
         return used

@@ -43,10 +43,10 @@ from escapement.engines.energy.passage import (
     NOWHERE,
     Detail,
     Engagement,
-    Extremum,
     Inside,
+    MarchState,
     Passage,
-    State,
+    SpeedExtremum,
 )
 from escapement.engines.energy.sampling import (
     ALL_POINTS,
@@ -143,12 +143,12 @@ def _found(status, state, angle, time, count):
 
 @inner_jit(inlined=True)
 def _enter(scene, panel, w, side, rising, used):
-    """State at the entry, which is the left end of the first panel."""
+    """MarchState at the entry, which is the left end of the first panel."""
     end = panel.entry
     if side == 0.0:
         side = side_at(end.g, end.dg, w, scene)
     energy = w * (scene.rho + end.g**2)
-    return State(FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
+    return MarchState(FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
 
 
 @inner_jit(inlined=True)
@@ -254,7 +254,7 @@ def _note_left_end(scene, panel, state, events):
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:
         rising = np.sign(now)
-    return State(
+    return MarchState(
         state.panel, state.w, state.energy, state.side, rising, state.time, state.exponent,
         state.source, used, True,
     )  # fmt: skip
@@ -282,7 +282,7 @@ def _check(scene, work, panel, starting, state, passage, request):
             count = points_of(work)
             split = may_vanish(work.net_torque, NEGLIGIBLE, first, final, FIRST_POINT, last, count)
     coarse = solution_of(panel, side).tail > request.strict
-    return Extremum(split, point, first, final, state.time, energy, side, coarse)
+    return SpeedExtremum(split, point, first, final, state.time, energy, side, coarse)
 
 
 @inner_jit(inlined=True)
@@ -326,19 +326,19 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
 
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
-    """State at the right end of a panel, which is the left end of the one at `following`."""
+    """MarchState at the right end of a panel, which is the left end of the one at `following`."""
     # behind a reversal the driver gains speed, see `_check`, so that `rising` is 1
     if passage.reversal >= 0:
         after = inside.after_reversal
         w = after.energy / (scene.rho + panel.exit.g**2)
-        return State(
+        return MarchState(
             following, w, after.energy, -state.side, 1.0, state.time + after.length,
             state.exponent + after.exponent, after.source, inside.used, False,
         )  # fmt: skip
     solution = solution_of(panel, state.side)
     # the affine map of the panel is composed with that up to its left end
     rising = -state.rising if extremum.point >= 0 else state.rising
-    return State(
+    return MarchState(
         following, passage.w, passage.energy, state.side, rising, passage.time,
         state.exponent + solution.b_end, solution.alpha_end * state.source + solution.beta_end,
         inside.used, False,

@@ -38,7 +38,7 @@ class Request(NamedTuple):
     strict: float
 
 
-class State(NamedTuple):
+class MarchState(NamedTuple):
     """The motion at the left end of the panel that a march has reached.
 
     panel : index of the panel in the store.
@@ -88,7 +88,7 @@ class Passage(NamedTuple):
     left_contact: float
 
 
-class Extremum(NamedTuple):
+class SpeedExtremum(NamedTuple):
     """The extremum of the driver speed that a panel holds, if it holds one.
 
     split : whether the panel must be halved first.

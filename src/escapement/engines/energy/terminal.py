@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from escapement.engines.energy.batch import FIXED, solve_scenes
+from escapement.engines.energy.batch import FIXED, solve_rows
 from escapement.engines.energy.cycle import (
     CONTRACTION,
     FIGURES,
@@ -30,7 +30,7 @@ def terminal(
     w = (initial_speed * clock) ** 2
     numbers = np.array([[*scene[FIXED:], w]])
     table, codes = np.empty((1, FIGURES)), np.empty(1, dtype=np.uint8)
-    solve_scenes(*prepared(escapement), numbers, rtol, table, codes)
+    solve_rows(*prepared(escapement), numbers, rtol, table, codes)
     out, code = table[0], int(codes[0])
     status = Status(code)
     if status is Status.STALL:

@@ -19,7 +19,7 @@ _FINEST = 1e-18
 ROUNDING = 1e-9
 """Of the greatest value: less than this at the end of a piece may be rounding."""
 
-Function = Callable[[float], float]
+RealFunction = Callable[[float], float]
 
 
 def sample_times(steps: FloatArray) -> FloatArray:
@@ -29,7 +29,7 @@ def sample_times(steps: FloatArray) -> FloatArray:
     return np.append(times.reshape(-1), steps[-1])
 
 
-def find_roots(function: Function, x: FloatArray, f: FloatArray) -> list[float]:
+def find_roots(function: RealFunction, x: FloatArray, f: FloatArray) -> list[float]:
     """All roots of `function`, ascending, given its values `f` at `x`.
 
     Where |f| has a minimum between values of one sign, that minimum is computed, so that
@@ -42,7 +42,7 @@ def find_roots(function: Function, x: FloatArray, f: FloatArray) -> list[float]:
     return [_root_between(function, float(x[i]), float(x[i + 1])) for i in changes]
 
 
-def _root_between(function: Function, low: float, high: float) -> float:
+def _root_between(function: RealFunction, low: float, high: float) -> float:
     at_low, at_high = function(low), function(high)
     if np.sign(at_low) * np.sign(at_high) < 0.0:
         return float(brentq(function, low, high, xtol=_FINEST, rtol=1e-15, maxiter=500))
@@ -50,7 +50,9 @@ def _root_between(function: Function, low: float, high: float) -> float:
     return low if abs(at_low) < abs(at_high) else high
 
 
-def _add_dips(function: Function, x: FloatArray, f: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _add_dips(
+    function: RealFunction, x: FloatArray, f: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Samples, with the minimum of |f| added wherever f may cross zero twice between two."""
     size, sides = np.abs(f), np.sign(f)
     inner = np.nonzero(

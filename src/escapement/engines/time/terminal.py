@@ -49,7 +49,7 @@ class _Bracket(NamedTuple):
 
 def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     """Figures of merit by integration; see `escapement.terminal`."""
-    cycle, contraction = terminal_cycle(escapement, **settings)
+    cycle, contraction = bracketed_cycle(escapement, **settings)
     if cycle.status is not Status.OK:
         return replace(base, status=cycle.status, message=cycle.message)
     figures = replace(read_cycle(cycle, base), contraction=contraction)
@@ -77,7 +77,7 @@ def _transient_length(contraction: float, start: float) -> int:
     return 8 + math.ceil((math.log(1e-4) - 2.0 * math.log(max(start, 1.0))) / rate)
 
 
-def terminal_cycle(
+def bracketed_cycle(
     escapement: Escapement, *, initial_speed: float, **settings: Any
 ) -> tuple[Motion, float]:
     """One terminal engagement and the contraction factor of the map.
