@@ -16,9 +16,9 @@ A pin loses by sliding: both mu_s are its coefficient of friction. A mesh of
 efficiency eta has p = g eta^(-s), because power that flows back is multiplied by eta. That
 is the same law with |u| = g, mu_+ = 1/eta - 1 and mu_- = 1 - eta.
 
-With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta). The
-functions of this file are the only place that knows these formulas: an engine
-integrates them over the time (`acceleration`) or over the angle (`energy_rates`).
+With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta). An
+engine integrates the functions of this file over the time (`acceleration`) or over
+the angle (`energy_rates`); `painleve` asks where J_s vanishes.
 """
 
 import numpy as np

@@ -127,12 +127,13 @@ def jit(
     folder = _cache_directory()
     config: Any = numba.config
     options: Any = {"nogil": True, "error_model": "numpy", "_nrt": allocates}
+    options["no_cfunc_wrapper"] = True  # nobody calls a kernel from C
     if reorders:
         options["fastmath"] = {"reassoc"}
     if inlined:
         options["forceinline"] = True
     if inner:
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        options["no_cpython_wrapper"] = True
     if folder is None or config.DISABLE_JIT:
         return numba.njit(**options)(function)
     previous = config.CACHE_DIR

@@ -88,7 +88,8 @@ def beyond_painleve(scene):
     """
     if scene.path.table:
         return False
-    # g >= 0 in an engagement, so the side that may lose its J is s = -1
+    # Where g > 0 the side s = -1 may lose its J. One of Meyer's published cells also has g < 0,
+    # where s = +1 may, but its pins have one mu and the limit there is higher.
     mu, rho = scene.mu_minus, scene.rho
     g1, g2 = circle(scene.path)
     if mu * abs(g1 - g2) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):

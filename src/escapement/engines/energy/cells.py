@@ -1,4 +1,4 @@
-"""g, u and g' on the panels that most scenes need, evaluated once per mechanism.
+"""g, |u| and g' on the panels that most scenes need, evaluated once an escapement or study.
 
 Panels come from halving the intervals between the edges of a scene, so the first of them are
 known before any motion is. Cell 1 is a whole interval, and cells 2k and 2k + 1 are the halves

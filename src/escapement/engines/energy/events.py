@@ -41,7 +41,7 @@ EVENT = record_dtype(
         # the driver angle and the time since the entry; of an extremum that is not exact yet
         # these are those of the left end of its panel
         **dict.fromkeys(("angle", "time"), NUMBER),
-        # theta_dot^2, rough or NaN where the event is not exact yet
+        # theta_dot^2; of an extremum rough or NaN where the event is not exact yet
         "w": NUMBER,
         "exact": FLAG,
         # what `refine` needs of an extremum: half the width of its panel, whether the panel is
@@ -61,13 +61,14 @@ EVENT = record_dtype(
 NO_EVENTS = np.int64(0)
 # This bounds the relative error of a rough w, which was at most 3e-4 in 2400 random cases.
 ROUGH_ERROR = 2e-3
-# A last step of Newton's method that is longer than this, in x, is due to rounding and left out.
+# A last step of Newton's method for an extremum that is longer than this, in x, is due to
+# rounding and left out.
 LARGEST_CORRECTION = 1e-2
 
 
 @inner_jit
 def most_events(edges):
-    """Greatest number of events for which an engagement gets memory."""
+    """Number of events of one engagement for which there must be room."""
     return 16 + 4 * edges.size
 
 
@@ -85,7 +86,10 @@ def extremum_kind(rising):
 
 @inner_jit
 def note(events, used, kind, angle, time, w):
-    """Add an event that is known exactly; returns the number of events."""
+    """Add an event that needs no `refine`; returns the number of events.
+
+    A reversal comes with NaN for angle, time and w unless all details are asked for.
+    """
     if used < events.shape[0]:
         event = events[used]
         event.kind = kind

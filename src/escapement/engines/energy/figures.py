@@ -52,7 +52,8 @@ def figures(case, w, rtol, out):
     The motion is followed from its start until it has nearly settled, and its extrema are
     kept. Newton's method finds the terminal cycle from there. The kept extrema are then
     compared with that cycle, and the motion is followed further until it has settled. On a
-    stall out[0] is the driver angle and out[1] the engagement.
+    stall out[0] is the driver angle and out[1] the engagement; both are NaN where a motion
+    without friction loses energy in every engagement, which `escapement.terminal` tells first.
     """
     scene, cells, events = case.scene, case.cells, case.events
     for i in range(FIGURES):
@@ -97,7 +98,7 @@ def figures(case, w, rtol, out):
                 first = NO_EVENTS
                 if cycle_known:
                     in_band = _judge(case, first, used, in_band, out)
-                    # it takes log(0.02)/log(contraction) engagements to come within 2 %, here
+                    # from rest it takes log(0.02)/log(contraction) engagements or so, here
                     # more than the limit, so no time is given
                     if out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                         return OK

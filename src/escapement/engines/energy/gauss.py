@@ -2,7 +2,8 @@
 
 The functions take rows of N values, which are fields of a record. The `count` that some of
 them take is N as `panels.points_of` reads it from the workspace: the compiler unrolls a loop
-whose length it knows, and makes vector code of one whose length it does not know.
+whose length it knows, and makes vector code of one whose length it does not know. `count & N`
+is 16 too, and tells it that the length is a multiple of the vector's.
 """
 
 import numpy as np
@@ -50,12 +51,13 @@ def _product_with(m):
     """Make a kernel for out[i] = sum over k of m[k, i] values[k] that becomes vector code.
 
     The matrix is a constant of the kernel. If it were an argument, the compiler would have to
-    assume that writing to `out` may change it, and would load it again in every turn.
+    assume that writing to `out` may change it, and could not compute several i at once.
     """
 
     @inner_jit
     def product(values, out):
-        # all values are read first, because `out` might overlap them for all the compiler knows
+        # all values are read first: after a write to `out`, which the compiler must assume to
+        # overlap them, they would be read again in every turn
         c0, c1, c2, c3 = values[0], values[1], values[2], values[3]
         c4, c5, c6, c7 = values[4], values[5], values[6], values[7]
         d0, d1, d2, d3 = values[8], values[9], values[10], values[11]

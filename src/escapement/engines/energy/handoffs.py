@@ -12,8 +12,8 @@ from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.painleve import beyond_painleve
 
-# Where the exponent int B of an engagement is below this, w changes little, and its change is
-# computed instead of w itself.
+# Where the exponent int B of an engagement is below this, the slope of the map is nearly 1, and
+# the change of w is computed instead of w, so that rounding errors do not add up.
 SMALL_EXPONENT = 0.1
 
 

@@ -33,7 +33,8 @@ from escapement.engines.energy.sampling import (
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 
-# A last step of Newton's method that is longer than this, in x, is due to rounding and left out.
+# A last step of Newton's method for a reversal that is longer than this, in x, is due to
+# rounding and left out.
 LARGEST_CORRECTION = 1e-4
 
 
@@ -106,8 +107,8 @@ class Instant(NamedTuple):
 def reversal_at(scene, work, panel, side, x, slope, w):
     """Instant of a reversal located at x; `w` is that of the left end.
 
-    The panel is only as fine as E needs, and g may be rougher: it is evaluated at x and not
-    interpolated.
+    g and g' are evaluated at x and not interpolated, because the panel was tested for E and
+    1/(rho + g^2) alone.
     """
     count = points_of(work)
     if x <= -1.0:
@@ -131,7 +132,8 @@ class AfterReversal(NamedTuple):
 
     good : whether the panel is fine enough for it; otherwise it must be halved.
     energy, length : E at the right end; time from the left end there.
-    exponent, source : of the affine map E_out = exp(-exponent) E_in + source up to there.
+    exponent : int B over this panel, of each side the part that is passed.
+    source : of the affine map E = exp(-..) E_entry + source from the entry to the right end.
     """
 
     good: bool

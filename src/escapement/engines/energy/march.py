@@ -6,7 +6,8 @@ of panels as fine as it needs, and later engagements use the same chain again.
 
 A panel is passed in steps: `_choose` between it and the spare panel of a start, `_pass_over` it
 to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` what happens in it,
-and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first.
+and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first,
+and so may `_choose` for a start, by the tail it sets.
 """
 
 import numpy as np
@@ -207,7 +208,8 @@ def _pass_over(scene, work, panel, starting, state, request):
 
 @inner_jit(inlined=True)
 def _single_reversal(work, panel, against, left, right, negligible, rough):
-    """Whether a panel must be halved for its reversals, and the first point behind the one left.
+    """Whether a panel must be halved for its reversals, and the first point behind its
+    one reversal, `NOWHERE` without one.
 
     A panel may hold one reversal, so that s X <= 0 at all points behind it and at the right
     end. A panel that is `rough` may hold none, since values inside it are not accurate.
@@ -248,7 +250,7 @@ def _note_left_end(scene, panel, state, events):
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
         used = note(events, used, np.int64(EventKind.BREAK), panel.left, state.time, state.w)
-    # |u| has a kink and s has changed at such places, so that theta_ddot may change its sign
+    # at a kink of |u|, and at an entry on another side than before, theta_ddot jumps
     now = net_torque_at(panel.entry, state.side, state.w, scene)
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)

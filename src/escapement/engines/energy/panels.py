@@ -85,8 +85,8 @@ UNSOLVED = -1.0
 FIRST_PANEL, CHAIN_END = np.int64(0), np.int64(-1)
 NO_PANELS = np.int64(0)
 MAX_PANELS = np.int64(2048)
-# The tail of 1/(rho + g^2) must be below this share of the tail allowed, because A, B and E
-# are rougher than the geometry from which they are made.
+# The tail of 1/(rho + g^2) must be below this share of the tail allowed, because with much
+# friction A, B and E are rougher than the geometry from which they are made.
 GEOMETRY_SHARE = 0.1
 # A panel of a smaller half width [rad] is not halved.
 SMALLEST = 1e-13
@@ -158,7 +158,8 @@ def finish_geometry(panel, rho, count):
     for i in range(count & N):
         panel.inverse_inertia[i] = 1.0 / (rho + panel.g[i] * panel.g[i])
         panel.dtheta_dx[i] = half
-    # where |g| only rises or only falls, 1/(rho + g^2) is greatest at one of the end points
+    # 1/(rho + g^2) is greatest at the first or the last point unless |g| has a minimum between;
+    # then the tail is overestimated, and the panel becomes finer than it need be
     largest = max(panel.inverse_inertia[0], panel.inverse_inertia[N - 1])
     panel.geometry_tail = tail_of(panel.inverse_inertia, count) / largest
     panel.plus.tail = UNSOLVED

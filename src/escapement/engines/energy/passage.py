@@ -15,8 +15,8 @@ class Detail(IntEnum):
     """How much a march is asked for; each member includes those before it.
 
     MAP: the map from w at entry to w at exit. It misses a pair of reversals inside one panel.
-    TIME: the time as well, and such pairs. EXTREMA: the extrema of the driver speed as well,
-    and the number of reversals. EVERYTHING: the angles and times of the reversals as well.
+    TIME: the time as well, and such pairs; reversals are counted and not located. EXTREMA: the
+    extrema of the driver speed as well. EVERYTHING: the angles and times of the reversals too.
     """
 
     MAP = 0
@@ -44,7 +44,8 @@ class MarchState(NamedTuple):
     panel : index of the panel in the store.
     w, energy : theta_dot^2, and E = (rho + g^2) w.
     side : s, the side of the slot that carries the force.
-    rising : sign of theta_ddot just before, 0 where nothing came before.
+    rising : sign of theta_ddot just before, 0 where nothing came before; it is kept only from
+        Detail.EXTREMA on.
     time : since the entry.
     exponent, source : of the affine map E = exp(-exponent) E_entry + source to here.
     used : number of events noted.
@@ -69,8 +70,9 @@ class Passage(NamedTuple):
 
     split : whether the panel must be halved first, so that nothing else here counts.
     stalled : whether the motion ends inside it, at driver angle `angle` [rad].
-    energy, w, contact : E, w and s X at the right end.
-    time : from the entry to the right end, or to the stall.
+    energy, w, contact : E, w and s X at the right end; where there is a reversal, as if s had
+        not changed.
+    time : from the entry to the right end, or to the stall; with Detail.MAP to the left end.
     reversal : first point behind a pin reversal, `NOWHERE` without one.
     slowing : number of points at which theta_ddot <= 0.
     left_contact : s X at the left end.

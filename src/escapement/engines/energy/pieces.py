@@ -230,7 +230,8 @@ def _read(scene, work, panel, part, length, end, times, theta, squares):
         x = _invert(work, min(t, length), length)
         theta[j] = 0.5 * (part.left + part.right) + panel.half * x
         g = transmission_at(scene.path, theta[j])[0]
-        # E is interpolated, because w is rougher where g varies; w = E/(rho + g^2)
+        # E is interpolated, which is mostly smoother than w: the factor of w = E/(rho + g^2)
+        # is then exact
         squares[j] = dot(work.at_x, work.energy, points_of(work)) / (scene.rho + g * g)
 
 

@@ -21,7 +21,7 @@ def record_dtype(fields: dict[str, Any]) -> np.dtype:
     fields : dict
         Name of each field and its type: a number, a row or another record.
     """
-    # the fields are aligned as in C, so that each lies where the processor loads it fastest
+    # numbers lie at multiples of eight bytes, which a flag before them would otherwise prevent
     plain = np.dtype(
         [(name, *kind) if kind is ROW else (name, kind) for name, kind in fields.items()],
         align=True,

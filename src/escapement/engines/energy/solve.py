@@ -15,8 +15,9 @@ from escapement.engines.energy.gauss import N, cumulate, integral, tail_of
 from escapement.engines.energy.panels import points_of, solution_of
 from escapement.jit import inner_jit
 
-# The error of b is judged against a decay of at least this much of |u| g': next to a stop the
-# true decay is smaller, and what a table gives there is rounding.
+# The error of b is judged against at least the decay that this value in place of
+# int 2 |u| g' dtheta would give: next to the rest position of a mesh the true decay is smaller,
+# and what a table gives there is rounding.
 LEAST_DECAY = 1e-9
 # The sums over the Gauss points have this relative rounding error.
 ROUNDING = 1e-15

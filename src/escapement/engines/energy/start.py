@@ -50,7 +50,7 @@ def lay_out_start(scene, work, panel, offset):
 
 @inner_jit
 def solve_start(scene, work, panel, side, w, strict):
-    """Solve the spare panel in place of `panel`; returns whether the march has to pass that one."""
+    """Solve the spare panel in place of `panel`; returns whether it takes that place."""
     slope = slope_of_w(scene, panel, side, w)
     if not slope > 0.0:
         return False

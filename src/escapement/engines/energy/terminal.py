@@ -45,7 +45,8 @@ def terminal(
     period = float(cycle.end_time)
     message = base.message
     if np.isnan(out[SETTLING]):
-        message = "rise and settling time are not given: beyond 1 000 000 engagements"
+        both = "rise and settling time are" if np.isnan(out[RISE]) else "settling time is"
+        message = f"{both} not given: beyond 1 000 000 engagements"
     return replace(
         base,
         velocity_max=float(out[V_MAX] / clock),
