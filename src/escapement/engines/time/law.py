@@ -1,6 +1,6 @@
 """The equation of motion in natural units, as numbers and as solve_ivp's right-hand side."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,18 +17,22 @@ from escapement.dynamics import (
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model import Escapement, FloatArray
-from escapement.scene import Scene
+from escapement.scene import Scene, scene_tuple
 
 
 class Law(NamedTuple):
-    """The equation of motion of one scene, for use outside of kernels."""
+    """The equation of motion of one scene, for use outside of kernels.
+
+    scene : the scene. plain : the same as `scene.scene_tuple` gives it, for kernels.
+    """
 
     scene: Scene
+    plain: tuple[Any, ...]
 
     @classmethod
     def of(cls, escapement: Escapement) -> "Law":
         """The law that an escapement moves by."""
-        return cls(escapement.scene)
+        return cls(escapement.scene, scene_tuple(escapement.scene))
 
     @property
     def is_table(self) -> bool:
@@ -46,8 +50,7 @@ class Law(NamedTuple):
 
     def force(self, theta: float, w: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal."""
-        g, _u, dg = self.transmission(theta)
-        return float(contact(g, dg, w, self.scene))
+        return float(contact_at(theta, w, self.plain))
 
     def side(self, theta: float, speed: float) -> float:
         """Side of the slot, +1 or -1, that carries the force where a piece begins."""
@@ -67,13 +70,21 @@ class Law(NamedTuple):
 
 
 @jit(allocates=True)
-def slope(x, y, anchor, unit, side, scene_tuple):
+def contact_at(theta, w, plain):
+    """X at a driver angle; solve_ivp asks for it at every step."""
+    scene = scene_of(plain)
+    g, _u, dg = transmission_at(scene.path, theta)
+    return contact(g, dg, w, scene)
+
+
+@jit(allocates=True)
+def slope(x, y, anchor, unit, side, plain):
     """Derivative of y by x, in the units of a piece.
 
     y = (angle from `anchor`, speed / unit, friction loss / unit^2), and x = time * unit;
     the scene comes as `scene.scene_tuple` gives it.
     """
-    scene = scene_of(scene_tuple)
+    scene = scene_of(plain)
     out = np.empty(3)
     g, u, dg = transmission_at(scene.path, anchor + y[0])
     w = (unit * y[1]) ** 2

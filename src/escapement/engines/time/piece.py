@@ -18,7 +18,6 @@ from scipy.integrate import solve_ivp
 from escapement.engines.time.crossings import ROUNDING, find_roots, sample_times
 from escapement.engines.time.law import Law, slope
 from escapement.model import FloatArray
-from escapement.scene import scene_tuple
 
 MOST_STEPS = 25_000
 """Solver steps that a piece may take, a second or two; DOP853 needs fifty."""
@@ -147,7 +146,7 @@ class _Problem:
     @property
     def arguments(self) -> tuple[Any, ...]:
         """What `slope` takes beside x and y."""
-        return (self.task.anchor, self.unit, self.task.sign, scene_tuple(self.law.scene))
+        return (self.task.anchor, self.unit, self.task.sign, self.law.plain)
 
     def rate(self, x: float, y: FloatArray) -> float:
         """Acceleration."""
