@@ -16,7 +16,7 @@ from escapement.errors import EscapementError, InvalidValue, UnknownArgument
 from escapement.mechanisms import KINDS, kind_of
 from escapement.model import Run
 from escapement.quantity import Declared, declared, quantities, quantity
-from escapement.study.parameters import Kind
+from escapement.study.parameters import PlanKind
 from escapement.study.parse import parse_plan
 from escapement.units import SYSTEMS, printed, unit_name
 
@@ -81,7 +81,7 @@ def test_a_number_is_told_everywhere(name):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
-    known = Kind.named(kind)
+    known = PlanKind.named(kind)
     assert {*known.settings} == {*known.parameters, *known.options} == {*declared(kind_of(kind))}
     for name, entry in known.all_parameters.items():
         assert entry.axis
