@@ -28,7 +28,7 @@ from escapement.mechanisms.slotted import transmission_at
 from escapement.scene import Path, Scene
 
 
-@jit(allocates=True, inlined=True)
+@inner_jit(allocates=True, inlined=True)
 def scene_of(scene_tuple):
     """Scene from the nested tuples that `scene.scene_tuple` makes."""
     path = scene_tuple[0]
@@ -53,7 +53,7 @@ def free_gain(angle, scene):
     return 2.0 * angle * drive(scene) / scene.rho
 
 
-@jit
+@inner_jit
 def effective_ratio(g, u, side, scene):
     """Transmission function as friction bends it, p = g + s mu_s |u|."""
     return g + signed_loss(side, scene) * abs(u)
@@ -87,7 +87,7 @@ def acceleration(g, u, dg, w, side, scene):
     return net_torque(g, u, dg, w, side, scene) / reduced_inertia(g, u, side, scene)
 
 
-@jit
+@inner_jit
 def contact_moment(g, u, dg, w, side, scene):
     """Moment N R on the follower in units of the driving torque."""
     return contact(g, dg, w, scene) / reduced_inertia(g, u, side, scene)
