@@ -191,7 +191,7 @@ class Escapement(Declared):
         """Refuse what kernels could not read."""
         path: Any = self.mechanism.path
         if not isinstance(path, Path):
-            rule, remedy = "a Path", "make it with mechanisms.slotted or mechanisms.table"
+            rule, remedy = "a Path", "make it with two_vector_path or chebyshev_table"
             raise validate.fail("mechanism.path", rule, path, remedy)
 
     @property

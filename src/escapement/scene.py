@@ -73,7 +73,8 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
 
 def writeable(path: Path) -> Path:
     """A copy of a path; kernels are compiled for contiguous arrays that may be written to."""
-    return Path(path.table, np.array(path.numbers), np.array(path.corners))
+    numbers, corners = (np.array(row, dtype=float) for row in path[1:])
+    return Path(path.table, numbers, corners)
 
 
 def scene_tuple(scene: Scene) -> tuple[Any, ...]:
