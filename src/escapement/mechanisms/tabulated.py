@@ -150,11 +150,9 @@ class Tabulated(Kind):
         InvalidValue
             When an option breaks a rule.
         """
-        from escapement.mechanisms._angle_table import read_angles
-
-        angles = read_angles(path)
+        theta, phi = rows.read_angles(path)
         try:
-            table = cls(*angles, **options)
+            table = cls(theta, phi, **options)  # type: ignore[arg-type]
             _ = table.spline
         except InvalidValue as error:
             if str(error).startswith(("theta ", "phi ")):
