@@ -27,9 +27,7 @@ def configure(parser: Parser) -> None:
         help=f"folder for tables (CSV), the figure and the machine's description; "
         f"created, files in it replaced (default: {FOLDER}; with --quick none)",
     )
-    parser.add_argument(
-        "--quick", action="store_true", help="ten seconds instead of many minutes"
-    )
+    parser.add_argument("--quick", action="store_true", help="ten seconds instead of many minutes")
     _arguments.add_common(parser)
 
 

@@ -69,6 +69,3 @@ def _film(film: "FuncAnimation") -> bytes:
         path = Path(folder) / "film.gif"
         film.save(path, writer="pillow")
         return path.read_bytes()
-
-
-save_axes = save
