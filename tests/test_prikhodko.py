@@ -83,7 +83,7 @@ def test_errata_are_whole_sentences_of_one_line():
 
 def test_position_function_is_flat_at_the_stops():
     ax = figures.plot_position_function(PAPER, Figure().add_subplot())
-    curve = ax.lines[0].get_xydata()
+    curve = ax.lines[-2].get_xydata()
     stops = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"]
     assert stops == pytest.approx([101.25, 303.75])
     assert curve[-1] == pytest.approx([405.0, -315.0])
