@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from escapement.sources.printed import Cell, Slip
 from escapement.text import print_columns
@@ -38,7 +38,7 @@ class Reproduction:
         from escapement.plots import save
 
         for name, plot in self.panels().items():
-            save(cast("Figure", plot().figure), folder / name)
+            save(plot(), folder / name)
 
 
 def counts(cells: Sequence[Cell], slips: Sequence[Slip]) -> dict[str, Any]:
