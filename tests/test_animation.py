@@ -24,8 +24,7 @@ def motion(mechanism, engagements=2):
 
 def pin(mechanism, theta):
     """Where the first pin stands, the follower's axis being the origin."""
-    ax = plots.plot_gear_driven if isinstance(mechanism, esc.GearDriven) else plots.plot_mechanism
-    return by_id(ax(mechanism, theta), "pin-0").center
+    return by_id(plots.plot_mechanism(mechanism, theta), "pin-0").center
 
 
 @pytest.mark.parametrize("mechanism", DRIVES, ids=lambda drive: type(drive).__name__)

@@ -11,11 +11,10 @@ from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.model import FloatArray, Mechanism
 from escapement.motion import Motion
 from escapement.plots import style
-from escapement.plots.gear_driven import plot_gear_driven
-from escapement.plots.geneva import plot_mechanism
 from escapement.plots.motion import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
 from escapement.plots.style import scaled
+from escapement.plots.tabulated import plot_mechanism
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
@@ -112,11 +111,8 @@ def _part(motion: Motion, start: float, stop: float | None) -> tuple[float, floa
 
 def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Draw:
     """What draws the mechanism at a driver angle, with limits that do not change."""
-    if isinstance(mechanism, Geneva):
+    if not isinstance(mechanism, EllipticalPlanetary):
         return lambda theta: plot_mechanism(mechanism, theta, ax)
-    if isinstance(mechanism, GearDriven):
-        return lambda theta: plot_gear_driven(mechanism, theta, ax)
-    assert isinstance(mechanism, EllipticalPlanetary)
     boxes = np.array([extent(mechanism, float(theta)) for theta in angles])
     left, bottom = boxes[:, [0, 2]].min(axis=0)
     right, top = boxes[:, [1, 3]].max(axis=0)
