@@ -166,7 +166,7 @@ def test_drawing_refuses_what_it_cannot_draw(mechanism, theta):
     ("mechanism", "drawn"),
     [
         (esc.EllipticalPlanetary(0.016, 0.009), "driving"),
-        (esc.GearDriven(12, 3), "planet"),
+        (esc.GearDriven(12, 3), "fixed-gear"),
         (esc.Geneva(4), "crank-disc"),
     ],
 )
