@@ -101,6 +101,6 @@ def _draw(mechanism: "Kind", args: argparse.Namespace) -> None:
     import math
 
     from escapement.plots import plot_mechanism
-    from escapement.plots.saving import save_axes
+    from escapement.plots.saving import save
 
-    save_axes(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    save(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
