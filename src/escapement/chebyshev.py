@@ -136,7 +136,7 @@ def fit(
         ends = np.asarray(function(np.concatenate([low, high]))).reshape(2, -1)
         scale = max(scale, float(np.abs(values).max()))
         tails = np.abs(rows[:, -tail:]).max(axis=1)
-        # a function without kinks has a table of it resolved to its greatest value everywhere
+        # a kernel's table, which has no kinks, is resolved to the greatest value alone
         floor = np.maximum(decayed * scale, _rounding(values, low, high) if kinks else 0.0)
         # no point sees a kink close to an end, but the value there does
         misses = np.abs(Series(edges, rows).limits().T - ends).max(axis=0)

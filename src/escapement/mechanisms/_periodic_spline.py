@@ -92,8 +92,13 @@ def interpolating(x: FloatArray, y: FloatArray) -> PeriodicSpline:
     """
     from scipy.interpolate import make_interp_spline
 
-    spline = make_interp_spline(x, y - y[0], k=DEGREE, bc_type="periodic")
-    size = x.size - 1
+    size, change = x.size - 1, y - y[0]
+    spline = make_interp_spline(x, change, k=DEGREE, bc_type="periodic")
+    # rounding of the coefficients is divided by the square of the spacing in g', so what the
+    # spline misses of the points is put right once
+    missed = change - spline(x)
+    missed[-1] = missed[0]
+    spline.c += make_interp_spline(x, missed, k=DEGREE, bc_type="periodic").c
     return PeriodicSpline(x, y[0] + spline.c[:size], 0.0, np.zeros((size, size)))
 
 
