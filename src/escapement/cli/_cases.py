@@ -116,8 +116,8 @@ def some_cases(
 
     places = spread(plan.shape, ROWS)
     numbers = {name: {name: values} for name, values in plan.dimensions.items()}
-    if plan.sample is not None:
-        numbers[[*numbers][-1]] |= plan.sample.values
+    if plan.sampled:
+        numbers["case"] |= plan.sampled
     with h5py.File(path, "r") as hdf5:
         cases = []
         for place in places:
