@@ -23,9 +23,8 @@ from escapement.plots.measurement import (
 )
 from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
 from escapement.plots.planetary import plot_planetary
-from escapement.plots.sample import plot_sample
+from escapement.plots.sample import plot_sample, plot_spread
 from escapement.plots.saving import save
-from escapement.plots.spread import plot_spread
 from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
 from escapement.plots.style import new_axes
 from escapement.plots.tabulated import plot_table

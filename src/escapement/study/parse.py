@@ -38,6 +38,7 @@ def load_plan(path: str | PathLike[str]) -> StudyPlan:
     """
     check_input(path, "study file")
     try:
+        # editors on Windows begin a file with a byte order mark
         content = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputFileError(f"study file {path} must be readable, got: {error.strerror}") from None
@@ -72,7 +73,9 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     solver = _solver(_table(configuration, "solver"))
     fixed = _fixed(configuration, kind, _names_varied(configuration, kind))
     varied, forms, fingerprint = _varied(configuration, kind, fixed)
+    # of a parameter that lies around it, the nominal value is still part of the study
     around = {name for name, form in forms.get("sample", {}).items() if _lies_around(form)}
+    # any other fixed value is replaced by its axis or its distribution
     for name in {name for along in varied.values() for name in along} - around:
         fixed.pop(name, None)
     entries = kind.settings | kind.all_parameters
@@ -119,6 +122,7 @@ def _kind(
         return PlanKind(None, mechanism.path.table), machine
     name = validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))
     kind = PlanKind.named(name)
+    # a key in the wrong table is told where it belongs
     homes, keys = _homes(kind), {"": [*_TOP], "mechanism": ["kind"], "inertia": []}
     for name, entry in (kind.settings | kind.all_parameters).items():
         keys[entry.section].append(entry.key)

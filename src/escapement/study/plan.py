@@ -169,6 +169,7 @@ class StudyPlan:
         dict of ndarray, shape (n,)
             One array per parameter that varies.
         """
+        # parameters of one dimension, as those of a sample, share their place along it
         places = np.unravel_index(cases, self.shape)
         return {
             name: values[place]
@@ -204,6 +205,7 @@ class StudyPlan:
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""
+        # where its numbers vary, a case that cannot be built gets a status instead
         if all(self.kind.parameters.keys().isdisjoint(along) for along in self.varied.values()):
             _ = self.mechanism(0).path
 

@@ -66,6 +66,7 @@ def axis_values(name: str, form: Any, parameter: Quantity) -> Column:
     """
     if isinstance(form, Mapping):
         return _even_values(name, form, parameter)
+    # asanyarray keeps a mask, whose values become None and are refused one by one
     items = form if isinstance(form, list | tuple) else np.asanyarray(form).tolist()
     if not isinstance(items, list | tuple):
         items = [items]
@@ -139,6 +140,7 @@ def sample_columns(
     size, seed = _size(method, table), table.get("seed", 0)
     seed = validate.integer("sample.seed", seed, 0, "leave it out for 0")
     shares = unit_cube(method, size, len(forms), seed)
+    # the order of the parameters decides which coordinate of the points each one gets
     columns, plain = {}, {"method": method, "size": size, "seed": seed}
     for share, (name, form) in zip(shares, forms.items(), strict=True):
         columns[name], plain[name] = _drawn(name, form, parameters[name], nominal.get(name), share)
@@ -255,5 +257,6 @@ def _around(
 
     # truncnorm has the same distribution, but other bits than files of the same seed hold
     below, up_to = (ndtr((end - nominal) / width) for end in (low, high))
+    # a share of exactly 0 or 1 would be infinitely far away
     inside = np.clip(below + share * (up_to - below), _NEVER, 1.0 - _NEVER)
     return np.clip(nominal + width * ndtri(inside), low, high), {key: given} | ends
