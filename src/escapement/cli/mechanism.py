@@ -101,7 +101,7 @@ def _draw(mechanism: "Kind", args: argparse.Namespace) -> None:
     import math
 
     from escapement.plots import DRAWINGS
-    from escapement.plots.saving import save_axes
+    from escapement.plots.saving import save
 
     draw = DRAWINGS[mechanism.kind]
-    save_axes(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    save(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)
