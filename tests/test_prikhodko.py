@@ -149,11 +149,6 @@ def test_output_turns_in_the_drawing_as_it_should():
     assert turned == pytest.approx(expected, abs=1e-9)
 
 
-def test_an_angle_that_is_no_number_is_refused():
-    with pytest.raises(InvalidValue, match="theta"):
-        planetary.plot_planetary(PAPER, math.nan)
-
-
 # --- command line -------------------------------------------------------------------------
 
 
@@ -229,25 +224,6 @@ def test_run_with_a_mesh_that_loses(command):
     assert code == 2
     assert "friction must be 0 for a mechanism without a slot" in err
     assert command("plot", "m.h5")[0] == 0
-
-
-def test_drive_torque(command):
-    code, out, _ = command(
-        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
-        "--efficiency", 0.8, "--json",
-    )  # fmt: skip
-    record = json.loads(out)
-    assert code == 0
-    theta = np.linspace(*PAPER.breaks, 20001)
-    table = PAPER.transmission(theta)
-    torque = table.g * (0.01 + 2e-5 * 100.0 * table.dg) / 0.8
-    assert record["torque_max"] == pytest.approx(torque.max(), rel=1e-7)
-    code, _, err = command(
-        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
-        "--friction", 0.1,
-    )  # fmt: skip
-    assert code == 2
-    assert "friction must be 0" in err
 
 
 def test_sweep_over_efficiency_is_terminal_case_by_case():

@@ -90,12 +90,6 @@ def test_filemon_fills_a_folder(reproduced):
         assert len(list(csv.DictReader(stream))) == 48
 
 
-def test_dijksman_json(reproduced):
-    record = reproduced[1]["dijksman"]
-    assert (record["cells"], record["agreeing"]) == (16, 12)
-    assert len(record["rows"]) == 4
-
-
 def test_dijksman_writes_tables_and_figures(reproduced):
     folder = reproduced[0] / "dijksman"
     files = {path.name for path in folder.iterdir()}

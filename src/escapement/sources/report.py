@@ -70,7 +70,7 @@ def as_table(cells: Sequence[Cell], place: str) -> list[list[Any]]:
     header = [place, "column", "printed", "right", "computed", "agrees", "reason"]
     rows = [
         [
-            cell.place, cell.column, cell.printed, cell.right, repr(cell.value),
+            cell.place, cell.column, cell.printed, cell.right, cell.value,
             "yes" if cell.agrees else "no", cell.reason,
         ]
         for cell in cells

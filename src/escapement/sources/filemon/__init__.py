@@ -9,26 +9,15 @@ printed value is within their reach.
 import math
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from escapement.constant_speed import geneva
 from escapement.mechanisms import Geneva
+from escapement.sources import report
 from escapement.sources.filemon.slips import equations
 from escapement.sources.printed import Cell, Digits, cut_off, digits, judge, read_table
-from escapement.sources.report import (
-    Reproduction,
-    as_table,
-    counts,
-    print_errata,
-    print_side_by_side,
-    print_slips,
-    side_by_side,
-)
-
-if TYPE_CHECKING:
-    from escapement.sources.report import Panels
 
 COLUMNS = {
     "ratio_max": "i_omega max",
@@ -104,34 +93,35 @@ def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) 
     return worst
 
 
-def reproduce(units: str) -> Reproduction:
+def reproduce(units: str) -> report.Reproduction:
     """All 48 cells recomputed: pure numbers and angles, whatever the units."""
     rows = {slots: _row(slots) for slots in printed_rows()}
     cells, slips, error = table_1(), equations(), mean_torque_error()
     compared: list[dict[str, Any]] = [
-        {"slots": slots, **side_by_side(row, {"beta_max": "beta_max_deg"})}
+        {"slots": slots, **report.side_by_side(row, {"beta_max": "beta_max_deg"})}
         for slots, row in rows.items()
     ]
-    record = {"rows": compared, **counts(cells, slips), "mean_torque_error": error}
+    record = {"rows": compared, **report.counts(cells, slips), "mean_torque_error": error}
 
     def show() -> None:
         print("Filemon (1960), Table I: printed, and below it computed; * differs\n")
-        print_side_by_side("n", COLUMNS.values(), [([n], row) for n, row in rows.items()])
-        print_errata(cells, "cells", lambda it: f"n = {it.place}, {COLUMNS[it.column]}")
+        report.print_side_by_side("n", COLUMNS.values(), [([n], row) for n, row in rows.items()])
+        report.print_errata(cells, "cells", lambda it: f"n = {it.place}, {COLUMNS[it.column]}")
         errors = (
             ", with the greatest relative error\nof the printed and of the corrected formula for "
             "3 to 10 slots"
         )
-        print_slips(slips, errors)
+        report.print_slips(slips, errors)
         print(
             "\nMean torque (10) against quadrature, n = 3 to 100: greatest relative difference "
             f"{error:.1e}"
         )
 
-    return Reproduction("filemon_table_1", record, as_table(cells, "slots"), show, _panels)
+    lines = report.as_table(cells, "slots")
+    return report.Reproduction("filemon_table_1", record, lines, show, _panels)
 
 
-def _panels() -> "Panels":
+def _panels() -> "report.Panels":
     """Figures 3 to 12 and 15; the nomograms 13 and 16, to be printed, as PDF."""
     from escapement.sources.filemon.figures import FIGURES
     from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
