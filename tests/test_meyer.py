@@ -52,7 +52,7 @@ def test_table_as_printed():
     assert table[-1] == (6, 3, 0.35, 0.14, 176.0, 72.0, 0.028, 0.015)
     assert all(row.pins == Geneva(row.slots).pins for row in table)
     # only the heading of the six-pin table swaps its inertias
-    assert HEADINGS == {**INERTIAS, 3: INERTIAS[3][::-1]}
+    assert {**INERTIAS, 3: INERTIAS[3][::-1]} == HEADINGS
 
 
 @pytest.mark.parametrize(("slots", "entry", "end"), [(3, -30, 60), (4, -45, 45), (6, -60, 30)])

@@ -27,10 +27,34 @@ def reproduced(tmp_path_factory):
 def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
     folder, record = reproduced
     assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
-    assert len(record["meyer"]["rows"]) == 49
     assert {path.name for path in folder.iterdir()} == set(record)
-    table = (folder / "filemon" / "filemon_table_1.json").read_text()
-    assert json.loads(table) == record["filemon"]
+    assert (record["dijksman"]["cells"], record["dijksman"]["agreeing"]) == (16, 12)
+
+
+FIGURES = {
+    "filemon": {
+        *(f"filemon_figure_{name}.pdf" for name in NOMOGRAMS),
+        *(f"filemon_figure_{number}.png" for number in (*range(3, 13), 15)),
+    },
+    "dijksman": {
+        f"dijksman_{name}.png" for name in ("figure_2", "figures_6_to_9", "charts", "motions")
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("source", "name", "wrong", "cells"),
+    [("filemon", "filemon_table_1", 18, 48), ("dijksman", "dijksman_figures", 4, 16)],
+)
+def test_tables_and_figures_fill_a_folder(reproduced, source, name, wrong, cells):
+    folder = reproduced[0] / source
+    written = {path.name for path in folder.iterdir()}
+    assert written == FIGURES[source] | {f"{name}.json", f"{name}.csv"}
+    pictures = [path for path in folder.iterdir() if path.suffix == ".png"]
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
+    assert json.loads((folder / f"{name}.json").read_text()) == reproduced[1][source]
+    rows = list(csv.DictReader((folder / f"{name}.csv").read_text("utf-8").splitlines()))
+    assert (sum(row["agrees"] == "no" for row in rows), len(rows)) == (wrong, cells)
 
 
 def test_meyer(report, reproduced):
@@ -78,28 +102,6 @@ def test_meyer_prints_rows_reasons_and_counts(command):
     assert "the heading swaps the inertias" in out
     assert "the program hard-codes a 90-degree cell" in out
     assert lines[-3].split() == ["as", "published", "49", "49", "44", "2.7", "%", "47"]
-
-
-def test_filemon_fills_a_folder(reproduced):
-    folder = reproduced[0] / "filemon"
-    names = {path.name for path in folder.iterdir()}
-    sheets = {f"filemon_figure_{name}.pdf" for name in NOMOGRAMS}
-    plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}
-    assert names == sheets | plain | {"filemon_table_1.json", "filemon_table_1.csv"}
-    with open(folder / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:
-        assert len(list(csv.DictReader(stream))) == 48
-
-
-def test_dijksman_writes_tables_and_figures(reproduced):
-    folder = reproduced[0] / "dijksman"
-    files = {path.name for path in folder.iterdir()}
-    pictures = {"dijksman_figure_2.png", "dijksman_figures_6_to_9.png"}
-    pictures |= {"dijksman_charts.png", "dijksman_motions.png"}
-    assert files == pictures | {"dijksman_figures.json", "dijksman_figures.csv"}
-    rows = list(csv.DictReader((folder / "dijksman_figures.csv").read_text().splitlines()))
-    assert len(rows) == 16
-    assert sum(row["agrees"] == "no" for row in rows) == 4
-    assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in pictures)
 
 
 def test_prikhodko(command, reproduced, tmp_path, monkeypatch):

@@ -60,15 +60,8 @@ def reproduce(units: str) -> report.Reproduction:
         ]
         report.print_side_by_side([*_HEADS], COLUMNS.values(), beside)
         report.print_errata(cells, "numbers", lambda it: f"figure {it.place}, {COLUMNS[it.column]}")
-        errors = (
-            ", with the greatest error of the\nprinted and of the corrected formula over the "
-            "design charts"
-        )
-        report.print_slips(slips, errors)
-        print(
-            "\nAcceleration with which a gear-driven wheel starts, over that of the ordinary wheel "
-            "of as many\nstations, least and greatest over the design charts:"
-        )
+        report.print_slips(slips, "all wheels of the design charts")
+        print("\nAcceleration at the start over an ordinary wheel's of as many stations, extremes:")
         for name, (least, greatest) in ratios.items():
             text = f"{words(name).removeprefix('per ')}s of the same time"
             print(f"  {text:<27}{least:.3f} to {greatest:.3f}")
@@ -122,6 +115,7 @@ def _why(
     wheel: GearDriven, ratio: str, column: str, printed: Digits, right: Digits
 ) -> Iterator[str]:
     """Rounded ratios of times that give the printed number."""
+    # the ratio with as many places as are printed, or with four
     for places in (len(ratio.partition(".")[2]), 4):
         rounded = round(wheel.motion_ratio, places)
         # a ratio may itself be a unit of its last digit too great
@@ -134,6 +128,7 @@ def _why(
 
 def _from_ratio(wheel: GearDriven, ratio: float) -> dict[str, float]:
     """Proportions as (9) and (15) give them from a ratio of times."""
+    # k is negative for an epicycloid, and alpha is not
     k = float(wheel.gear_ratio)
     alpha = 2.0 * math.pi * ratio / abs(k)
     end = alpha + 2.0 * math.pi / wheel.stations

@@ -102,6 +102,7 @@ def plot_zones(slots: int = 8, ratios: Sequence[float] = (1.0, 1.9, 4.0)) -> Fig
         angle, torque = np.degrees(result.samples.theta), result.samples.torque
         style.dress(ax).axhline(0.0, color=style.BLACK, lw=0.6)
         ax.plot(angle, torque, color=style.BLUE, lw=1.4)
+        # shaded is where the follower drives the pin
         ax.fill_between(angle, torque, 0.0, where=torque < 0.0, color=style.SKY, alpha=0.5, lw=0)
         found = np.degrees(result.reversals)
         ax.plot(found, np.zeros_like(found), ms=5, zorder=5, **MARK)
@@ -120,6 +121,7 @@ def plot_reversal_curve(slots: int = 8, ax: Axes | None = None) -> Axes:
     steepest = np.degrees(float(geneva.acceleration_max_angle(slots)))
     ax.axhspan(lower, upper, color=style.SKY, alpha=0.25, lw=0)
     ax.plot(angle, ratio, color=style.BLUE, lw=1.5)
+    # F12 touches the curve at its lowest point, F23 is where it ends
     for limit, name, place in ((lower, "12", steepest), (upper, "23", angle[-1])):
         ax.axhline(limit, color=style.BLACK, lw=0.8, ls=(0, (5, 2)))
         ax.plot(place, limit, clip_on=False, ms=5, zorder=5, **MARK)
@@ -150,6 +152,7 @@ def plot_reversal_limits(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -
     """Limits of the zones against the number of slots (figure 11)."""
     lower, upper = geneva.reversal_limits(slots)
     ax = _over_slots(slots, {r"$F_{12}$": lower, r"$F_{23}$": upper}, ax)
+    # between both limits, in zone 2, the pin changes sides twice
     ax.fill_between(slots, lower, upper, color=style.SKY, alpha=0.25, lw=0)
     # names stand where their zones are wide enough
     i = len(slots) // 2

@@ -87,6 +87,7 @@ def plot_nomogram(sheet: Nomogram) -> Figure:
     )
     ratio = np.geomspace(*sheet.ratios, _POINTS)
     lines = np.array([sheet.read(n, ratio) for n in sheet.slots])
+    # limits are rulings, so that the outermost can be read too
     rulings = _ticks(0.05 * lines.min(), 20.0 * lines.max(), _FINE)
     low = rulings[rulings <= 0.97 * lines.min()].max()
     high = rulings[rulings >= 1.03 * lines.max()].min()
@@ -113,6 +114,7 @@ def plot_nomogram(sheet: Nomogram) -> Figure:
 
 def _draw_loads(ax: Axes, low: float, high: float) -> None:
     """A line a load: torque over torque per load."""
+    # on logarithmic scales the product with a load is a straight line
     factor = np.array([low, high])
     for load in LOADS:
         ax.plot(load * factor, factor, color=style.BLUE, lw=1.2)

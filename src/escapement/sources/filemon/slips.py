@@ -21,12 +21,14 @@ def equations() -> list[Slip]:
     """Every slip of the equations, each tried out: relative errors for 3 to 10 slots."""
     n = np.repeat(SLOTS, _SHARES.size)
     c, half = geneva.crank_ratio(n), geneva.engagement_half(n)
+    # the places keep clear of dead centre, where some of the functions are zero
     b = np.tile(_SHARES, len(SLOTS)) * half
     g, dg, ddg, _ = np.array(
         [derivatives_at(Geneva(int(k), pins=1).path, at) for k, at in zip(n, b, strict=True)]
     ).T
     length = 1.0 + c * c - 2.0 * c * np.cos(b)
     ratio, swing = c * (np.cos(b) - c) / length, c * (1.0 - c * c)
+    # the acceleration function, from which (7) and the slope of the torque follow
     rate = -swing * np.sin(b) / length**2
     # the formula as printed, as corrected, and the truth
     tried = {

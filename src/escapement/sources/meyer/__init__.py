@@ -170,13 +170,11 @@ def _compare(row: PrintedRun, units: str) -> dict[str, Any]:
         "program_1973": _figures(read_printout(program_1973(*run))),
         "true": _terminal(row, cell.geneva, INERTIAS),
     }
+    # the same with the inertias of the heading, to show that they were not used
     headed = _terminal(row, cell, HEADINGS)
-    torque_unit, inertia_unit = (INCH_POUND / factor(q, units) for q in ("torque", "inertia"))
+    torque_unit, inertia_unit = (INCH_POUND / factor(it, units) for it in ("torque", "inertia"))
     return {
-        "slots": row.slots,
-        "pins": row.pins,
-        "friction": row.friction,
-        "torque_inlbf": row.torque_inlbf,
+        **{name: getattr(row, name) for name in PrintedRun._fields[:4]},
         "torque": row.torque_inlbf * torque_unit,
         "driver_inertia": driver * inertia_unit,
         "follower_inertia": follower * inertia_unit,
@@ -220,6 +218,7 @@ def _print_rows(rows: Sequence[Mapping[str, Any]], units: str) -> None:
     for number, row in enumerate(rows, 1):
         cells = [f"{number:>3} {row['slots']:>5} {row['friction']:.2f} {row['torque']:>9.4g}"]
         for column in COLUMNS:
+            # what was computed is shown with one digit more
             finer = column != "printed"
             fields = [
                 f"{row[column][name]:>{wide}.{digits + finer}f}" for name, wide, digits in _FIELDS

@@ -71,6 +71,7 @@ def _draw(ax: Axes, rows: Rows, read: Any, power: float) -> None:
         law = (grid / torque[0]) ** power
         published, true = (read(series[0][name]) * law for name in ("as_published", "true"))
         ax.plot(grid, published, color=look.color, ls=look.linestyle, lw=1.2, label=f"µ = {mu:.2f}")
+        # the cell of four slots is right, and one line would hide the other
         if not np.allclose(published, true, rtol=1e-6):
             ax.plot(grid, true, color=look.color, lw=_THIN)
         printed = [read(row["printed"]) for row in series]

@@ -130,12 +130,15 @@ def read_printout(printout: Printout) -> Reading:
     """
     time, theta, speed = printout.time, printout.theta, printout.theta_dot
     start = time[-1] / 3.0
+    # the first third of a run is taken for its rise
     late = speed[time >= start]
     highest, lowest = float(late.max()), float(late.min())
     count = np.arange(1, int(theta[-1] // CELL) + 1)
+    # the driver of these runs never turns back, so time can be read off its angle
     handoffs = np.interp(CELL * count, theta, time)
     handoffs = handoffs[handoffs >= start]
     period = float(np.diff(handoffs).mean()) if handoffs.size > 1 else np.nan
+    # a turn is a row whose neighbours are both lower or both higher
     slope = np.sign(np.diff(speed))
     turns = np.flatnonzero(slope[:-1] * slope[1:] < 0) + 1
     terminal = np.where(slope[turns - 1] > 0, highest, lowest)

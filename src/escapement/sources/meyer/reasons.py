@@ -33,6 +33,7 @@ def why(
     true : the real mechanism.
     run : what the listing was run with.
     """
+    # rise times do not count, because they were read by eye
     with_heading, with_used = (
         max(distance(printed, other, name) for name in _SHOWN) for other in (headed, exact)
     )
@@ -67,6 +68,7 @@ def distance(first: RunFigures, second: RunFigures, name: str) -> float:
 def _why_extreme(name: str, shown: float, value: float, run: RunArguments) -> str:
     lowest, highest = _row_range(name, run)
     rows = f"rows of the listing show it as {lowest:.2f} to {highest:.2f}"
+    # the printed number was itself rounded
     if not lowest - HALF_DIGIT[name] <= shown <= highest + HALF_DIGIT[name]:
         return f"unexplained: {name} is {value:.2f} rad/s, and {rows}"
     if (shown < value) is (name == "velocity_max"):

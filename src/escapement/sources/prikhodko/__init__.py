@@ -62,6 +62,7 @@ def synthetic_measurement() -> Measurement:
         mechanism,
         seed=2020,
         samples=int(_given("sample_size")),
+        # two stops, as in the figures of the paper
         turns=2.0 * mechanism.cell_angle / (2.0 * math.pi),
         encoder=Encoder(ENCODER_STEPS),
         noise=math.radians(_given("error_deviation")),
@@ -80,6 +81,7 @@ def position_function_error(nodes: int = _NODES) -> float:
     sun, planet = mechanism.sun_radius, mechanism.planet_radius
     a, e = mechanism.semi_major_axis, mechanism.eccentricity
     edges = np.linspace(0.0, 0.75 * mechanism.cell_angle, 13)
+    # partial sums over a dozen pieces give the angle at the end of each
     half = 0.5 * np.diff(edges)
     angle = edges[:-1, None] + half[:, None] * (1.0 + places)
     rho = a * (1.0 - e * e) / (1.0 - e * np.cos(sun / planet * angle))
@@ -93,6 +95,7 @@ def pitch_curve_slip() -> float:
     mechanism = drive()
     theta = np.linspace(*mechanism.breaks, 361)
     driving, driven = mechanism.pitch_ellipses
+    # turns of the planet and of the output as the carrier sees them
     alpha, beta = mechanism.ratio * theta, theta + mechanism.follower_angle(theta)
     apart = driving.radius(alpha) + driven.radius(beta) - mechanism.centre_distance
     slip = driving.arc(alpha) - driven.arc(beta)
@@ -175,6 +178,7 @@ def _recomputed() -> dict[str, float]:
         "degrees_of_freedom": _given("intervals") - 1.0 - 2.0,
         "significance": 100.0 * float(chi2.sf(_given("chi_squared"), freedom)),
         "quantile": float(norm.ppf(0.5 * (1.0 + CONFIDENCE))),
+        # the printed quantile, so that its own erratum does not count twice
         "half_width": _given("quantile") * _given("error_deviation"),
     }
 

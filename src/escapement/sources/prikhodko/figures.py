@@ -102,6 +102,7 @@ def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     _, rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
     # speeds over omega_1 are lengths, and are drawn to the left
     spin = 1.0 + mechanism.ratio
+    # the planet turns about the point where it rolls on the sun
     at_contact = spin * (contact - rolling)
     lowest = min(contact, rolling)
     lines = (
@@ -113,6 +114,7 @@ def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
         line: dict[str, Any] = {"color": look.color, "ls": look.linestyle, "lw": 1.4}
         ax.plot(-_LENGTH * np.array(speeds), heights, zorder=6, label=name, **line)
     marks = [("A", 0.0, 0.0, (8, -1)), ("C", 0.0, shaft, (8, 3)), ("C′", shaft, shaft, (0, 8))]
+    # B and D are apart but at a stop, where they share a label
     if at_contact < -1e-9 * shaft:
         marks += [("D′", at_contact, contact, (-1, 9)), ("B", 0.0, rolling, (-7, 1))]
         marks += [("D", 0.0, contact, (-8, -4))]
