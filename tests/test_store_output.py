@@ -6,9 +6,9 @@ import shutil
 
 import pytest
 
+from escapement import files
 from escapement.errors import CannotCreate, StorageError
-from escapement.files import atomic
-from escapement.files.atomic import check_target
+from escapement.files import check_target
 from escapement.study.reader import read_study
 from escapement.study.writer import StudyWriter, partial_path, write_study
 from study_tools import a_file, assert_same, block, study, write_in_blocks
@@ -57,7 +57,7 @@ def test_a_file_that_cannot_be_opened(tmp_path, monkeypatch, code, error):
     def refuse(*_, **__):
         raise OSError(code, os.strerror(code))
 
-    monkeypatch.setattr(atomic, "open", refuse, raising=False)
+    monkeypatch.setattr(files, "open", refuse, raising=False)
     with pytest.raises(error, match=os.strerror(code)):
         write_study(study(), tmp_path / "a.h5")
 

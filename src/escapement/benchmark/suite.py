@@ -11,7 +11,7 @@ from escapement.benchmark.measuring import describe_machine, write_csv
 from escapement.benchmark.problems import PROBLEMS, Problem
 from escapement.benchmark.solvers import MeasuredSolver, own_solvers
 from escapement.benchmark.work_precision import Point, Standing, standings, sweep_tolerances
-from escapement.files.atomic import replace_file
+from escapement.files import replace_file
 from escapement.plots import save
 
 

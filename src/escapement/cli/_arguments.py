@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement.cli._parser import Parser, UsageError, checked, one_of, option
-from escapement.files.names import FORMATS
+from escapement.files import FORMATS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.model import Escapement, Inertia
 from escapement.quantity import Setting, Truth, declared

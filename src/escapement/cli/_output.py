@@ -14,8 +14,7 @@ from typing import Any
 
 from escapement.cli._parser import UsageError
 from escapement.errors import CannotCreate
-from escapement.files.atomic import cannot_create, check_replaceable, check_target
-from escapement.files.names import picture_format
+from escapement.files import cannot_create, check_replaceable, check_target, picture_format
 from escapement.text import as_json, plain
 from escapement.units import factor
 

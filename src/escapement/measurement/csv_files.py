@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
-from escapement.files.atomic import write_file
+from escapement.files import write_file
 from escapement.measurement.csv_layout import (
     Layout,
     LineBlock,

@@ -9,7 +9,7 @@ import numpy as np
 
 from escapement.engines.energy.pieces import follow
 from escapement.errors import EscapementError, InputFileError
-from escapement.files.names import check_input
+from escapement.files import check_input
 from escapement.mechanisms import KINDS
 from escapement.model import Escapement, FloatArray, Mechanism
 from escapement.motion import Events, Extrema, Motion

@@ -10,8 +10,7 @@ import numpy as np
 
 from escapement import __version__
 from escapement.errors import EscapementError
-from escapement.files.atomic import PendingFile, storage_error
-from escapement.files.deferred_errors import DeferredErrorFile
+from escapement.files import DeferredErrorFile, PendingFile, storage_error
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.motion_file.layout import CONTENT, SAMPLES, SCHEMA_VERSION, Column, event_groups

@@ -10,8 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from escapement.errors import InvalidValue
-from escapement.files.atomic import check_replaceable, replace_file, storage_error
-from escapement.files.names import picture_format
+from escapement.files import check_replaceable, picture_format, replace_file, storage_error
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
