@@ -65,7 +65,7 @@ class Journal:
     def __init__(self, path: Path, named: Any, *, force: bool, resume: bool) -> None:
         self.path, self._named, self._force, self._resume = path, named, force, resume
         self.failed: dict[int, int] = {}
-        self._begun = False
+        self._begun = not path.exists()  # what is new, and gets no block, does not stay
         self._next_sync = 0.0
         self._open()
 
@@ -153,6 +153,8 @@ class Journal:
                 if code in _DAMAGED:
                     self._replace_damaged()
                 elif code != sqlite3.SQLITE_BUSY:
+                    if self._begun:
+                        _remove_files(self.path)
                     raise _os_error(error) from None
                 elif time.monotonic() > until:
                     raise CannotCreate(
@@ -304,12 +306,12 @@ def _connect(path: Path, foreign: Callable[[], CannotCreate]) -> sqlite3.Connect
         database.execute("ROLLBACK")
         if names and _TABLE not in names and mark != _APPLICATION:
             raise foreign()
-        database.execute("PRAGMA page_size = 65536")
         database.execute("PRAGMA journal_mode = WAL").fetchone()
         database.execute("PRAGMA synchronous = NORMAL")
         database.execute("PRAGMA wal_autocheckpoint = 0").fetchone()
         columns = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
-        database.execute(f"PRAGMA application_id = {_APPLICATION}")
+        if not names:
+            database.execute(f"PRAGMA application_id = {_APPLICATION}")
         database.execute(f"CREATE TABLE IF NOT EXISTS {_TABLE} ({columns})")
     except BaseException:
         database.close()
@@ -369,7 +371,7 @@ def check_same(path: Any, there: Mapping[str, Any], here: Mapping[str, Any]) -> 
     old, new = there["study"], here["study"]
     if json.dumps(old) == json.dumps(new):
         return
-    if old | {"numerics": new["numerics"]} == new:
+    if old["numerics"] != new["numerics"] and old | {"numerics": new["numerics"]} == new:
         versions = [f"{head['fixed'].get('package_version')} ({head['study']['numerics']})"
                     for head in (there, here)]  # fmt: skip
         raise CannotCreate(
