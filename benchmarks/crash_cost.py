@@ -17,10 +17,10 @@ import numpy as np
 
 import escapement as esc
 from escapement.study.block import blocks_of
-from escapement.study.from_escapement import plan_from
 from escapement.study.journal import numerics
 from escapement.study.plan import StudyPlan
 from escapement.study.run import Work, frame_of, in_threads, solve_block, solved_scenes, write_plan
+from escapement.study.sweep import plan_from
 from escapement.study.writer import write_blocks
 
 

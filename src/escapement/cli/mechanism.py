@@ -100,8 +100,7 @@ def _reasons(mechanism: "Kind", record: dict[str, Any]) -> list[str]:
 def _draw(mechanism: "Kind", args: argparse.Namespace) -> None:
     import math
 
-    from escapement.plots import DRAWINGS
-    from escapement.plots.saving import save_axes
+    from escapement.plots import plot_mechanism
+    from escapement.plots.saving import save
 
-    draw = DRAWINGS[mechanism.kind]
-    save_axes(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    save(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)

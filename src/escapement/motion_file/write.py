@@ -14,7 +14,7 @@ from escapement.files import DeferredErrorFile, PendingFile, storage_error
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.motion_file.layout import CONTENT, SAMPLES, SCHEMA_VERSION, Column, event_groups
-from escapement.study.from_escapement import plan_from
+from escapement.study.sweep import plan_from
 from escapement.units import factor, unit_name
 
 _BLOCK = 65536  # samples computed and written at a time, and the length of a chunk

@@ -122,7 +122,7 @@ def write_plan(plan: StudyPlan, path: str | PathLike[str], **options: Unpack[Opt
 
     Arguments and errors as `escapement.sweep`.
     """
-    version = numerics() + ("" if plan.sample is None else plan.sample.fingerprint)
+    version = numerics() + plan.fingerprint
     keep = {"force": options.get("force", False), "resume": options.get("resume", False)}
     writer = StudyWriter(path, frame_of(plan), numerics=version, **keep)
     return _run(plan, writer, solve_block, options)
@@ -358,13 +358,12 @@ def _local(workers: int) -> Any:
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    sampled = {} if plan.sample is None else plan.sample.values
-    varied = (*plan.dimensions, *sampled)
+    varied = (*plan.dimensions, *plan.sampled)
     units = {name: plan.unit(name) for name in varied}
     names = {name: plan.long_name(name) for name in varied}
     return Study(
         axes=plan.dimensions,
-        sampled=sampled,
+        sampled=plan.sampled,
         results={},
         units=units | {name: result.units for name, result in RESULTS.items()},
         long_names=names | {name: result.long_name for name, result in RESULTS.items()},
