@@ -34,7 +34,12 @@ _TABLE = "escapement_partial_results"
 _APPLICATION = 0x45534370  # at byte 68 of our databases
 _HEAD = -1  # number of the row that says which study this is
 _SIZES = struct.Struct(f"<{len(RESULTS)}I")
-_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+_COLUMNS = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
+# Errors of the machine. All others mean damage: a wrong byte can make SQLite say almost anything.
+_MACHINE = (
+    *(sqlite3.SQLITE_BUSY, sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN),
+    *(sqlite3.SQLITE_NOMEM, sqlite3.SQLITE_READONLY),
+)
 _FIXED_AT_START = ("created", "package_version")
 """Attributes that a resumed study takes over, so that its file is that of one run."""
 _ROOT = Path(__file__).parents[1]
@@ -79,13 +84,13 @@ class Journal:
             of those that are here.
         """
         self._cut, self._key = cut, zlib.crc32(json.dumps(head["study"]).encode())
-        there = _guarded(self._read_head)
+        there = self._read_head()
         if self._resume:
             if there is not None:
                 check_same(self._named, there, head)
             self._find()
             head = there or head
-        elif not self._force and _guarded(self._any_rows):
+        elif not self._force and self._tried(self._any_rows) is not False:
             raise self._exists()
         self._begun = True
         if not self.failed:
@@ -150,7 +155,9 @@ class Journal:
                 self._database.close()
             except sqlite3.Error as error:
                 code = getattr(error, "sqlite_errorcode", 0) & 0xFF
-                if code in _DAMAGED:
+                # A damaged number of the format makes a file that may be written read-only.
+                odd = code == sqlite3.SQLITE_READONLY and os.access(self.path, os.W_OK)
+                if code not in _MACHINE or odd:
                     self._replace_damaged()
                 elif code != sqlite3.SQLITE_BUSY:
                     if self._begun:
@@ -184,7 +191,7 @@ class Journal:
 
     def _start_anew(self) -> None:
         """Nothing of what was there is kept, nor is space for it."""
-        if not _guarded(self._any_rows):
+        if self._tried(self._any_rows) is False:
             return
         self._database.close()
         _remove_files(self.path)
@@ -233,7 +240,7 @@ class Journal:
         try:
             return read()
         except sqlite3.Error as error:
-            if getattr(error, "sqlite_errorcode", 0) & 0xFF not in _DAMAGED:
+            if getattr(error, "sqlite_errorcode", 0) & 0xFF in _MACHINE:
                 raise _os_error(error) from None
         except (ValueError, TypeError, OverflowError, struct.error):
             pass  # a row whose values are of other types, or out of range
@@ -296,23 +303,25 @@ class Journal:
 def _connect(path: Path, foreign: Callable[[], CannotCreate]) -> sqlite3.Connection:
     """An open and locked database with our table; `foreign` makes the error for another one."""
     database = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
+    database.text_factory = lambda data: data.decode(errors="replace")  # damaged names too
     try:
         # The order counts: a lock held before the log is opened needs no shared memory, so that
         # the log works on network mounts too.
         database.execute("PRAGMA locking_mode = EXCLUSIVE").fetchone()
         database.execute("BEGIN EXCLUSIVE")
-        names = [name for (name,) in database.execute("SELECT name FROM sqlite_master")]
+        tables = dict(database.execute("SELECT name, sql FROM sqlite_master").fetchall())
         mark = database.execute("PRAGMA application_id").fetchone()[0]
         database.execute("ROLLBACK")
-        if names and _TABLE not in names and mark != _APPLICATION:
+        if tables and _TABLE not in tables and mark != _APPLICATION:
             raise foreign()
+        if tables and tables != {_TABLE: f"CREATE TABLE {_TABLE} ({_COLUMNS})"}:
+            raise sqlite3.DatabaseError("the table is damaged")
         database.execute("PRAGMA journal_mode = WAL").fetchone()
         database.execute("PRAGMA synchronous = NORMAL")
         database.execute("PRAGMA wal_autocheckpoint = 0").fetchone()
-        columns = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
-        if not names:
+        if not tables:
             database.execute(f"PRAGMA application_id = {_APPLICATION}")
-        database.execute(f"CREATE TABLE IF NOT EXISTS {_TABLE} ({columns})")
+        database.execute(f"CREATE TABLE IF NOT EXISTS {_TABLE} ({_COLUMNS})")
     except BaseException:
         database.close()
         raise
