@@ -303,7 +303,6 @@ class Journal:
 def _connect(path: Path, foreign: Callable[[], CannotCreate]) -> sqlite3.Connection:
     """An open and locked database with our table; `foreign` makes the error for another one."""
     database = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
-    database.text_factory = lambda data: data.decode(errors="replace")  # damaged names too
     try:
         # The order counts: a lock held before the log is opened needs no shared memory, so that
         # the log works on network mounts too.
@@ -322,6 +321,9 @@ def _connect(path: Path, foreign: Callable[[], CannotCreate]) -> sqlite3.Connect
         if not tables:
             database.execute(f"PRAGMA application_id = {_APPLICATION}")
         database.execute(f"CREATE TABLE IF NOT EXISTS {_TABLE} ({_COLUMNS})")
+    except UnicodeDecodeError:  # SQLite complains in the words of a damaged schema
+        database.close()
+        raise sqlite3.DatabaseError("the table is damaged") from None
     except BaseException:
         database.close()
         raise
