@@ -24,7 +24,7 @@ import pytest
 import escapement as esc
 from escapement import errors
 from escapement.cli import COMMANDS, main
-from escapement.cli._parser import Parser
+from escapement.cli._arguments import Parser
 from escapement.study.parse import parse_plan
 from escapement.units import INCH_POUND
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.cli._parser import Parser, option
+from escapement.cli._arguments import Parser, option
 from escapement.cli.run import configure
 from escapement.errors import EscapementError, InvalidValue, UnknownArgument
 from escapement.mechanisms import KINDS, kind_of

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _output
-from escapement.cli._parser import Parser, UsageError
+from escapement.cli._arguments import Parser, UsageError
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files.names import check_input
 from escapement.status import Status
