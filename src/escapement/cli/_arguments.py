@@ -57,9 +57,10 @@ class Parser(argparse.ArgumentParser):
         known = self._option_string_actions
         for name in (word.partition("=")[0] for word in argv):
             # argparse would first tell of what is missing, which a misspelt option is not
-            short = name[:2] in known and name[1] != "-"
-            if _OPTION.match(name) and name not in known and not short:
-                remedy = validate.nearest(name, known, f"see '{self.prog} --help'")
+            passes = name in known or name[:2] in known or _NEGATIVE.match(name)
+            if _OPTION.match(name) and not passes:
+                longer = [word for word in known if word.startswith(name)] or known
+                remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
                 raise UsageError(f"unknown option {name!r}; {remedy}")
         return self.parse_args(argv)
 

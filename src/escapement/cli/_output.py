@@ -150,10 +150,11 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
     force : bool
         Whether an existing file may be replaced.
     """
+    folder = check_target(path, force).parent
     for other in others:
         if os.path.realpath(path) == os.path.realpath(other):
             raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
-    _try_writing(path, check_target(path, force).parent)
+    _try_writing(path, folder)
 
 
 def check_picture(path: Path, *others: Path) -> None:
