@@ -33,7 +33,7 @@ _NAMES = {
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
-    "degrees": "degree", "ratio": "1",
+    "degrees": "degree", "energy": "J", "ratio": "1",
 }  # fmt: skip
 
 
