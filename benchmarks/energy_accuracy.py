@@ -105,7 +105,7 @@ def judge(scene: esc.Escapement, share: float, truth: np.ndarray, name: str) -> 
     errors = [
         float(np.abs(handoffs(scene, rtol, count) / truth - 1.0).max()) for rtol in TOLERANCES
     ]
-    return Case(scene.mechanism.slots, scene.inertia_ratio, scene.friction, share, name, *errors)
+    return Case(scene.mechanism.slots, scene.scene.rho, scene.friction, share, name, *errors)
 
 
 def summaries(cases: list[Case]) -> list[Summary]:

@@ -10,9 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from escapement.benchmark.figures import work_precision_figure
-from escapement.benchmark.problems import PROBLEMS
-from escapement.benchmark.work_precision import Point
+from escapement.benchmark.work_precision import Point, work_precision_figure
 from escapement.plots.style import (
     BLACK,
     BLUE,
@@ -72,9 +70,7 @@ def work_precision():
     """Error against run time of all solvers, as `standings.py` measured them."""
     points = [Point(**row) for row in table("work_precision")]
     machine = json.loads((RESULTS / "machine.json").read_text(encoding="utf-8"))
-    names = {point.problem for point in points}
-    problems = [problem for problem in PROBLEMS if problem.name in names]
-    return work_precision_figure(points, problems, machine)
+    return work_precision_figure(points, machine)
 
 
 def tolerance():

@@ -2,7 +2,7 @@
 
 ``python benchmarks/standings.py [--quick] [-o DIR]``
 
-Measures what ``escapement bench`` measures and writes the same tables and figures to
+Measures what ``escapement bench`` measures and writes the same tables and figure to
 benchmarks/results, with heyoka and CyRK among the solvers where they are installed. The
 quick version leaves CyRK out, which takes long to compile; it writes only with ``-o``.
 """
@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import peers
 
-from escapement.benchmark import suite
+from escapement.benchmark import work_precision
 from escapement.cli.bench import print_tables
 
 RESULTS = Path(__file__).resolve().parent / "results"
@@ -24,7 +24,7 @@ RESULTS = Path(__file__).resolve().parent / "results"
 def main() -> None:
     """Measure, print, and fill the folder."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="twenty seconds, not many minutes")
+    parser.add_argument("--quick", action="store_true", help="ten seconds, not many minutes")
     parser.add_argument("-o", "--output", type=Path, help=f"folder (default: {RESULTS})")
     args = parser.parse_args()
     for peer in set(peers.PEERS) - set(peers.installed_peers()):
@@ -32,13 +32,13 @@ def main() -> None:
     further = [
         each for each in peers.peer_solvers() if not args.quick or each.solver == peers.HEYOKA
     ]
-    results = suite.run(
+    results = work_precision.run(
         quick=args.quick, further=further, note=lambda text: print(text, file=sys.stderr)
     )
     folder = args.output or (None if args.quick else RESULTS)
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
-        suite.write(results, folder)
+        work_precision.write(results, folder)
     print_tables(results)
 
 

@@ -210,6 +210,14 @@ def test_studies_are_valid(page):
             assert parse_plan(tomllib.loads(block.text)).cases > 1
 
 
+def test_the_readme_installs_and_tests_in_one_line_each():
+    install, test = [block.text.strip() for block in blocks(PAGES[0]) if block.language == "sh"]
+    for line in (install, test):
+        assert "\n" not in line
+        assert line.startswith("python3.11 -m venv .venv && .venv/bin/pip install ")
+    assert test.endswith("&& .venv/bin/pytest")
+
+
 # --- numbers and signatures in running text -----------------------------------------------
 
 

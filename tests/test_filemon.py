@@ -245,7 +245,7 @@ def test_torque_figure_keeps_numbers_of_close_reversals_apart():
 
 def test_torque_figure_is_in_the_units_asked_for(command, monkeypatch, tmp_path):
     drawn = []
-    monkeypatch.setattr("escapement.plots.saving.save_axes", lambda ax, path: drawn.append(ax))
+    monkeypatch.setattr("escapement.plots.saving.save", lambda ax, path: drawn.append(ax))
     inches = ("--load-torque", "1", "--follower-inertia", ".019", "--units", "in-lbf-s")
     options = ("--slots", "8", "--speed", "10", *inches, "--plot", str(tmp_path / "t.png"))
     record = json.loads(command("drive-torque", *options, "--json")[1])

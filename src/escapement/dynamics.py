@@ -47,7 +47,7 @@ def drive(scene):
     return 1.0
 
 
-@jit
+@inner_jit
 def free_gain(angle, scene):
     """What a driver that turns free of the follower gains in w over an angle."""
     return 2.0 * angle * drive(scene) / scene.rho
@@ -59,7 +59,7 @@ def effective_ratio(g, u, side, scene):
     return g + signed_loss(side, scene) * abs(u)
 
 
-@jit
+@inner_jit
 def contact(g, dg, w, scene):
     """X = N R (rho + g p): its sign is the side of the slot that carries the force.
 
@@ -81,7 +81,7 @@ def reduced_inertia(g, u, side, scene):
     return scene.rho + g * effective_ratio(g, u, side, scene)
 
 
-@jit
+@inner_jit
 def acceleration(g, u, dg, w, side, scene):
     """Driver acceleration in units of torque / I_f."""
     return net_torque(g, u, dg, w, side, scene) / reduced_inertia(g, u, side, scene)
@@ -147,7 +147,7 @@ def free_turn(w, scene):
     return after, 2.0 * scene.dwell / (np.sqrt(w) + np.sqrt(after)) if scene.dwell > 0.0 else 0.0
 
 
-@jit
+@inner_jit
 def ends_alike(g_in, g_out, rho):
     """Whether rho + g^2 is the same at both ends of an engagement, but for a table's rounding.
 
@@ -157,7 +157,7 @@ def ends_alike(g_in, g_out, rho):
     return abs((g_out - g_in) * (g_out + g_in)) <= 1e-12 * (rho + g_out * g_out)
 
 
-@jit
+@inner_jit
 def side_at(g, dg, w, scene):
     """Side that carries the force where a piece begins: +1 or -1.
 

@@ -115,7 +115,8 @@ def jit(
         as much as the work of a short kernel.
     reorders : the kernel's sums may be reordered, so that they become vector code. No
         other arithmetic is ever changed.
-    inlined : its code is put into every caller, which saves the call.
+    inlined : its code becomes part of every caller before types are found, so that it is not
+        compiled once more on its own.
     inner : only kernels call it, so it gets no entrance for Python; compiling those would
         take a fifth of all time.
 
@@ -131,7 +132,7 @@ def jit(
     if reorders:
         options["fastmath"] = {"reassoc"}
     if inlined:
-        options["forceinline"] = True
+        options["inline"] = "always"
     if inner:
         options["no_cpython_wrapper"] = True
     if folder is None or config.DISABLE_JIT:

@@ -173,7 +173,7 @@ def _ends_alike(escapement: Escapement) -> bool:
     """Whether the reduced inertia is the same at pin entry and exit."""
     path, breaks = escapement.mechanism.path, escapement.mechanism.breaks
     entry, exit_ = (transmission_at(path, angle)[0] for angle in (breaks[0], breaks[-1]))
-    return bool(ends_alike(entry, exit_, escapement.scene.rho))
+    return bool(ends_alike.py_func(entry, exit_, escapement.scene.rho))
 
 
 def _without_friction(

@@ -6,15 +6,15 @@ core is timed by the processor time it used, in all threads: on an idle machine 
 time on the wall, and on a busy one a long run is not charged for its interruptions.
 """
 
-import gc
 import math
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
+from timeit import Timer
 from typing import Any
 
 from escapement import __version__
@@ -27,7 +27,6 @@ Clock = Callable[[], float]
 processor, wall = time.process_time, time.perf_counter
 
 _SAMPLE = 5e-3  # [s] is long against the clock's grain and short against most disturbances
-_PACKAGES = ("numpy", "scipy", "numba")
 _OTHER_FACTS = ("processor", "cores", "load", "system", "escapement", "quick")
 
 
@@ -44,15 +43,14 @@ def shortest(calls: Sequence[Call], rounds: int, clock: Clock = processor) -> li
     A quick call is repeated within a turn until the sample is long enough, and the
     sample's mean counts.
     """
-    repeats = [_repeats(call) for call in calls]
-    best = [float("inf")] * len(calls)
-    with _without_collector():
-        for _ in range(rounds):
-            for place, (call, count) in enumerate(zip(calls, repeats, strict=True)):
-                begin = clock()
-                for _ in range(count):
-                    call()
-                best[place] = min(best[place], (clock() - begin) / count)
+    timers = [Timer(call, timer=clock) for call in calls]
+    # the very first call also loads what it needs, so the shorter of two counts
+    once = [max(min(timer.repeat(2, 1)), 1e-7) for timer in timers]
+    repeats = [max(1, round(_SAMPLE / each)) for each in once]
+    best = [math.inf] * len(calls)
+    for _ in range(rounds):
+        for place, (timer, count) in enumerate(zip(timers, repeats, strict=True)):
+            best[place] = min(best[place], timer.timeit(count) / count)
     return best
 
 
@@ -61,15 +59,17 @@ def describe_machine(packages: Sequence[str] = ()) -> dict[str, Any]:
 
     Nothing in it tells whose machine this is.
     """
-    versions = {name: _version(name) for name in (*_PACKAGES, *packages)}
+    installed = [name for name in ("numpy", "scipy", "numba", *packages) if find_spec(name)]
+    allowed = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None
     return {
         "processor": _processor(),
-        "cores": _cores(),
-        "load": _load(),
+        "cores": len(allowed) if allowed else os.cpu_count() or 1,
+        # processes that others keep running here, as an average over a minute
+        "load": round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None,
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
         "escapement": __version__,
-        **{name: found for name, found in versions.items() if found is not None},
+        **{name: version(name) for name in installed},
     }
 
 
@@ -92,51 +92,11 @@ def _short(value: Any) -> Any:
     return value
 
 
-def _repeats(call: Call) -> int:
-    """How many calls fill a sample."""
-    # the very first call also loads what it needs, so the second counts
-    once = min(timed(call)[0], timed(call)[0])
-    if once < _SAMPLE:
-        once = min(once, timed(call)[0])
-    return max(1, round(_SAMPLE / max(once, 1e-7)))
-
-
-@contextmanager
-def _without_collector() -> Iterator[None]:
-    """Garbage collection off, as in `timeit`."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
-
-
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
-
-
 def _processor() -> str:
     """The processor's model name, where the system tells."""
     try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
     except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
-
-
-def _load() -> float | None:
-    """Processes that others keep running here, as an average over a minute."""
-    return round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None
-
-
-def _cores() -> int:
-    """Cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+        text = ""
+    names = [line for line in text.splitlines() if line.startswith("model name")]
+    return names[0].partition(":")[2].strip() if names else platform.machine()

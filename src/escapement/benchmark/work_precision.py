@@ -1,17 +1,67 @@
-"""Run time against measured error: every solver over a sweep of its tolerance."""
+"""Run time against measured error: every solver over a sweep of its tolerance.
 
+`run` measures, `write` fills a folder with the tables and the figure.
+"""
+
+import json
 import math
-from collections.abc import Sequence
-from itertools import pairwise
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from escapement.benchmark.measuring import shortest, timed
-from escapement.benchmark.problems import Problem
-from escapement.benchmark.solvers import MeasuredSolver, TimedRun
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from escapement.benchmark.measuring import (
+    describe_machine,
+    machine_in_a_line,
+    shortest,
+    timed,
+    write_csv,
+)
+from escapement.benchmark.problems import PROBLEMS, Problem
+from escapement.benchmark.solvers import MeasuredSolver, TimedRun, own_solvers
+from escapement.files.atomic import replace_file
+from escapement.plots import save, style
 from escapement.solver import DEFAULT_RTOL
 
 COMPARED_AT = 1e-10
 """Error at which solvers are compared [-]."""
+
+# The package itself does not measure heyoka and CyRK; `benchmarks/standings.py` does.
+_COLORS = {
+    "energy": style.BLACK, "ivp": style.GREY, "heyoka": style.VERMILLION, "CyRK": style.ORANGE,
+    "DOP853": style.BLUE, "RK45": style.SKY, "RK23": style.LIGHT_GREY, "LSODA": style.GREEN,
+    "Radau": style.PURPLE, "BDF": "#8c6bb1",
+}  # fmt: skip
+_MARKERS = {"energy": "o", "ivp": "s", "heyoka": "^", "CyRK": "D", "solve_ivp": "."}
+_DASHED = ("Vern8", "Taylor, angle")
+
+
+class Effort(NamedTuple):
+    """How much is measured.
+
+    problems : which ones.
+    decades : tolerances are this many powers of ten apart.
+    longest : a solver goes on to tighter tolerances while its runs are shorter [s].
+    rounds : turns of each solver, of which the shortest counts.
+    solvers : names of the package's own ones to measure; None for all.
+    """
+
+    problems: Sequence[Problem]
+    decades: int
+    longest: float
+    rounds: int
+    solvers: Sequence[str] | None
+
+
+FULL = Effort(PROBLEMS, decades=1, longest=1.0, rounds=5, solvers=None)
+"""Many minutes."""
+QUICK = Effort(PROBLEMS[:1], 2, 0.25, 2, ("energy", "ivp", "solve_ivp DOP853 Numba"))
+"""Ten seconds, with one of SciPy's methods."""
 
 
 class Point(NamedTuple):
@@ -35,59 +85,6 @@ class Point(NamedTuple):
     first: float
 
 
-def sweep_tolerances(
-    problem: Problem,
-    solvers: Sequence[MeasuredSolver],
-    *,
-    decades: int,
-    longest: float,
-    rounds: int,
-) -> list[Point]:
-    """Points of all solvers on one problem.
-
-    Parameters
-    ----------
-    problem : Problem
-        What they solve.
-    solvers : sequence of MeasuredSolver
-        The solvers to measure.
-    decades : int
-        Tolerances are this many powers of ten apart.
-    longest : float
-        A solver goes on to tighter tolerances while its runs are shorter [s].
-    rounds : int
-        Turns of each, of which the shortest counts.
-    """
-    points: list[Point] = []
-    runs: list[TimedRun] = []
-    for solver in solvers:
-        for rtol in solver.tolerances[::decades]:
-            point, run = _try(solver, problem, rtol)
-            if run is None:
-                continue
-            points.append(point)
-            runs.append(run)
-            if point.time > longest:
-                break
-    times = shortest(runs, rounds)
-    return [point._replace(time=time) for point, time in zip(points, times, strict=True)]
-
-
-def _try(solver: MeasuredSolver, problem: Problem, rtol: float) -> tuple[Point, TimedRun | None]:
-    """A point timed roughly, and its run; None for a run that fails."""
-    point = Point(problem.name, *solver[:4], rtol, math.nan, math.nan, math.nan)
-    try:
-        preparing, run = timed(lambda: solver.prepare(problem, rtol))
-        first, answer = timed(run)
-    except (ArithmeticError, ValueError):
-        return point, None
-    error = problem.error(*answer)
-    if not error < 0.1:
-        return point, None
-    again, _ = timed(run)
-    return point._replace(error=max(error, 1e-16), time=again, first=preparing + first), run
-
-
 class Standing(NamedTuple):
     """A solver beside `energy` on one problem.
 
@@ -106,6 +103,99 @@ class Standing(NamedTuple):
     first: float
 
 
+class Results(NamedTuple):
+    """Everything measured, with the machine it was measured on."""
+
+    machine: dict[str, Any]
+    quick: bool
+    points: list[Point]
+
+    @property
+    def standings(self) -> list[Standing]:
+        """All solvers on all problems, fastest first."""
+        return standings(self.points)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values by name, for JSON."""
+        return {
+            "machine": self.machine,
+            "quick": self.quick,
+            "standings": [row._asdict() for row in self.standings],
+            "work_precision": [row._asdict() for row in self.points],
+        }
+
+
+def run(
+    *,
+    quick: bool = False,
+    further: Sequence[MeasuredSolver] = (),
+    note: Callable[[str], object] = lambda text: None,
+) -> Results:
+    """Measure everything.
+
+    Parameters
+    ----------
+    quick : bool
+        A version of ten seconds instead of many minutes.
+    further : sequence of MeasuredSolver
+        Solvers to measure beside the package's engines and SciPy's; their families name
+        the packages they come from.
+    note : callable
+        Told what is being measured.
+    """
+    effort = QUICK if quick else FULL
+    machine = describe_machine(list(dict.fromkeys(each.family for each in further)))
+    wanted = effort.solvers
+    own = [each for each in own_solvers() if wanted is None or each.solver in wanted]
+    points: list[Point] = []
+    for problem in effort.problems:
+        note(f"{len(own) + len(further)} solvers on problem {problem.name!r}")
+        points += sweep_tolerances(problem, [*own, *further], effort)
+    return Results(machine, quick, points)
+
+
+def write(results: Results, folder: Path) -> list[Path]:
+    """Tables as CSV, the figure and the machine's description into an existing folder."""
+    description, picture = folder / "machine.json", folder / "work_precision.svg"
+    text = json.dumps(results.machine | {"quick": results.quick}, indent=2) + "\n"
+    replace_file(description, [text.encode()])
+    save(work_precision_figure(results.points, results.machine), picture)
+    return [
+        description,
+        write_csv(folder / "standings.csv", results.standings),
+        write_csv(folder / "work_precision.csv", results.points),
+        picture,
+    ]
+
+
+def sweep_tolerances(
+    problem: Problem, solvers: Sequence[MeasuredSolver], effort: Effort
+) -> list[Point]:
+    """Points of all solvers on one problem."""
+    points: list[Point] = []
+    runs: list[TimedRun] = []
+    for solver in solvers:
+        for rtol in solver.tolerances[:: effort.decades]:
+            try:
+                preparing, call = timed(partial(solver.prepare, problem, rtol))
+                first, answer = timed(call)
+            except (ArithmeticError, ValueError):
+                continue
+            error = problem.error(*answer)
+            # a solver that is lost, or has not arrived (NaN), has no place in the diagram
+            if not error < 0.1:
+                continue
+            time, _ = timed(call)
+            # an error of exactly zero could not be drawn
+            numbers = rtol, max(error, 1e-16), time, preparing + first
+            points.append(Point(problem.name, *solver[:4], *numbers))
+            runs.append(call)
+            if time > effort.longest:
+                break
+    times = shortest(runs, effort.rounds)
+    return [point._replace(time=time) for point, time in zip(points, times, strict=True)]
+
+
 def standings(points: Sequence[Point]) -> list[Standing]:
     """All solvers on all problems, fastest first.
 
@@ -113,28 +203,22 @@ def standings(points: Sequence[Point]) -> list[Standing]:
     tolerance, whatever error below `COMPARED_AT` that gives; the others are
     interpolated to exactly `COMPARED_AT`, in their favour.
     """
-    rows = []
-    for problem in dict.fromkeys(point.problem for point in points):
-        here = [point for point in points if point.problem == problem]
-        default = min(
-            (point for point in here if point.family == "energy"),
-            key=lambda point: abs(math.log(point.rtol / DEFAULT_RTOL["energy"])),
-        )
-        table = [
-            Standing(problem, "energy", default.error, default.time, 1.0, _first(here, "energy"))
-        ]
-        for name in dict.fromkeys(point.solver for point in here):
-            if name != "energy":
-                time = time_at([point for point in here if point.solver == name], COMPARED_AT)
-                ratio = time / default.time
-                table.append(Standing(problem, name, COMPARED_AT, time, ratio, _first(here, name)))
-        rows += sorted(table, key=lambda row: math.inf if math.isnan(row.time) else row.time)
+    rows: list[Standing] = []
+    for problem, here in groupby(points, key=lambda point: point.problem):
+        lines: dict[str, list[Point]] = {}
+        for point in here:
+            lines.setdefault(point.solver, []).append(point)
+        asked = DEFAULT_RTOL["energy"]
+        default = min(lines["energy"], key=lambda point: abs(math.log(point.rtol / asked)))
+        table = []
+        for name, line in lines.items():
+            error, time = COMPARED_AT, time_at(line, COMPARED_AT)
+            if name == "energy":
+                error, time = default.error, default.time
+            # the first call of a solver is where compiling and loading are included
+            table.append(Standing(problem, name, error, time, time / default.time, line[0].first))
+        rows += sorted(table, key=lambda row: (math.isnan(row.time), row.time))
     return rows
-
-
-def _first(points: Sequence[Point], name: str) -> float:
-    """First call of a solver: compiling and loading included."""
-    return next(point.first for point in points if point.solver == name)
 
 
 def time_at(points: Sequence[Point], error: float) -> float:
@@ -143,22 +227,51 @@ def time_at(points: Sequence[Point], error: float) -> float:
     Between its best points the logarithms are interpolated: a tolerance between the
     ones tried would have given what lies between.
     """
-    best = _front(points)
-    if not best or best[-1].error > error:
-        return math.nan
-    if best[0].error <= error:
-        return best[0].time
-    for loose, tight in pairwise(best):
-        if tight.error <= error:
-            share = math.log(loose.error / error) / math.log(loose.error / tight.error)
-            return loose.time * math.pow(tight.time / loose.time, share)
-    raise AssertionError("the front falls below the error and never crosses it")
-
-
-def _front(points: Sequence[Point]) -> list[Point]:
-    """Points that no other beats in both time and error, by falling error."""
-    front: list[Point] = []
+    front: list[Point] = []  # points that no other beats in both time and error
     for point in sorted(points, key=lambda point: (point.error, point.time)):
         if not front or point.time < front[-1].time:
             front.append(point)
-    return front[::-1]
+    errors, times = np.log([(point.error, point.time) for point in front]).T
+    return float(np.exp(np.interp(math.log(error), errors, times, left=math.nan)))
+
+
+def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> Figure:
+    """A panel for each problem: measured error to the right, run time upwards."""
+    names = {point.problem for point in points}
+    problems = [problem for problem in PROBLEMS if problem.name in names]
+    figure = style.new_figure(style.TWO_COLUMN, 0.58 * style.TWO_COLUMN)
+    panels = figure.subplots(1, len(problems), sharey=True, squeeze=False)[0]
+    for ax, problem in zip(panels, problems, strict=True):
+        _plot_solvers([point for point in points if point.problem == problem.name], ax)
+        ax.set_title(problem.title)
+        ax.label_outer()
+    handles, labels = panels[0].get_legend_handles_labels()
+    foot = "solve_ivp: solid with a Numba right-hand side, dashed in plain Python\n"
+    legend = figure.legend(
+        handles, labels, loc="outside lower center", ncols=4, fontsize=style.SMALL_SIZE,
+        frameon=False, title=foot + machine_in_a_line(machine), title_fontsize=6.0,
+    )  # fmt: skip
+    legend.get_title().set_multialignment("center")
+    return figure
+
+
+def _plot_solvers(points: Sequence[Point], ax: Axes) -> None:
+    """Run time against measured error, a line for each solver."""
+    for name, group in groupby(points, key=lambda point: point.solver):
+        line = sorted(group, key=lambda point: -point.rtol)
+        first = line[0]
+        plain, own = first.language == "Python", first.family == "energy"
+        ax.loglog(
+            [point.error for point in line],
+            [point.time for point in line],
+            color=_COLORS[first.method if first.family == "solve_ivp" else first.family],
+            linestyle="--" if plain or first.method in _DASHED else "-",
+            marker=_MARKERS[first.family],
+            markersize=5 if own else 3,
+            linewidth=2 if own else 1,
+            zorder=3 if own else 2,
+            label="_" if plain else name.removesuffix(" Numba"),
+        )
+    ax.set(xlabel="Largest relative error", ylabel="Warm run time (s)")
+    ax.invert_xaxis()
+    style.dress(ax)

@@ -10,7 +10,7 @@ from escapement.cli._arguments import Parser
 from escapement.text import print_columns
 
 if TYPE_CHECKING:
-    from escapement.benchmark.suite import Results
+    from escapement.benchmark.work_precision import Results
 
 SUMMARY = "Run time against error of the engines and of SciPy's solvers."
 
@@ -24,12 +24,10 @@ def configure(parser: Parser) -> None:
         "--output",
         type=Path,
         metavar="DIR",
-        help=f"folder for tables (CSV), figures and the machine's description; "
+        help=f"folder for tables (CSV), the figure and the machine's description; "
         f"created, files in it replaced (default: {FOLDER}; with --quick none)",
     )
-    parser.add_argument(
-        "--quick", action="store_true", help="about 20 seconds instead of many minutes"
-    )
+    parser.add_argument("--quick", action="store_true", help="ten seconds instead of many minutes")
     _arguments.add_common(parser)
 
 
@@ -41,9 +39,9 @@ def execute(args: argparse.Namespace) -> int:
         _output.make_folder(folder.parent)
     if folder is not None:
         _output.make_folder(folder)
-    from escapement.benchmark import suite
+    from escapement.benchmark import work_precision
 
-    results = suite.run(quick=args.quick, note=_output.note)
+    results = work_precision.run(quick=args.quick, note=_output.note)
     try:
         if args.json:
             _output.print_json(results.as_dict())
@@ -51,13 +49,13 @@ def execute(args: argparse.Namespace) -> int:
             print_tables(results)
         sys.stdout.flush()
     finally:  # neither a full disk nor a reader that left may cost many minutes of work
-        for path in suite.write(results, folder) if folder is not None else []:
+        for path in work_precision.write(results, folder) if folder is not None else []:
             _output.note(f"wrote {path}")
     return 0
 
 
 def print_tables(results: "Results") -> None:
-    """The machine, the standings, the kinds of scene and the growth of cost."""
+    """The machine and the standings."""
     print(", ".join(f"{name} {value}" for name, value in results.machine.items()), end="\n\n")
     print_columns(
         [("problem", "solver", "error", "time", "times energy", "first call"),
@@ -67,13 +65,3 @@ def print_tables(results: "Results") -> None:
             for row in results.standings
         ],
     )  # fmt: skip
-    print()
-    print_columns(
-        [("scene", "cases", "time by case", "left out"), ("", "", "us", "")],
-        [(row.scene, row.cases, 1e6 * row.time_per_case, row.left_out) for row in results.scenes],
-    )
-    print()
-    print_columns(
-        [("against", "engine", "size", "time by item"), ("", "", "", "us")],
-        [(row.against, row.engine, row.size, 1e6 * row.time / row.items) for row in results.costs],
-    )

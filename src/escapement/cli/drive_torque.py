@@ -47,9 +47,9 @@ def execute(args: argparse.Namespace) -> int:
     result = drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
     if args.plot is not None:
         from escapement.plots import plot_drive_torque
-        from escapement.plots.saving import save_axes
+        from escapement.plots.saving import save
 
-        save_axes(plot_drive_torque(result, units=args.units), args.plot)
+        save(plot_drive_torque(result, units=args.units), args.plot)
     from escapement.constant_speed.design import LIMITS
 
     _output.report(args, summarise(result, args.units), QUANTITIES | LIMITS, LABELS)

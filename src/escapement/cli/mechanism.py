@@ -47,10 +47,10 @@ def execute(args: argparse.Namespace) -> int:
         record["critical_friction"] = critical_friction(mechanism, Inertia(**given))
     if args.plot is not None:
         from escapement.plots import DRAWINGS
-        from escapement.plots.saving import save_axes
+        from escapement.plots.saving import save
 
         draw = DRAWINGS[mechanism.kind]
-        save_axes(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)
+        save(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)
     reasons = _output.not_given(record)
     try:
         _ = mechanism.path

@@ -158,9 +158,9 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
             write_motion(motion, args.output, **options)
     if args.plot is not None:
         from escapement.plots import plot_velocities
-        from escapement.plots.saving import save_axes
+        from escapement.plots.saving import save
 
-        save_axes(plot_velocities(motion), args.plot)
+        save(plot_velocities(motion), args.plot)
 
 
 def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:

@@ -7,6 +7,8 @@ from escapement.errors import InputFileError, InvalidValue, MissingInput
 
 FORMATS = (".png", ".pdf", ".svg")
 """Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
+FILMS = (".gif",)
+"""Suffixes of films."""
 
 
 def check_input(path: str | PathLike[str], what: str) -> None:
@@ -22,11 +24,11 @@ def check_input(path: str | PathLike[str], what: str) -> None:
         raise InputFileError(f"{what} {path} must be an ordinary file; name a file, not a folder")
 
 
-def picture_format(path: str | PathLike[str]) -> str:
-    """The suffix of a figure's name, one of `FORMATS`; raises InvalidValue for another."""
+def picture_format(path: str | PathLike[str], formats: tuple[str, ...] = FORMATS) -> str:
+    """The suffix of a figure's name, one of `formats`; raises InvalidValue for another."""
     suffix = Path(path).suffix
-    if suffix.lower() not in FORMATS:
+    if suffix.lower() not in formats:
         raise InvalidValue(
-            f"output {path} must end in {', '.join(FORMATS)}, got {suffix!r}; change the suffix"
+            f"output {path} must end in {', '.join(formats)}, got {suffix!r}; change the suffix"
         )
     return suffix.lower()

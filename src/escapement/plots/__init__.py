@@ -9,26 +9,30 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from escapement.plots.animation import animate
-from escapement.plots.drive_torque import plot_drive_torque
-from escapement.plots.gear_driven import plot_gear_driven
-from escapement.plots.geneva import plot_configurations, plot_mechanism
-from escapement.plots.measurement import (
-    plot_error_histogram,
-    plot_errors,
-    plot_frequencies,
-    plot_measurement,
-    plot_periodogram,
-    plot_positions,
-)
-from escapement.plots.motion import plot_contact_moment, plot_phase_portrait, plot_velocities
-from escapement.plots.planetary import plot_planetary
-from escapement.plots.sample import plot_sample
-from escapement.plots.saving import save
-from escapement.plots.spread import plot_spread
-from escapement.plots.study import plot_lines, plot_map, plot_rise_and_terminal, plot_study
-from escapement.plots.style import new_axes
-from escapement.plots.tabulated import plot_table
+from escapement.plots.animation import animate as animate
+from escapement.plots.drive_torque import plot_drive_torque as plot_drive_torque
+from escapement.plots.gear_driven import plot_gear_driven as plot_gear_driven
+from escapement.plots.geneva import plot_configurations as plot_configurations
+from escapement.plots.geneva import plot_mechanism as plot_mechanism
+from escapement.plots.measurement import plot_error_histogram as plot_error_histogram
+from escapement.plots.measurement import plot_errors as plot_errors
+from escapement.plots.measurement import plot_frequencies as plot_frequencies
+from escapement.plots.measurement import plot_measurement as plot_measurement
+from escapement.plots.measurement import plot_periodogram as plot_periodogram
+from escapement.plots.measurement import plot_positions as plot_positions
+from escapement.plots.motion import plot_contact_moment as plot_contact_moment
+from escapement.plots.motion import plot_phase_portrait as plot_phase_portrait
+from escapement.plots.motion import plot_velocities as plot_velocities
+from escapement.plots.planetary import plot_planetary as plot_planetary
+from escapement.plots.sample import plot_sample as plot_sample
+from escapement.plots.saving import save as save
+from escapement.plots.spread import plot_spread as plot_spread
+from escapement.plots.study import plot_lines as plot_lines
+from escapement.plots.study import plot_map as plot_map
+from escapement.plots.study import plot_rise_and_terminal as plot_rise_and_terminal
+from escapement.plots.study import plot_study as plot_study
+from escapement.plots.style import new_axes as new_axes
+from escapement.plots.tabulated import plot_table as plot_table
 
 DRAWINGS: dict[str, Callable[[Any, float], Axes]] = {
     "geneva": plot_mechanism,
@@ -37,31 +41,3 @@ DRAWINGS: dict[str, Callable[[Any, float], Axes]] = {
     "tabulated": lambda mechanism, _: plot_table(mechanism),
 }
 """What draws each kind of mechanism at a driver angle [rad], which plays no part for a table."""
-
-__all__ = [
-    "DRAWINGS",
-    "animate",
-    "new_axes",
-    "plot_configurations",
-    "plot_contact_moment",
-    "plot_drive_torque",
-    "plot_error_histogram",
-    "plot_errors",
-    "plot_frequencies",
-    "plot_gear_driven",
-    "plot_lines",
-    "plot_map",
-    "plot_measurement",
-    "plot_mechanism",
-    "plot_periodogram",
-    "plot_phase_portrait",
-    "plot_planetary",
-    "plot_positions",
-    "plot_rise_and_terminal",
-    "plot_sample",
-    "plot_spread",
-    "plot_study",
-    "plot_table",
-    "plot_velocities",
-    "save",
-]

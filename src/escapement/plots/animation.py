@@ -1,5 +1,6 @@
 """A motion as one would see it: the mechanism to scale, turning, beside its velocities."""
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
 
 _MOST_FRAMES = 2_000
-_HEIGHT = 3.2
-
-Draw = Callable[[float], object]
 
 
 def animate(
@@ -65,31 +63,36 @@ def animate(
     if not isinstance(mechanism, Geneva | GearDriven | EllipticalPlanetary):
         remedy = "draw its motion with plot_velocities"
         raise validate.fail("motion", "of a mechanism that can be drawn", mechanism, remedy)
-    first, last = _part(motion, start, stop)
+    end = float(motion.end_time)
+    last = end if stop is None else stop
+    if not 0.0 <= start < last <= end:
+        given = f"start {start:g} and stop {last:g}"
+        raise validate.fail("film", f"a part of the motion's {end:g} s", given, "leave both out")
     count = validate.integer("frames", frames, 2, "100 is a good choice", _MOST_FRAMES)
     rate = validate.positive("rate", rate, "25 pictures a second look smooth")
     from matplotlib.animation import FuncAnimation
 
-    times = np.linspace(first, last, count, endpoint=False)
+    times = np.linspace(start, last, count, endpoint=False)
     state = motion.at(times)
-    figure = style.new_figure(style.TWO_COLUMN, _HEIGHT)
+    figure = style.new_figure(style.TWO_COLUMN, 3.2)
     drawing, velocities = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
     plot_velocities(motion, style.dress(velocities))
-    factor, unit = scaled("s", np.array([motion.end_time]))
-    velocities.set_xlim(first * factor, last * factor)
-    now = velocities.axvline(first * factor, color=style.BLACK, lw=0.8, zorder=4)
+    factor, unit = scaled("s", [end])
+    velocities.set_xlim(start * factor, last * factor)
+    instant = velocities.axvline(start * factor, color=style.BLACK, lw=0.8, zorder=4)
     (marks,) = velocities.plot([], [], "o", color=style.BLACK, ms=4, zorder=5)
     draw = _drawing(drawing, mechanism, state.theta)
-    slower = count / rate / (last - first)
+    slower = count / rate / (last - start)
     pace = f"{slower:.3g} times slower" if slower >= 1.0 else f"{1.0 / slower:.3g} times faster"
-    digits = max(0, int(np.ceil(-np.log10(factor * (last - first) / count))))
+    # so many decimals that successive pictures have different titles
+    digits = max(0, math.ceil(-math.log10(factor * (last - start) / count)))
 
     def show(frame: int) -> None:
         drawing.clear()
         draw(float(state.theta[frame]))
         place = times[frame] * factor
         drawing.set_title(f"{place:.{digits}f} {unit}, {pace}", fontsize=style.SMALL_SIZE)
-        now.set_xdata([place, place])
+        instant.set_xdata([place, place])
         marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
 
     show(0)
@@ -99,31 +102,20 @@ def animate(
     return FuncAnimation(figure, show, frames=count, interval=1e3 / rate)
 
 
-def _part(motion: Motion, start: float, stop: float | None) -> tuple[float, float]:
-    """First and last instant to be shown [s]."""
-    end = float(motion.end_time)
-    first = validate.non_negative("start", start, "begin at 0")
-    last = end if stop is None else validate.number("stop", stop, "leave it out")
-    if not first < last <= end:
-        given = f"start {first:g} and stop {last:g}"
-        raise validate.fail("film", f"a part of the motion's {end:g} s", given, "leave both out")
-    return first, last
-
-
-def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Draw:
+def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Callable[[float], object]:
     """What draws the mechanism at a driver angle, with limits that do not change."""
     if isinstance(mechanism, Geneva):
         return lambda theta: plot_mechanism(mechanism, theta, ax)
     if isinstance(mechanism, GearDriven):
         return lambda theta: plot_gear_driven(mechanism, theta, ax)
     assert isinstance(mechanism, EllipticalPlanetary)
-    boxes = np.array([extent(mechanism, float(theta)) for theta in angles])
-    left, bottom = boxes[:, [0, 2]].min(axis=0)
-    right, top = boxes[:, [1, 3]].max(axis=0)
+    # the carrier turns, so the limits must have room for every picture
+    left, right, bottom, top = np.array([extent(mechanism, theta) for theta in angles]).T
+    limits = {"xlim": (left.min(), right.max()), "ylim": (bottom.min(), top.max())}
 
     def draw(theta: float) -> None:
         draw_planetary(ax, mechanism, theta, theta)
-        ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+        ax.set(**limits, aspect="equal")
         ax.set_axis_off()
 
     return draw

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from escapement.errors import InvalidValue
+from escapement import validate
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.plots import style
@@ -39,16 +39,14 @@ def plot_velocities(motion: Motion, ax: Axes | None = None) -> Axes:
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     factor, unit = scaled("s", times)
     state = motion.at(times)
-    ax.plot(times * factor, state.theta_dot, color=style.BLUE, lw=1.3, label="driver")
     dashes = style.LOOKS[1].linestyle
-    ax.plot(times * factor, state.phi_dot, color=style.VERMILLION, lw=1.1, ls=dashes,
-            label="follower")  # fmt: skip
-    _mark_reversals(ax, motion.reversals.time * factor, motion.reversals.theta_dot)
-    _mark_handoffs(ax, motion, factor)
+    ax.plot(times * factor, state.theta_dot, color=style.BLUE, lw=1.3, label="driver")
+    ax.plot(
+        times * factor, state.phi_dot, color=style.VERMILLION, lw=1.1, ls=dashes, label="follower"
+    )
     ax.set(xlabel=label("time", unit), ylabel=label("angular velocity", "rad/s"))
-    ax.set_xlim(times[0] * factor, times[-1] * factor)
     ax.set_ylim(bottom=min(0.0, float(state.phi_dot.min())))
-    style.legend_above(ax, 4)
+    _mark_events(ax, motion, factor, motion.reversals.theta_dot)
     return ax
 
 
@@ -73,30 +71,33 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.0)
     mechanism = motion.escapement.mechanism
     entry, exit_, cell = mechanism.breaks[0], mechanism.breaks[-1], mechanism.cell_angle
-    ends = motion.handoff_times[motion.handoff_times > times[0]]
-    last = ends.size - 1
+    # angles come from rounded numbers, so a gap below 1e-9 is no dwell
     if entry + cell - exit_ > 1e-9:
         dwell = np.degrees([exit_, entry + cell])
         ax.axvspan(*dwell, color=style.LIGHT_GREY, alpha=0.35, lw=0, label="dwell")
     ax.axvline(0.0, color=style.LIGHT_GREY, lw=0.6, ls=":", zorder=0)
+    ends = motion.handoff_times[motion.handoff_times > times[0]]
+    last = ends.size - 1
+    first_name = "transient" if last > 0 else "unfinished"
+    last_name = "terminal cycle" if _repeats(motion) else "last whole engagement"
     places = np.searchsorted(times, np.unique([times[0], *ends, times[-1]]))
     for index, (start, end) in enumerate(pairwise(places)):
-        state = motion.at(times[start : end + 1])
-        angle = np.degrees(state.theta - index * cell)
+        look: dict[str, Any] = {"color": style.GREY, "lw": 0.6, "alpha": 0.7}
+        look["label"] = "_" if index > 0 else first_name
         if index == last:
-            name = "terminal cycle" if _repeats(motion) else "last whole engagement"
-            ax.plot(angle, state.theta_dot, color=style.BLUE, lw=1.8, zorder=3, label=name)
-        else:
-            name = "_" if index > 0 else "transient" if last > 0 else "unfinished"
-            ax.plot(angle, state.theta_dot, color=style.GREY, lw=0.6, alpha=0.7, label=name)
+            look = {"color": style.BLUE, "lw": 1.8, "zorder": 3, "label": last_name}
+        state = motion.at(times[start : end + 1])
+        ax.plot(np.degrees(state.theta - index * cell), state.theta_dot, **look)
     found = motion.reversals
-    local = np.degrees(found.theta - cell * np.floor((found.theta - entry) / cell))
-    _mark_reversals(ax, local, found.theta_dot)
+    local = found.theta - cell * np.floor((found.theta - entry) / cell)
+    _mark_reversals(ax, np.degrees(local), found.theta_dot)
     ax.set_xlim(*np.degrees([entry, entry + cell]))
     ax.set_ylim(bottom=0.0)
-    ax.xaxis.set_major_locator(_degrees(np.degrees(cell)))
-    ax.set(xlabel=label("driver angle from dead centre", "°"))
-    ax.set(ylabel=label("driver velocity", "rad/s"))
+    # more than eight ticks would crowd the axis
+    tick = next((size for size in (5, 10, 15, 30, 45, 60) if np.degrees(cell) <= 8 * size), 90)
+    ax.xaxis.set_major_locator(MultipleLocator(tick))
+    ax.set_xlabel(label("driver angle from dead centre", "°"))
+    ax.set_ylabel(label("driver velocity", "rad/s"))
     style.legend_above(ax, 2)
     return ax
 
@@ -124,74 +125,12 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None) -> Axes:
     x, y = times * factor, moments * prefix
     ax.axhline(0.0, color=style.BLACK, lw=0.6)
     ax.plot(x, y, color=style.BLUE, lw=1.1, label="contact moment")
-    driven = y < 0.0
-    if driven.any():
-        ax.fill_between(
-            x, y, 0.0, where=driven, color=style.SKY, alpha=0.45, lw=0, label="follower drives"
-        )
-    _mark_reversals(ax, motion.reversals.time * factor, np.zeros(motion.reversals.time.size))
-    _mark_handoffs(ax, motion, factor)
+    if np.any(y < 0.0):
+        shade: dict[str, Any] = {"color": style.SKY, "alpha": 0.45, "lw": 0}
+        ax.fill_between(x, y, 0.0, where=y < 0.0, label="follower drives", **shade)
     ax.set(xlabel=label("time", unit), ylabel=label("moment on the follower", moment_unit))
-    ax.set_xlim(0.0, motion.end_time * factor)
-    style.legend_above(ax, 4)
+    _mark_events(ax, motion, factor, np.zeros(motion.reversals.time.size))
     return ax
-
-
-def _times(motion: Motion) -> FloatArray:
-    """Times even in time and in angle, every event among them: no sharp peak is cut."""
-    grid = motion.t
-    if grid.size < 2:
-        raise InvalidValue(
-            f"motion must have a length to be plotted, got none ({motion.message}); "
-            "change what prevents the motion"
-        )
-    theta = motion.theta
-    even = np.interp(np.linspace(theta[0], theta[-1], 2 * grid.size), theta, grid)
-    events = [motion.handoff_times, motion.extrema.time, motion.reversals.time]
-    return np.unique(np.concatenate([grid, even, *events]))
-
-
-def _moments(motion: Motion) -> tuple[FloatArray, FloatArray]:
-    """Times and contact moments, one-sided at jumps; NaN between pieces of the solution."""
-    times = _times(motion)
-    bounds = np.append(motion.trajectory.start, motion.end_time)
-    gap = np.array([np.nan])
-    found_t, found_m = [gap], [gap]
-    for piece, (start, end) in enumerate(pairwise(bounds)):
-        if motion.trajectory.sign[piece] != 0.0:
-            first, last = np.searchsorted(times, start, "right"), np.searchsorted(times, end)
-            t = np.concatenate([[start], times[first:last], [end]])
-            found_t += [t, gap]
-            found_m += [motion.within(piece, t).contact_moment, gap]
-    return np.concatenate(found_t), np.concatenate(found_m)
-
-
-def _repeats(motion: Motion) -> bool:
-    speeds = motion.handoff_velocities[-2:]
-    return speeds.size == 2 and bool(abs(speeds[1] - speeds[0]) <= _REPEATS * abs(speeds[1]))
-
-
-def _mark_handoffs(ax: Axes, motion: Motion, factor: float) -> None:
-    times = motion.handoff_times * factor
-    if times.size:
-        # many handoffs get short lines at the top, where no curve hides them
-        bottom, line = (0.0, ":") if times.size <= _CROWDED else (0.97, "-")
-        ax.vlines(
-            times, bottom, 1.0, transform=ax.get_xaxis_transform(), color=style.LIGHT_GREY,
-            lw=0.7, ls=line, zorder=0, label="handoff",
-        )  # fmt: skip
-
-
-def _mark_reversals(ax: Axes, x: FloatArray, y: FloatArray) -> None:
-    if x.size:
-        marks: dict[str, Any] = {"mfc": "white", "mec": style.BLACK, "mew": 0.8, "zorder": 4}
-        ax.plot(x, y, "o", ms=4.0 if x.size <= _CROWDED else 2.5, label="pin reversal", **marks)
-
-
-def _degrees(span: float) -> MultipleLocator:
-    """Ticks at round angles, for a span in degrees."""
-    steps = [step for step in (5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0) if span / step <= 8.0]
-    return MultipleLocator(steps[0] if steps else 90.0)
 
 
 def plot_motion(motion: Motion) -> Figure:
@@ -208,8 +147,60 @@ def plot_motion(motion: Motion) -> Figure:
         For a motion without length.
     """
     figure = style.new_figure(style.TWO_COLUMN, 8.2)
-    velocities, moment, phase = (style.dress(ax) for ax in figure.subplots(3, 1))
-    plot_velocities(motion, velocities)
-    plot_contact_moment(motion, moment)
-    plot_phase_portrait(motion, phase)
+    plots = plot_velocities, plot_contact_moment, plot_phase_portrait
+    for plot, ax in zip(plots, figure.subplots(3, 1), strict=True):
+        plot(motion, style.dress(ax))
     return figure
+
+
+def _times(motion: Motion) -> FloatArray:
+    """Times even in time and in angle, every event among them: no sharp peak is cut."""
+    grid = motion.t
+    if grid.size < 2:
+        got = f"none ({motion.message})"
+        raise validate.fail("motion", "longer than zero to be plotted", got, "change its inputs")
+    theta = motion.theta
+    even = np.interp(np.linspace(theta[0], theta[-1], 2 * grid.size), theta, grid)
+    events = [motion.handoff_times, motion.extrema.time, motion.reversals.time]
+    return np.unique(np.concatenate([grid, even, *events]))
+
+
+def _moments(motion: Motion) -> tuple[FloatArray, FloatArray]:
+    """Times and contact moments, one-sided at jumps; NaN between pieces of the solution."""
+    times = _times(motion)
+    bounds = np.append(motion.trajectory.start, motion.end_time)
+    gap = np.full((2, 1), np.nan)
+    found = [gap]
+    for piece, (start, end) in enumerate(pairwise(bounds)):
+        # a piece without a sign of sliding is a dwell, in which nothing touches
+        if motion.trajectory.sign[piece] != 0.0:
+            first, last = np.searchsorted(times, start, "right"), np.searchsorted(times, end)
+            t = np.concatenate([[start], times[first:last], [end]])
+            found += [np.array([t, motion.within(piece, t).contact_moment]), gap]
+    moments = np.hstack(found)
+    return moments[0], moments[1]
+
+
+def _repeats(motion: Motion) -> bool:
+    speeds = motion.handoff_velocities[-2:]
+    return speeds.size == 2 and bool(abs(speeds[1] - speeds[0]) <= _REPEATS * abs(speeds[1]))
+
+
+def _mark_events(ax: Axes, motion: Motion, factor: float, heights: FloatArray) -> None:
+    """Reversals at `heights`, handoffs, limits and legend of a figure over time."""
+    _mark_reversals(ax, motion.reversals.time * factor, heights)
+    times = motion.handoff_times * factor
+    if times.size:
+        # many handoffs get short lines at the top, where no curve hides them
+        bottom, line = (0.0, ":") if times.size <= _CROWDED else (0.97, "-")
+        look: dict[str, Any] = {"color": style.LIGHT_GREY, "lw": 0.7, "ls": line, "zorder": 0}
+        across = ax.get_xaxis_transform()
+        ax.vlines(times, bottom, 1.0, transform=across, label="handoff", **look)
+    ax.set_xlim(0.0, motion.end_time * factor)
+    style.legend_above(ax, 4)
+
+
+def _mark_reversals(ax: Axes, x: FloatArray, y: FloatArray) -> None:
+    if x.size:
+        marks: dict[str, Any] = {"mfc": "white", "mec": style.BLACK, "mew": 0.8, "zorder": 4}
+        ax.plot(x, y, "o", ms=4.0 if x.size <= _CROWDED else 2.5, label="pin reversal", **marks)

@@ -4,19 +4,19 @@ import io
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
 
-from escapement.errors import InvalidValue
 from escapement.files.atomic import check_replaceable, replace_file, storage_error
-from escapement.files.names import picture_format
+from escapement.files.names import FILMS, picture_format
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
-    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
+# The same figure gives the same bytes only without the date and without random ids.
 _METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": None},
     ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
@@ -24,14 +24,14 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
-def save(figure: "Figure | FuncAnimation", path: str | os.PathLike[str]) -> None:
+def save(picture: "Figure | Axes | FuncAnimation", path: str | os.PathLike[str]) -> None:
     """Write a figure or a film: complete under its name, or not at all.
 
     Parameters
     ----------
-    figure : Figure or FuncAnimation
-        What to write. The same figure gives the same bytes: nothing in the
-        file tells the time.
+    picture : Figure, Axes or FuncAnimation
+        What to write; of axes their whole figure. The same figure gives the same bytes:
+        nothing in the file tells the time.
     path : path
         Its suffix decides the format: .png, .pdf or .svg; a film's is .gif. An existing
         file is replaced, unless it is read-only.
@@ -45,26 +45,22 @@ def save(figure: "Figure | FuncAnimation", path: str | os.PathLike[str]) -> None
     StorageError
         When writing fails half-way, for example on a full disk.
     """
-    suffix = picture_format(path) if isinstance(figure, Figure) else _film_format(path)
+    figure: Any = picture.figure if isinstance(picture, Axes) else picture
+    moving = not hasattr(figure, "savefig")
+    suffix = picture_format(path, FILMS) if moving else picture_format(path)
     check_replaceable(path)
-    if not isinstance(figure, Figure):
-        try:
-            film = _film(figure)
-        except OSError as error:
-            raise storage_error(path, error) from None
-        replace_file(path, [film])
-        return
+    try:
+        content = _film(figure) if moving else _image(figure, suffix)
+    except OSError as error:
+        raise storage_error(path, error) from None
+    replace_file(path, [content])
+
+
+def _image(figure: "Figure", suffix: str) -> bytes:
     image = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "escapement", "pdf.fonttype": 42}):
         figure.savefig(image, format=suffix[1:], dpi=300, metadata=_METADATA[suffix])
-    replace_file(path, [image.getvalue()])
-
-
-def _film_format(path: str | os.PathLike[str]) -> str:
-    suffix = Path(path).suffix
-    if suffix.lower() != ".gif":
-        raise InvalidValue(f"output {path} of a film must end in .gif, got {suffix!r}; change it")
-    return suffix.lower()
+    return image.getvalue()
 
 
 def _film(film: "FuncAnimation") -> bytes:
@@ -73,8 +69,3 @@ def _film(film: "FuncAnimation") -> bytes:
         path = Path(folder) / "film.gif"
         film.save(path, writer="pillow")
         return path.read_bytes()
-
-
-def save_axes(axes: "Axes", path: Path) -> None:
-    """Write the figure of axes that have one to themselves."""
-    save(cast("Figure", axes.figure), path)

@@ -93,8 +93,9 @@ def dress(ax: Axes) -> Axes:
 
 def legend_above(ax: Axes, columns: int, title: str | None = None, **options: Any) -> None:
     """A legend over the axes, where it can cover no data."""
-    room = {"bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.2, "borderaxespad": 0.3}
-    add_legend(ax, columns, title, loc="lower center", **room, **{"handlelength": 2.6, **options})
+    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "borderaxespad": 0.3}
+    space = {"columnspacing": 1.2, "handlelength": 2.6}
+    add_legend(ax, columns, title, **{**place, **space, **options})
 
 
 def add_legend(
@@ -107,8 +108,10 @@ def add_legend(
         if columns == 1 or legend.get_window_extent().width <= whole.bbox.width:
             break
         legend.remove()
+        # one row more, with its entries spread evenly
         entries = len(legend.get_texts())
         columns = math.ceil(entries / (math.ceil(entries / columns) + 1))
+    # the title does not count for the width, because it may have lines of its own
     legend.set_title(title or "")
     legend.get_title().set(fontsize=SMALL_SIZE, multialignment="center")
 
@@ -142,17 +145,10 @@ def print_unit(unit: str) -> str:
     """
     above: list[str] = []
     below: list[str] = []
-    for factor in unit.split():
-        match = re.fullmatch(r"([^\d\-]+)(-?\d+)?", factor)
-        if match is None:
-            if factor != "1":
-                above.append(factor)
-            continue
-        symbol, power = match[1], int(match[2] or 1)
-        raised = "" if abs(power) == 1 else str(abs(power)).translate(_SUPERSCRIPTS)
-        (above if power > 0 else below).append(symbol + raised)
-    text = "·".join(above)
-    return "/".join([text or "1", *below]) if below else text
+    for symbol, sign, power in re.findall(r"([^\d\s-]+)(-?)(\d*)", unit):
+        raised = "" if power == "1" else power.translate(_SUPERSCRIPTS)
+        (below if sign else above).append(symbol + raised)
+    return "/".join(["·".join(above) or "1", *below]) if below else "·".join(above)
 
 
 def label(name: str, unit: str = "", line: int = _LINE) -> str:
@@ -180,13 +176,12 @@ def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
     float, str
         Multiply by the factor to get values in the printed unit.
     """
-    names = _PREFIXED.get(unit)
     sizes = np.abs(np.asarray(values, dtype=float))
-    finite = sizes[np.isfinite(sizes)]
-    largest = float(finite.max()) if finite.size else 0.0
-    if names is None or largest <= 0.0:
+    largest = sizes[np.isfinite(sizes)].max(initial=0.0)
+    names = _PREFIXED.get(unit)
+    if names is None or largest == 0.0:
         return 1.0, print_unit(unit)
-    steps = min(max(int(np.ceil(-np.log10(largest) / 3.0)), 0), len(names) - 1)
+    steps = min(max(math.ceil(-math.log10(largest) / 3.0), 0), len(names) - 1)
     return 1000.0**steps, names[steps]
 
 
@@ -203,5 +198,4 @@ def number_text(value: float) -> str:
 
 def parameter_text(name: str, value: float, unit: str) -> str:
     """A parameter and its value in running text: "torque = 0.1 in·lbf"."""
-    printed = print_unit(unit)
-    return f"{name} = {number_text(value)}" + (f" {printed}" if printed else "")
+    return f"{name} = {number_text(value)} {print_unit(unit)}".rstrip()

@@ -46,7 +46,7 @@ class Law(NamedTuple):
 
     def acceleration(self, theta: float, speed: float, side: float) -> float:
         """Driver acceleration while the given side of the slot carries the force."""
-        return float(acceleration(*self.transmission(theta), speed**2, side, self.scene))
+        return float(acceleration_at(theta, speed**2, side, self.plain))
 
     def force(self, theta: float, w: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal."""
@@ -54,8 +54,7 @@ class Law(NamedTuple):
 
     def side(self, theta: float, speed: float) -> float:
         """Side of the slot, +1 or -1, that carries the force where a piece begins."""
-        g, _u, dg = self.transmission(theta)
-        return float(side_at(g, dg, speed**2, self.scene))
+        return float(side_from(theta, speed**2, self.plain))
 
     def tabulate(
         self, theta: FloatArray, w: FloatArray, side: float
@@ -75,6 +74,22 @@ def contact_at(theta, w, plain):
     scene = scene_of(plain)
     g, _u, dg = transmission_at(scene.path, theta)
     return contact(g, dg, w, scene)
+
+
+@jit(allocates=True)
+def acceleration_at(theta, w, side, plain):
+    """Driver acceleration at a driver angle."""
+    scene = scene_of(plain)
+    g, u, dg = transmission_at(scene.path, theta)
+    return acceleration(g, u, dg, w, side, scene)
+
+
+@jit(allocates=True)
+def side_from(theta, w, plain):
+    """Side of the slot that carries the force from a driver angle on."""
+    scene = scene_of(plain)
+    g, _u, dg = transmission_at(scene.path, theta)
+    return side_at(g, dg, w, scene)
 
 
 @jit(allocates=True)

@@ -170,7 +170,7 @@ class _Simulation:
         rate = drive(scene) / scene.rho
         self._note_corner(rate)
         # the time is the angle over the mean speed
-        arrival = np.sqrt(self.speed**2 + free_gain(angle, scene))
+        arrival = np.sqrt(self.speed**2 + free_gain.py_func(angle, scene))
         length = 2.0 * angle / (self.speed + arrival)
         self._add(0.0, 0.0, FreeTurn(self.theta, self.speed, rate))
         if self.time + length > self.end_time:

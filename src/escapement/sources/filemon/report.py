@@ -58,7 +58,6 @@ def _print_cells(cells: list[TableCell]) -> None:
 def _draw(folder: Path) -> None:
     """Figures 3 to 12 and 15; the nomograms 13 and 16, to be printed, as PDF."""
     from escapement.plots import save
-    from escapement.plots.saving import save_axes
     from escapement.sources.filemon import figures, reversal_figures
     from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 
@@ -75,7 +74,7 @@ def _draw(folder: Path) -> None:
         15: reversal_figures.plot_maximum_angles,
     }
     for number, plot in panels.items():
-        save_axes(plot(), folder / f"filemon_figure_{number}.png")
+        save(plot(), folder / f"filemon_figure_{number}.png")
     save(figures.plot_zones(), folder / "filemon_figure_8.png")
     for name, sheet in NOMOGRAMS.items():
         save(plot_nomogram(sheet), folder / f"filemon_figure_{name}.pdf")

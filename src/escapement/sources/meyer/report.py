@@ -122,14 +122,13 @@ def _draw(folder: Path, rows: list[dict[str, Any]]) -> None:
     from escapement.mechanisms import Geneva
     from escapement.model import Escapement, Inertia
     from escapement.plots import plot_configurations, plot_velocities, save
-    from escapement.plots.saving import save_axes
     from escapement.simulation import simulate
     from escapement.sources.meyer.figures import plot_appendix_e
 
     driver, follower = (inertia * INCH_POUND for inertia in INERTIAS[4])
     timer = Escapement(Geneva(4), Inertia(driver, follower), 0.10 * INCH_POUND, 0.35)
     velocities = plot_velocities(simulate(timer, engagements=5))
-    save_axes(velocities, folder / "meyer_figure_8.png")
+    save(velocities, folder / "meyer_figure_8.png")
     for number, slots in {9: 6, 10: 4, 11: 3}.items():
         save(plot_appendix_e(rows, slots), folder / f"meyer_figure_{number}.png")
     save(plot_configurations(), folder / "meyer_figures_12_to_14.png")

@@ -81,7 +81,6 @@ def _draw(folder: Path) -> None:
     from escapement.plots import measurement as errors
     from escapement.plots import save
     from escapement.plots.planetary import plot_planetary
-    from escapement.plots.saving import save_axes
     from escapement.sources.prikhodko import figures
 
     mechanism = prikhodko.drive()
@@ -98,4 +97,4 @@ def _draw(folder: Path) -> None:
         "figure_9_synthetic": errors.plot_frequencies(made_up),
     }
     for name, ax in panels.items():
-        save_axes(ax, folder / f"{_NAME}_{name}.png")
+        save(ax, folder / f"{_NAME}_{name}.png")

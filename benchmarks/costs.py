@@ -1,20 +1,56 @@
 """Cost of each kind of question, and how it grows with engagements, cases and workers.
 
+``python benchmarks/costs.py [--quick] [-o DIR]``
+
 Questions, engagements and cases are timed by the processor time of one core, workers by
-the wall.
+the wall. The long version writes two tables and a figure to benchmarks/results, the quick
+one only with ``-o``.
 """
 
+import argparse
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from escapement.benchmark.measuring import shortest, timed, wall
-from escapement.benchmark.problems import Problem
+from escapement.benchmark.measuring import (
+    describe_machine,
+    machine_in_a_line,
+    shortest,
+    timed,
+    wall,
+    write_csv,
+)
+from escapement.benchmark.problems import PROBLEMS, Problem
 from escapement.model import Escapement, Inertia
+from escapement.plots import save
+from escapement.plots.style import BLACK, GREY, SMALL_SIZE, TWO_COLUMN, dress, new_figure
 from escapement.simulation import simulate, terminal
 from escapement.solver import ENGINES
 from escapement.study.sweep import sweep
+from escapement.text import print_columns
+
+RESULTS = Path(__file__).resolve().parent / "results"
+
+
+class Effort(NamedTuple):
+    """How much is measured: sizes, longest run [s], and turns of each call."""
+
+    engagements: Sequence[int]
+    cases: Sequence[int]
+    longest: float
+    rounds: int
+
+
+FULL = Effort(
+    engagements=(1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 10_000, 100_000),
+    cases=(1, 3, 10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000),
+    longest=1.0,
+    rounds=5,
+)
+QUICK = Effort((1, 10, 100, 1000), (1, 10, 100, 1000, 10_000), 0.25, 2)
 
 
 class Question(NamedTuple):
@@ -192,3 +228,72 @@ def _loaded(timer: Escapement) -> Escapement:
 def _batch(problem: Problem, cases: int, workers: int) -> object:
     friction = problem.friction * np.linspace(0.2, 1.0, cases)
     return sweep(problem.escapement, workers=workers, friction=friction)
+
+
+def growth(effort: Effort, cores: int) -> list[Cost]:
+    """Costs against engagements, cases and workers."""
+    problem, most = PROBLEMS[0], max(effort.cases)
+    return [
+        *against_engagements(problem, effort.engagements, effort.longest, effort.rounds),
+        *against_cases(problem, effort.cases, effort.rounds),
+        # each worker needs many blocks, or the time in which the last works alone counts
+        *against_workers(problem, range(1, cores + 1), 4 * most, min(effort.rounds, 3)),
+    ]
+
+
+def scaling_figure(costs: Sequence[Cost], machine: dict[str, Any]) -> Figure:
+    """Cost against engagements, cases and workers."""
+    figure = new_figure(TWO_COLUMN, 0.36 * TWO_COLUMN)
+    left, middle, right = figure.subplots(1, 3)
+    for engine, color, marker in (("energy", BLACK, "o"), ("ivp", GREY, "s")):
+        line = [c for c in costs if c.against == "engagements" and c.engine == engine]
+        look = {"color": color, "marker": marker, "markersize": 3, "label": engine}
+        left.loglog([c.size for c in line], [c.time for c in line], **look)
+    left.set(xlabel="Engagements", ylabel="Run time (s)")
+    left.legend(fontsize=SMALL_SIZE, frameon=False)
+    look = {"color": BLACK, "marker": "o", "markersize": 3}
+    line = [cost for cost in costs if cost.against == "cases"]
+    middle.loglog([c.size for c in line], [c.time / c.items * 1e6 for c in line], **look)
+    middle.set(xlabel="Cases in a batch", ylabel="Time by case (µs)", ylim=(1.0, None))
+    line = [cost for cost in costs if cost.against == "workers"]
+    sizes = [cost.size for cost in line]
+    alone = line[0].items / line[0].time
+    right.plot(sizes, [c.items / c.time for c in line], **look)
+    right.plot(sizes, [size * alone for size in sizes], color=GREY, ls=":", label="proportional")
+    right.set(xlabel="Workers", ylabel="Cases a second", ylim=(0, None), xticks=sizes)
+    right.legend(fontsize=SMALL_SIZE, frameon=False)
+    for ax in (left, middle, right):
+        dress(ax)
+    figure.supxlabel(machine_in_a_line(machine), fontsize=6.0)
+    return figure
+
+
+def main() -> None:
+    """Measure, print, and fill the folder."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="seconds, not minutes")
+    parser.add_argument("-o", "--output", type=Path, help=f"folder (default: {RESULTS})")
+    args = parser.parse_args()
+    effort = QUICK if args.quick else FULL
+    machine = describe_machine()
+    questions = question_times(PROBLEMS[0], max(effort.cases), effort.rounds)
+    costs = growth(effort, machine["cores"])
+    folder = args.output or (None if args.quick else RESULTS)
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_csv(folder / "scenes.csv", questions)
+        write_csv(folder / "scaling.csv", costs)
+        save(scaling_figure(costs, machine), folder / "scaling.svg")
+    print_columns(
+        [("question", "cases", "time by case", "left out"), ("", "", "us", "")],
+        [(row.scene, row.cases, 1e6 * row.time_per_case, row.left_out) for row in questions],
+    )
+    print()
+    print_columns(
+        [("against", "engine", "size", "time by item"), ("", "", "", "us")],
+        [(row.against, row.engine, row.size, 1e6 * row.time / row.items) for row in costs],
+    )
+
+
+if __name__ == "__main__":
+    main()
