@@ -94,8 +94,8 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
     record = {
         "inertia_ratio": ratio,
         "reversal_limits": list(result.reversal_limits),
-        "reversals_deg": [math.degrees(angle) for angle in result.reversals.tolist()],
         "zone": result.zone,
+        "reversals_deg": [math.degrees(angle) for angle in result.reversals.tolist()],
         "torque_max": result.torque_max,
         "torque_max_deg": math.degrees(result.torque_max_angle),
         "torque_mean": result.torque_mean,
