@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _KEY = "setting"
+_LAST_WHOLE = 2.0**53  # beyond it a double no longer tells whole numbers apart
 _METAVARS = {"torque": "M", "inertia": "I", "length": "R", "speed": "W", "time": "S"}
 
 
@@ -135,7 +136,7 @@ class Quantity(Setting):
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule."""
         if self.whole:
-            most = None if math.isinf(self.maximum) else int(self.maximum)
+            most = int(min(self.maximum, _LAST_WHOLE))
             return validate.integer(label, value, int(self.minimum), self.remedy, most)
         if self.fraction:
             return validate.rational(label, value, self.remedy, self.maximum)
@@ -173,7 +174,7 @@ class Quantity(Setting):
             return np.array([self.read(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
         good = np.isfinite(values) & self._within(values)
         if self.whole:
-            good &= values == np.rint(values)
+            good &= (values == np.rint(values)) & (values <= _LAST_WHOLE)
         for i in np.flatnonzero(~good)[:1].tolist():
             self.read(f"{label}[{i}]", float(values[i]))
         return values.astype(np.int64) if self.whole else values

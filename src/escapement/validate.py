@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from numbers import Integral, Real
@@ -32,7 +33,8 @@ def number(name: str, value: Any, remedy: str = "give a finite real number") -> 
     if type(value) is float and math.isfinite(value):  # nearly always: the rest takes a microsecond
         return value
     plain = _single(value)
-    if isinstance(plain, bool) or not isinstance(plain, Real) or not math.isfinite(plain):
+    real = isinstance(plain, Real) and not isinstance(plain, bool)
+    if not real or not abs(plain) <= sys.float_info.max:
         raise fail(name, "a finite number", value, remedy)
     return float(plain)
 
