@@ -20,10 +20,10 @@ import numpy as np
 import escapement as esc
 from escapement.study.block import blocks_of, encode_block
 from escapement.study.evaluate import Evaluator, in_threads
-from escapement.study.from_escapement import plan_from
 from escapement.study.image import write_blocks
 from escapement.study.plan import StudyPlan
 from escapement.study.run import frame_of, write_plan
+from escapement.study.sweep import plan_from
 
 
 def study(cases: int) -> StudyPlan:

@@ -218,7 +218,7 @@ def test_a_motion_is_drawn_in_si(command):
     command("run", "--friction", ".35", *MEYER, "--engagements", "2", "-o", "m.h5")
     code, out, err = command("plot", "m.h5", "--units", "in-lbf-s")
     assert (code, out) == (2, "")
-    assert "--units must be SI for a motion, got 'in-lbf-s'; leave it out" in err
+    assert "--units must come with a study, got 'in-lbf-s'" in err
     assert command("plot", "m.h5", "--units", "SI")[0] == 0
 
 

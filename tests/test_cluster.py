@@ -14,10 +14,9 @@ from escapement.errors import InvalidValue, StorageError
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.study import cluster
-from escapement.study.from_escapement import plan_from
 from escapement.study.reader import read_study
 from escapement.study.run import write_plan
-from escapement.study.sweep import sweep
+from escapement.study.sweep import plan_from, sweep
 from escapement.study.writer import partial_path
 from study_tools import without_date
 

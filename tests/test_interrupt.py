@@ -15,7 +15,7 @@ import pytest
 from escapement import simulation
 from escapement.metrics import Figures
 from escapement.study.evaluate import Evaluator, in_threads
-from escapement.study.from_escapement import plan_from
+from escapement.study.sweep import plan_from
 from natural_units import drive
 
 INTERRUPTED = """

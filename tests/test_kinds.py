@@ -16,8 +16,8 @@ from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind
 from escapement.quantity import quantity
-from escapement.study.from_escapement import plan_from
 from escapement.study.parse import parse_plan
+from escapement.study.sweep import plan_from
 
 
 @dataclass(frozen=True)

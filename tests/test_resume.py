@@ -20,11 +20,10 @@ from escapement.mechanisms import Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.study import owned_file, run
-from escapement.study.from_escapement import plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import SCHEMA_VERSION
 from escapement.study.run import write_plan
-from escapement.study.sweep import sweep
+from escapement.study.sweep import plan_from, sweep
 from escapement.study.writer import partial_path
 from study_tools import IVP_STUDY, let_go, without_date
 

@@ -12,9 +12,9 @@ from escapement.model import Escapement, Inertia
 from escapement.status import Status
 from escapement.study import scenes
 from escapement.study.evaluate import Evaluator
-from escapement.study.from_escapement import plan_from
 from escapement.study.result import RESULTS
 from escapement.study.run import run_plan
+from escapement.study.sweep import plan_from
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
 TORQUE, FRICTION = np.linspace(0.005, 0.02, 500), np.linspace(0.05, 0.4, 90)

@@ -1,33 +1,11 @@
-"""Tables for people, JSON and CSV for programs, and headings of columns of angles."""
+"""Tables for people, JSON and CSV for programs."""
 
 import csv
 import io
 import json
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
-
-UNITS = {"deg": 2.0 * math.pi / 360.0, "rad": 1.0}
-"""Units of angles, in rad."""
-NAMES = {
-    "input": ("input", "in", "driver", "theta", "phi1"),
-    "output": ("output", "out", "follower", "phi", "phi3"),
-}
-"""Headings by which the columns of driver and follower are known."""
-_SPELLINGS = {
-    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
-    "rad": "rad", "radian": "rad", "radians": "rad",
-}  # fmt: skip
-FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?", re.IGNORECASE)
-"""Units of angles that are recognised in order to refuse them."""
-
-
-def name_and_unit(field: str) -> tuple[str, str | None]:
-    """Name of a column in small letters, and its unit: of `UNITS`, `FOREIGN`, or None."""
-    *words, last = re.findall(r"[^\W_]+|°", field.lower()) or [""]
-    unit = _SPELLINGS.get(last) or (last if FOREIGN.fullmatch(last) else None)
-    return "".join(words if unit else [*words, last]), unit
 
 
 def as_json(record: Mapping[str, Any]) -> str:

@@ -46,11 +46,10 @@ def execute(args: argparse.Namespace) -> int:
 
         record["critical_friction"] = critical_friction(mechanism, Inertia(**given))
     if args.plot is not None:
-        from escapement.plots import DRAWINGS
+        from escapement.plots import plot_mechanism
         from escapement.plots.saving import save
 
-        draw = DRAWINGS[mechanism.kind]
-        save(draw(mechanism, math.radians(args.angle or 0.0)), args.plot)
+        save(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
     reasons = _output.not_given(record)
     try:
         _ = mechanism.path

@@ -11,12 +11,12 @@ from escapement.files.atomic import replace_file
 from escapement.text import as_csv, as_json
 
 if TYPE_CHECKING:
-    from escapement.sources.reproduction import Reproduction
+    from escapement.sources.report import Reproduction
 
 SUMMARY = "A source's printed numbers beside computed ones, why they differ, and the figures."
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
-"""Folders of `escapement.sources`; `reproduce(units)` of each `report` gives a `Reproduction`."""
+"""Folders of `escapement.sources`; `reproduce(units)` of each gives a `Reproduction`."""
 ALL = "all"
 
 
@@ -61,7 +61,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> dict[str, Any]:
     """Recompute one source, write and print what is wanted; its record."""
-    module = import_module(f"escapement.sources.{source}.report")
+    module = import_module(f"escapement.sources.{source}")
     made: Reproduction = module.reproduce(args.units)
     if folder is not None:
         contents = {".json": as_json(made.record), ".csv": as_csv(made.table)}

@@ -25,9 +25,9 @@ from escapement.model import FloatArray
 from escapement.motion import Events, Extrema, Motion
 from escapement.motion_file.sampled import SampledTrajectory
 from escapement.status import Status
-from escapement.study.from_escapement import plan_from
 from escapement.study.parse import parse_plan
 from escapement.study.reader import DAMAGE, configuration_of
+from escapement.study.sweep import plan_from
 from escapement.units import factor, unit_name
 
 __all__ = ["is_motion", "read_motion", "write_motion"]

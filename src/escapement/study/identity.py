@@ -17,11 +17,10 @@ _FIXED_AT_START = ("created", "package_version")
 """Attributes that a resumed study takes over, so that its file is that of one run."""
 _SOURCES = (
     *("units.py", "quantity.py", "model.py", "scene.py", "dynamics.py", "painleve.py"),
-    *("metrics.py", "motion.py", "trajectory.py"),
+    *("metrics.py", "motion.py", "trajectory.py", "chebyshev.py", "roots.py"),
     *("simulation.py", "solver.py", "status.py", "text.py"),
     *("mechanisms/*.py", "engines/*/*.py"),
-    *(f"study/{name}.py" for name in ("axes", "from_escapement", "parameters")),
-    *(f"study/{name}.py" for name in ("parse", "plan", "sample", "spread", "evaluate", "scenes")),
+    *(f"study/{name}.py" for name in ("sweep", "parse", "plan", "varied", "evaluate", "scenes")),
 )
 """Patterns of the files that decide what the results of a case are."""
 _ROOT = Path(__file__).parents[1]

@@ -95,7 +95,7 @@ def write_plan(
     """
     count = _count(workers)
     plan.check_mechanism()
-    version = numerics() + ("" if plan.sample is None else plan.sample.fingerprint)
+    version = numerics() + plan.fingerprint
     writer = StudyWriter(path, frame_of(plan), numerics=version, force=force, resume=resume)
 
     with (
@@ -135,13 +135,12 @@ def _blocks(
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    sampled = {} if plan.sample is None else plan.sample.values
-    varied = (*plan.dimensions, *sampled)
+    varied = (*plan.dimensions, *plan.sampled)
     units = {name: plan.unit(name) for name in varied}
     names = {name: plan.long_name(name) for name in varied}
     return Study(
         axes=plan.dimensions,
-        sampled=sampled,
+        sampled=plan.sampled,
         results={},
         units=units | {name: result.units for name, result in RESULTS.items()},
         long_names=names | {name: result.long_name for name, result in RESULTS.items()},
