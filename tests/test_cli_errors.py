@@ -172,7 +172,7 @@ FILES = {
         65,
         "table t.csv: theta must be at least",
     ),
-    "table from a folder": (["mechanism", "tabulated", "--table", "."], 65, "read: Is a dir"),
+    "table from a folder": (["mechanism", "tabulated", "--table", "."], 65, "table "),
     "folder is a loop": (["reproduce", "meyer", "-o", "loop"], 73, "loop"),
     "folder is a file": (["reproduce", "meyer", "-o", "text.h5"], 73, "text.h5", "a file"),
     "folder nowhere": (["reproduce", "meyer", "-o", "none/there"], 73, "none/there"),

@@ -178,7 +178,7 @@ WRONG = {
     "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
     "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase,"),
     "far zeros": (
-        ["geneva.csv", "--phase", "0", "--offset", "1e300"], 2, "--offset must be within 1e10",
+        ["geneva.csv", "--phase", "0", "--offset", "1e300"], 2, "offset must be within 1e10",
     ),
     "words": (["geneva.csv", "--offset", "x"], 2, "--offset", "finite number"),
     "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),
