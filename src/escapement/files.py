@@ -94,7 +94,7 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
     if not force:
         raise CannotCreate(
             f"output {path} must not exist yet, got an existing file; "
-            "choose another name or give force=True to replace it"
+            "choose another name, or give force=True (--force) to replace it"
         )
     return target
 
