@@ -14,7 +14,7 @@ from escapement.study.writer import StudyWriter, partial_path, write_study
 from study_tools import a_file, assert_same, block, study, write_in_blocks
 
 OUTPUTS = [
-    (a_file, "must not exist yet, got an existing file; choose another name or give force=True"),
+    (a_file, "must not exist yet, got an existing file; choose another name, or give force=True"),
     (lambda path: path, "must be a file, got a directory"),
     (lambda path: path / "no" / "a.h5", "must be in an existing folder"),
     (lambda path: a_file(path) / "a.h5", "Not a directory"),

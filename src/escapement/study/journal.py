@@ -179,7 +179,7 @@ class Journal:
                 raise CannotCreate(
                     f"output {self._named} has partial results of an earlier version in "
                     f"{self.path.name}, got a run of this version; finish them with that version, "
-                    "or start over with force=True"
+                    "or start over with force=True (--force)"
                 )
         elif _TABLE.encode() not in head and head[68:72] != _APPLICATION.to_bytes(4, "big"):
             raise self._foreign()
@@ -290,7 +290,7 @@ class Journal:
     def _exists(self) -> CannotCreate:
         return CannotCreate(
             f"output {self._named} must not have partial results yet, got {self.path.name}; "
-            "continue with resume=True or start over with force=True"
+            "continue with resume=True (--resume) or start over with force=True (--force)"
         )
 
     def _foreign(self) -> CannotCreate:
@@ -392,7 +392,7 @@ def check_same(path: Any, there: Mapping[str, Any], here: Mapping[str, Any]) -> 
         )
     raise CannotCreate(
         f"output {path} must be resumed with the configuration it was begun with, got another: "
-        f"{difference(old, new)}; use that one, name another output, or start over with force=True"
+        f"{difference(old, new)}; use that one, name another output, or start over with force=True (--force)"
     )
 
 

@@ -272,7 +272,7 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
         except distributed.KilledWorker as error:
             raise StorageError(
                 f"a block ended {error.allowed_failures + 1} workers, perhaps for lack of memory; "
-                "give workers more memory, then continue with resume=True"
+                "give workers more memory, then continue with resume=True (--resume)"
             ) from None
         except (Exception, CancelledError) as error:
             # each version of Dask tells a lost scheduler in other ways

@@ -159,7 +159,7 @@ class StudyWriter:
         reason = getattr(error, "strerror", None) or error
         return StorageError(
             f"writing {self._path} failed: {reason}; what was finished is kept in "
-            f"{self._journal.path.name}: free space, then continue with resume=True"
+            f"{self._journal.path.name}: free space, then continue with resume=True (--resume)"
         )
 
 
