@@ -46,9 +46,9 @@ SYMBOLS = {"ratio_max": r"i_{\omega\,max}", "acceleration_max": r"i_{\varepsilon
 SYMBOLS |= {"beta_max": r"\beta_{max}", "F12": "F_{12}", "F23": "F_{23}"}
 LIMIT_ANGLES = [3.620, 8.484, 12.649, 16.065, 18.874, 21.209, 23.174, 24.848]
 KEYS = {
-    *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max"),
-    *("torque_max_deg", "torque_mean", "power_max"),
-    *("torque_max_over_mean", "greatest_speed", "greatest_follower_inertia", "least_load_torque"),
+    *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max", "torque_max_deg"),
+    *("torque_mean", "power_max", "torque_max_over_mean", "greatest_speed"),
+    *("greatest_follower_inertia", "least_load_torque"),
 }
 
 
