@@ -257,8 +257,8 @@ def _print_agreement(agreeing: Mapping[str, dict[str, Any]]) -> None:
     print("\nHow many rows meet the printed figure within")
     rows = []
     for name, found in agreeing.items():
-        shown = found | {"rows": COLUMNS[name], "worst_maximum": f"{found['worst_maximum']:.1%}"}
-        rows.append([*shown.values()])
+        worst = f"{100.0 * found['worst_maximum']:.1f} %"
+        rows.append([*(found | {"rows": COLUMNS[name], "worst_maximum": worst}).values()])
     print_columns([header, below], rows)
 
 
