@@ -37,6 +37,7 @@ def test_more_engagements_change_nothing_before(drive, speed, count):
 def test_a_duration_is_a_part_of_the_motion(drive, speed, part):
     whole = esc.simulate(drive, 4, initial_speed=speed)
     cut = esc.simulate(drive, duration=part * whole.end_time, initial_speed=speed)
+    assert cut.end_time == part * whole.end_time
     done = whole.handoff_times <= cut.end_time
     np.testing.assert_array_equal(cut.handoff_times, whole.handoff_times[done])
     found, expected = dense(cut, 30), whole.at(np.linspace(0.0, cut.end_time, 30))

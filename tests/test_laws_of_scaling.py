@@ -8,14 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import escapement as esc
-from random_drives import (
-    close,
-    drives,
-    factors,
-    few,
-    settling,
-    speeds,
-)
+from random_drives import close, drives, factors, few, settling, speeds
 
 
 # scaling

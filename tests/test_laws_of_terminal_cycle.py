@@ -7,12 +7,7 @@ import pytest
 from hypothesis import given
 
 import escapement as esc
-from random_drives import (
-    close,
-    drives,
-    few,
-    speeds,
-)
+from random_drives import close, drives, few, speeds
 
 
 # energy

@@ -135,12 +135,3 @@ def test_the_painleve_limit_is_decided_before_integrating(engine, load):
     assert esc.terminal(beyond, engine=engine).status is Status.PAINLEVE
     below = timer(friction=limit * (1.0 - 1e-6), load=load / 100.0)
     assert esc.simulate(below, 2, engine=engine).status is Status.OK
-
-
-def test_duration_and_engagements_tell_the_same_motion():
-    whole = esc.simulate(timer(), 5)
-    part = esc.simulate(timer(), duration=0.9 * whole.end_time)
-    assert part.end_time == 0.9 * whole.end_time
-    np.testing.assert_array_equal(part.handoff_times, whole.handoff_times[:4])
-    times = np.linspace(0.0, part.end_time, 33)
-    np.testing.assert_allclose(part.at(times).theta_dot, whole.at(times).theta_dot, rtol=1e-10)
