@@ -5,10 +5,11 @@ Meyer's kinetic energy (eq. 1-16), friction enters by virtual power, and the mom
 comes from the follower's own equation of motion.
 """
 
-import numba
 import numpy as np
 import pytest
 import sympy as sp
+
+from random_drives import from_python
 
 time, theta = sp.symbols("t theta", real=True)
 speed, accel = sp.symbols("theta_dot theta_ddot", real=True)
@@ -218,11 +219,6 @@ def dimensionless():
     }
 
 
-def from_python(kernel):
-    """A kernel that only kernels can call, for the tests to call."""
-    return numba.njit(lambda *arguments: kernel(*arguments))
-
-
 def test_kernels_follow_the_lagrangian(dimensionless):
     from escapement import dynamics
     from escapement.scene import Path, Scene
@@ -238,13 +234,13 @@ def test_kernels_follow_the_lagrangian(dimensionless):
     def with_pin(kernel):
         return lambda g, u, dg, w, s, rho, mu, load: kernel(g, u, dg, w, s, scene(rho, mu, load))
 
-    def contact(g, dg, w, rho, load):
-        return dynamics.contact(g, dg, w, scene(rho, 0.0, load))
+    of_contact = from_python(dynamics.contact)
 
-    acceleration, moment = (
-        with_pin(dynamics.acceleration),
-        with_pin(from_python(dynamics.contact_moment)),
-    )
+    def contact(g, dg, w, rho, load):
+        return of_contact(g, dg, w, scene(rho, 0.0, load))
+
+    acceleration = with_pin(from_python(dynamics.acceleration))
+    moment = with_pin(from_python(dynamics.contact_moment))
     compare(acceleration, dimensionless["acceleration"], everything, states)
     compare(moment, dimensionless["moment"], everything, states)
     compare(contact, dimensionless["contact"], some, (g, dg, w, r, m))

@@ -5,10 +5,12 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.dynamics import acceleration
+from escapement import dynamics
 from escapement.scene import Scene
 from escapement.status import Status
-from random_drives import close, dense, drives, few, speeds, very_few, wheels
+from random_drives import close, dense, drives, few, from_python, speeds, very_few, wheels
+
+acceleration = from_python(dynamics.acceleration)
 
 
 # one motion, however it is asked for

@@ -286,7 +286,7 @@ def test_commands_warn_of_a_table_with_a_gap(command):
         ("", 2, ["--table", "required"]),
         ("--table no.csv", 66, ["no.csv", "does not exist"]),
         ("--table table.csv --slots 4", 2, ["--slots", "tabulated"]),
-        ("--table table.csv --cell-angle 9", 2, ["--cell-angle must", "with --follower-step"]),
+        ("--table table.csv --cell-angle 100", 2, ["--cell-angle must", "with --follower-step"]),
     ],
 )
 @pytest.mark.usefixtures("table_file")
