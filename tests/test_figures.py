@@ -86,10 +86,10 @@ def test_figures_by_brute_force(name):
     [
         *(SCENES[name] for name in ("four pins", "one pin, from above", "internal")),
         # an extremum on a handoff belongs to both of its engagements
-        (drive(4, 1, 3.848446, 0.877957, internal=True), 0.0),
-        (drive(5, 1, 7.400645, 3.32557, 0.001549, internal=True), 0.0),
+        (drive(4, 1, 3.848446, 0.877957, internal=True, crank_radius=0.02), 0.0),
+        (drive(5, 1, 7.400645, 3.32557, 0.001549, internal=True, crank_radius=1.0), 0.0),
         # a start far too fast
-        (drive(4, 4, 1.949, 0.1, 0.0154), 1262.2),
+        (drive(4, 4, 1.949, 0.1, 0.0154, crank_radius=1.0), 1262.2),
     ],
 )
 def test_both_engines_give_the_same_figures(scene, speed):

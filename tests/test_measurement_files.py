@@ -216,7 +216,7 @@ def test_not_a_file(tmp_path):
 
 def test_wrong_names_and_units(file):
     path = file(text())
-    with pytest.raises(InvalidValue, match="input column must be one of input_deg, .*'inptu'"):
+    with pytest.raises(InvalidValue, match=r"input column must be one of input_deg, .*'inptu'"):
         esc.read_readings(path, input="inptu")
     with pytest.raises(InvalidValue, match="different columns"):
         esc.read_readings(path, input="input", output="input")

@@ -1,7 +1,5 @@
 """Motions: the check value, and what must hold whichever engine computed them."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -112,19 +110,7 @@ def test_a_piece_that_is_not_there_is_refused(piece):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_load_too_great_stops_the_motion(engine):
-    heavy = timer(load=0.3)
-    motion = esc.simulate(heavy, engine=engine, initial_speed=50.0)
-    assert motion.status is Status.STALL
-    assert "stalls" in motion.message
-    assert "degrees from dead centre" in motion.message
-    assert math.isfinite(motion.end_time)
-    assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=1e-3)
-    assert esc.terminal(heavy, engine=engine).status is Status.STALL
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("load", [0.0, 0.05])
+@pytest.mark.parametrize("load", [0.0, 0.01, 0.05])
 def test_the_painleve_limit_is_decided_before_integrating(engine, load):
     limit = esc.critical_friction(timer().mechanism, timer().inertia)
     beyond = timer(friction=limit, load=load)

@@ -80,10 +80,7 @@ LINE = np.linspace(0.0, 1.0, 20)
         (lambda: esc.Tabulated(LINE[::-1], LINE), ["must ascend", "got 0.9", "sort the table"]),
         (lambda: esc.Tabulated(LINE, 0.0 * LINE), ["follower_step", "greater than 0", "turned on"]),
         (lambda: esc.Tabulated(LINE, LINE, cell_angle=1.0), ["must come with", "both"]),
-        (
-            lambda: esc.Tabulated(np.arange(700.0), np.arange(700.0)),
-            ["theta", "at most 601 rows", "700", "measured"],
-        ),
+        (lambda: esc.Tabulated(np.arange(7e2), np.arange(7e2)), ["at most 601 rows", "700"]),
         (
             lambda: esc.Tabulated(LINE % 0.5, LINE, cell_angle=0.5, follower_step=1.0).spline,
             ["theta must differ", "measured"],
@@ -286,7 +283,7 @@ def test_commands_warn_of_a_table_with_a_gap(command):
         ("", 2, ["--table", "required"]),
         ("--table no.csv", 66, ["no.csv", "does not exist"]),
         ("--table table.csv --slots 4", 2, ["--slots", "tabulated"]),
-        ("--table table.csv --cell-angle 100", 2, ["--cell-angle must", "with --follower-step"]),
+        ("--table table.csv --cell-angle 100", 2, ["must come with", "give both"]),
     ],
 )
 @pytest.mark.usefixtures("table_file")
