@@ -147,8 +147,7 @@ def test_much_friction_makes_a_load_a_help():
 )
 def test_a_load_that_turns_the_pin_twice_between_points(slots, pins, ratio, friction, load, speed):
     """The cycle is found, and is one: an engagement gives back the speed it began with."""
-    wheel = esc.Geneva(slots=slots, pins=pins)
-    timer = esc.Escapement(wheel, esc.Inertia(ratio, 1.0), 1.0, friction, load)
+    timer = drive(slots, pins, ratio, friction, load)
     figures = esc.terminal(timer, initial_speed=speed)
     assert figures.status is Status.OK
     assert len(figures.reversal_angles) == 2

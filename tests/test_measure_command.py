@@ -63,9 +63,8 @@ def test_report(measure):
     (once,) = [e for e in found["shaft_errors"] if (e["shaft"], e["order"]) == ("output", 1)]
     assert once["amplitude_deg"] == pytest.approx(0.5, abs=4 * once["standard_error_deg"])
     assert found["periodogram_peak"]["false_alarm_probability"] < 1e-6
-    assert found["sensor"]["standard_deg"] == pytest.approx(
-        math.degrees(result.sensor_share.standard)
-    )
+    share = math.degrees(result.sensor_share.standard)
+    assert found["sensor"]["standard_deg"] == pytest.approx(share)
     low, high = found["interval_deg"]
     assert low == pytest.approx(-high)
     assert err == f"escapement: {result.message}\n"
