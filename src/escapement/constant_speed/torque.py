@@ -242,7 +242,10 @@ def _places(case: Case, points: Iterable[float]) -> FloatArray:
     places = np.unique(np.fromiter(points, dtype=float))
     if not case.load_varies:
         return places
-    return np.unique(np.concatenate([places, np.linspace(places[0], places[-1], _PIECES + 1)]))
+    # each interval is cut evenly, as a sliver beside a point would be all rounding
+    counts = np.ceil(np.diff(places) * (_PIECES / (places[-1] - places[0]))).astype(int)
+    cuts = zip(places[:-1], places[1:], counts, strict=True)
+    return np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in cuts), places[-1:]])
 
 
 def _side(case: Case, low: float, high: float) -> float:
