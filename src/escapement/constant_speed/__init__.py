@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from escapement.lazy import offered
 
 if TYPE_CHECKING:
-    from escapement.constant_speed.contact import contact_moment
+    from escapement.constant_speed.case import contact_moment
     from escapement.constant_speed.design import (
         fewest_slots,
         greatest_follower_inertia,
@@ -47,7 +47,7 @@ __all__ = [
     "transmission_extrema",
 ]
 
-_MODULES = ("torque", "contact", "extrema", "design", "study")
+_MODULES = ("torque", "case", "extrema", "design", "study")
 
 
 def __getattr__(name: str) -> Any:

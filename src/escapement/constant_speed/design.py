@@ -9,7 +9,7 @@ from bisect import bisect_left
 
 from escapement import validate
 from escapement.constant_speed import geneva
-from escapement.constant_speed.case import Case, checked_number
+from escapement.constant_speed.case import Case
 from escapement.constant_speed.extrema import transmission_extrema
 from escapement.errors import InvalidValue
 from escapement.mechanisms.geneva import MOST_SLOTS
@@ -36,8 +36,8 @@ def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: f
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    load, inertia = _constant(load_torque), checked_number("follower_inertia", follower_inertia)
-    return math.sqrt(_greatest_inertia_torque(mechanism, load) / inertia)
+    inertia: float = check_number(Case, "follower_inertia", follower_inertia)
+    return math.sqrt(_greatest_inertia_torque(mechanism, load_torque) / inertia)
 
 
 def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: float) -> float:
@@ -52,9 +52,8 @@ def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: f
     load_torque : float
         Constant torque opposing the follower [N m], >= 0.
     """
-    omega, load = checked_number("speed", speed), _constant(load_torque)
-    result: float = _greatest_inertia_torque(mechanism, load) / omega / omega
-    return result
+    omega: float = check_number(Case, "speed", speed)
+    return _greatest_inertia_torque(mechanism, load_torque) / omega / omega
 
 
 def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: float) -> float:
@@ -71,10 +70,9 @@ def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: floa
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    omega = checked_number("speed", speed)
-    inertia = checked_number("follower_inertia", follower_inertia)
-    result: float = inertia * omega * omega / _limit(mechanism)
-    return result
+    omega: float = check_number(Case, "speed", speed)
+    inertia: float = check_number(Case, "follower_inertia", follower_inertia)
+    return inertia * omega * omega / transmission_extrema(mechanism).reversal_limits[0]
 
 
 def limits_without_reversal(case: Case) -> dict[str, float]:
@@ -119,16 +117,8 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
     return fewest
 
 
-def _constant(load_torque: float) -> float:
-    result: float = check_number(Escapement, "load_torque", load_torque)
-    return result
-
-
-def _greatest_inertia_torque(mechanism: Mechanism, load: float) -> float:
+def _greatest_inertia_torque(mechanism: Mechanism, load_torque: float) -> float:
     """I_f omega^2 without a pin reversal [N m]; no load is needed where none threatens."""
-    limit = _limit(mechanism)
+    load: float = check_number(Escapement, "load_torque", load_torque)
+    limit = transmission_extrema(mechanism).reversal_limits[0]
     return limit if math.isinf(limit) else limit * load
-
-
-def _limit(mechanism: Mechanism) -> float:
-    return transmission_extrema(mechanism).reversal_limits[0]

@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.chebyshev import extremes, fit, zeros
-from escapement.constant_speed.case import Case
-from escapement.constant_speed.contact import table, within_cell
+from escapement.constant_speed.case import Case, table, within_cell
 from escapement.constant_speed.extrema import (
     edges,
     rounding_of_acceleration,
@@ -240,12 +239,12 @@ def _find_reversals(case: Case) -> tuple[FloatArray, int]:
 def _places(case: Case, points: Iterable[float]) -> FloatArray:
     """`points`, and between them more where a load may hide something narrow."""
     places = np.unique(np.fromiter(points, dtype=float))
-    if not case.load_varies:
+    if not callable(case.load_torque):
         return places
     # each interval is cut evenly, as a sliver beside a point would be all rounding
     counts = np.ceil(np.diff(places) * (_PIECES / (places[-1] - places[0]))).astype(int)
-    cuts = zip(places[:-1], places[1:], counts, strict=True)
-    return np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in cuts), places[-1:]])
+    cuts = map(np.linspace, places[:-1], places[1:], counts + 1)
+    return np.unique(np.concatenate([*cuts]))
 
 
 def _side(case: Case, low: float, high: float) -> float:
