@@ -46,10 +46,8 @@ class GearPair:
         _checked(self.mechanism)
         for name in ("fixed_teeth", "planet_teeth"):
             remedy = "a full-depth 20 degree gear with fewer is undercut"
-            number = validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
-            object.__setattr__(self, name, number)
-        module = validate.positive("module", self.module, "give the module in m")
-        object.__setattr__(self, "module", module)
+            validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
+        validate.positive("module", self.module, "give the module in m")
         ratio = abs(self.mechanism.gear_ratio)
         if self.fixed_teeth != ratio * self.planet_teeth:
             pair = f"{self.fixed_teeth}/{self.planet_teeth}"
@@ -97,9 +95,8 @@ class GearPair:
 def _checked(mechanism: GearDriven) -> GearDriven:
     """`mechanism`, or the error that it is not gear-driven."""
     if not isinstance(mechanism, GearDriven):
-        raise validate.fail(
-            "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
-        )
+        remedy = "give for example GearDriven(12, 3)"
+        raise validate.fail("mechanism", "gear-driven", mechanism, remedy)
     return mechanism
 
 
