@@ -56,7 +56,7 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
     What does not exist is NaN or infinite here and null in JSON; then, and where a table's
     scatter leaves doubt, there is a `message` that says so.
     """
-    from escapement.constant_speed.design import LIMITS, limits_without_reversal
+    from escapement.constant_speed.extrema import LIMITS, limits_without_reversal
     from escapement.errors import InvalidValue
 
     reasons = []
@@ -104,7 +104,7 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
 
 
 def _print_table(record: dict[str, Any], units: str) -> None:
-    from escapement.constant_speed.design import LIMITS
+    from escapement.constant_speed.extrema import LIMITS
 
     torque = unit_name("torque", units)
     power = f"{torque} s-1" if units != "SI" else "W"

@@ -123,6 +123,7 @@ def contact_moment(
     load = check_number(Case, "load_torque", load_torque)
     exit_ = checked(mechanism).breaks[-1]
     angles = within_cell(mechanism, angles)
+    # the transmission is that of the exit all through the dwell, and is masked there below
     engaged = np.minimum(angles, exit_)
     ratios = slotted.transmission(mechanism.path, engaged)
     driven = inertia * (ratios.g * rates + ratios.dg * speeds**2)
@@ -142,9 +143,11 @@ def table(case: Case, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatA
     found = slotted.transmission(case.mechanism.path, theta)
     with np.errstate(over="ignore", invalid="ignore"):
         moment = load + case.inertial * found.dg
+        # at moment 0 either side of the slot may be meant, as no force means no friction
         side = np.where(moment >= 0.0, 1.0, -1.0)
         torque = (found.g + side * case.friction * np.abs(found.u)) * moment
         torque = np.where(torque >= 0.0, torque / case.efficiency, torque * case.efficiency)
+    # also true of NaN, which eigenvalue solvers would answer with an error of their own
     if not np.abs(torque).max(initial=0.0) < _LARGEST:
         raise InvalidValue(
             "load_torque, follower_inertia, speed and friction must give a torque within the "
@@ -158,6 +161,7 @@ def load_at(load: Load, phi: FloatArray) -> FloatArray:
     if not callable(load):
         return np.full(phi.shape, float(load))
     try:
+        # the cast refuses complex numbers and text, which `float` alone would let through
         values = np.broadcast_to(load(phi), phi.shape).astype(float, casting="same_kind")
     except (TypeError, ValueError) as error:
         got = " ".join(str(error).split())[:120]

@@ -78,6 +78,7 @@ def reversal_study(
     Source: Filemon (1960), eqs. 7 to 11.
     """
     n, ratio = _checked(slots, inertia_ratio)
+    # each wheel is made once, however many cases it has
     wheels, wheel = np.unique(n, return_inverse=True)
     drives = [Geneva(int(count), pins=1, internal=internal) for count in wheels]
     limit_12, limit_23 = geneva.reversal_limits(wheels, internal)
@@ -128,30 +129,17 @@ def derivatives_at(path, theta):
 
 
 @inner_jit
-def _reversal_between(path, ratio, low, high, rising):
-    """Root of 1 + F g' between two angles where it changes sign."""
+def _root(path, ratio, low, high, rising, of_torque):
+    """Root between two angles of 1 + F g', or of the slope of the torque g (1 + F g')."""
     theta = 0.5 * (low + high)
     for _ in range(100):
-        _g, dg, ddg, _dddg = derivatives_at(path, theta)
-        guess, low, high = newton_in_bracket(
-            theta, 1.0 + ratio * dg, ratio * ddg, low, high, rising
-        )
-        if abs(guess - theta) <= 1e-16 * abs(theta):
-            break
-        theta = guess
-    return theta
-
-
-@inner_jit
-def _maximum_after(path, ratio, entry):
-    """Where g (1 + F g') is greatest before dead centre: the one root of its slope."""
-    low, high, theta = entry, 0.0, 0.5 * entry
-    for _ in range(100):
         g, dg, ddg, dddg = derivatives_at(path, theta)
-        value = dg + ratio * (dg * dg + g * ddg)
-        slope = ddg + ratio * (3.0 * dg * ddg + g * dddg)
-        guess, low, high = newton_in_bracket(theta, value, slope, low, high, False)
-        if abs(guess - theta) <= 1e-16 * abs(entry):
+        value, slope = 1.0 + ratio * dg, ratio * ddg
+        if of_torque:
+            value = dg + ratio * (dg * dg + g * ddg)
+            slope = ddg + ratio * (3.0 * dg * ddg + g * dddg)
+        guess, low, high = newton_in_bracket(theta, value, slope, low, high, rising)
+        if abs(guess - theta) <= 1e-16 * abs(theta):
             break
         theta = guess
     return theta
@@ -172,15 +160,17 @@ def _fill(
         k, f = wheel[i], ratio[i]
         path = Path(False, paths[k], corners)
         reversals[i, 0] = reversals[i, 1] = np.nan
+        # F12 and F23 themselves belong to the zones without a second reversal
         zone[i] = 2
         if f <= limit_12[k] * (1.0 + _ROUNDING):
             zone[i] = 1
         elif f >= limit_23[k] * (1.0 - _ROUNDING):
             zone[i] = 3
+        # g' falls from dead centre to its least value and rises again towards the exit
         if zone[i] > 1:
-            reversals[i, 0] = _reversal_between(path, f, 0.0, steepest[k], False)
+            reversals[i, 0] = _root(path, f, 0.0, steepest[k], False, False)
         if zone[i] == 2:
-            reversals[i, 1] = _reversal_between(path, f, steepest[k], -entry[k], True)
-        place[i] = _maximum_after(path, f, entry[k])
+            reversals[i, 1] = _root(path, f, steepest[k], -entry[k], True, False)
+        place[i] = _root(path, f, entry[k], 0.0, False, True)
         g, dg, _ddg, _dddg = derivatives_at(path, place[i])
         top[i] = g * (1.0 + f * dg)
