@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -33,7 +34,12 @@ WHEELS = [
 ]
 
 
-@pytest.mark.parametrize("wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}")
+each_wheel = pytest.mark.parametrize(
+    "wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}"
+)
+
+
+@each_wheel
 def test_peaks_are_those_of_the_transmission(wheel):
     found, angle, step = motion_peaks(wheel), wheel.engagement_angle, wheel.follower_step
     extrema = transmission_extrema(wheel)
@@ -72,7 +78,7 @@ def test_a_pin_that_all_but_meets_the_axis(n, m):
     assert found.jerk_start == pytest.approx(jerk, rel=1e-8)
 
 
-@pytest.mark.parametrize("wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}")
+@each_wheel
 def test_motion_over_a_cycle(wheel):
     """Each is the derivative of the one before; the follower rests in the dwell."""
     share, h = wheel.motion_ratio, 1e-5
@@ -80,11 +86,7 @@ def test_motion_over_a_cycle(wheel):
     nodes = time[:, None] + h * np.array([-2.0, -1.0, 1.0, 2.0])
     found, near = follower_motion(wheel, time), follower_motion(wheel, nodes - 3.0)
     weights = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * h)
-    for low, high in [
-        ("angle", "velocity"),
-        ("velocity", "acceleration"),
-        ("acceleration", "jerk"),
-    ]:
+    for low, high in pairwise(("angle", "velocity", "acceleration", "jerk")):
         value = getattr(found, high)
         assert getattr(near, low) @ weights == pytest.approx(value, abs=3e-7 * abs(value).max())
     ends = follower_motion(wheel, [0.0, 0.5 * share, share, 0.999, 1.0, -2.0])
