@@ -178,13 +178,13 @@ WRONG = {
     "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
     "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase,"),
     "far zeros": (
-        ["geneva.csv", "--phase", "0", "--offset", "1e300"], 2, "--offset must be within 1e10",
+        ["geneva.csv", "--phase", "0", "--offset", "1e300"], 2, "offset must be within 1e10",
     ),
     "words": (["geneva.csv", "--offset", "x"], 2, "--offset", "finite number"),
     "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),
-    "few bins": (["geneva.csv", "--bins", "3"], 2, "--bins", "at least 4", "got 3"),
+    "few bins": (["geneva.csv", "--bins", "3"], 2, "bins must be", "at least 4", "got 3"),
     "negative bins": (["geneva.csv", "--bins", "-3"], 2, "bins", "got -3"),
-    "sure": (["geneva.csv", "--confidence", "1"], 2, "--confidence", "between 0 and 1"),
+    "sure": (["geneva.csv", "--confidence", "1"], 2, "confidence must be", "between 0 and 1"),
     "resolution": (["geneva.csv", "--resolution", "1"], 2, "--resolution", "at least 2"),
     "per cent": (
         ["geneva.csv", "--resolution", "99", "--linearity", "3"], 2, "linearity", "below 0.5",
