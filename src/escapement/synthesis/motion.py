@@ -64,10 +64,12 @@ def follower_motion(mechanism: GearDriven | Geneva, time: ArrayLike) -> Follower
     at = validate.numbers("time", time, "give times in cycles")
     cell, half = mechanism.cell_angle, mechanism.breaks[-1]
     step, whole = mechanism.follower_step, np.floor(at)
+    # a cell begins when a pin enters, half an engagement before dead centre
     theta = (at - whole) * cell - half
     moving = theta <= half
     theta = np.minimum(theta, half)
     found = mechanism.transmission(theta)
+    # at a speed of one cell a cycle each derivative by the angle brings one more cell
     rates = (found.g, found.dg, mechanism.jerk(theta))
     angle = whole + 0.5 + mechanism.follower_angle(theta) / step
     scaled = (np.where(moving, x, 0.0) * cell ** (i + 1) / step for i, x in enumerate(rates))
@@ -138,6 +140,7 @@ def _check_wheel(mechanism: GearDriven | Geneva) -> None:
 
 def _largest(function: Polynomial, end: float) -> float:
     """Greatest size of a polynomial between 0 and `end`."""
+    # rounding may give a real root a small imaginary part
     roots = function.deriv().roots()
     inside = roots[(np.abs(roots.imag) < 1e-9 * end) & (roots.real > 0.0) & (roots.real < end)]
     return float(np.abs(function(np.array([0.0, end, *inside.real]))).max())

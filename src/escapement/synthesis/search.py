@@ -121,6 +121,7 @@ def find_mechanisms(
     planet = validate.non_negative("planet_radius", planet_radius, "give a radius, 0 for none")
     found = []
     for free in _single_pins(n, names, lobes):
+        # the size is that of the largest mechanism in the space, so all lengths go with it
         for wheel in _with_pins(free, wanted, room, most_pins, most_unused):
             scale = largest_radius / wheel.reach_over_fixed if largest_radius else 1.0
             closest = scale * wheel.closest_radius_over_fixed
