@@ -165,13 +165,10 @@ def _extremes(extrema: Extrema) -> np.ndarray:
     Other extrema tend to limits of their own and say nothing of the terminal
     extremes. An extremum on a handoff belongs to the engagement that begins there.
     """
-    chosen: list[int] = []
-    for engagement in np.unique(extrema.engagement):
-        for kind, best in ((True, np.argmax), (False, np.argmin)):
-            same = np.nonzero((extrema.engagement == engagement) & (extrema.maximum == kind))[0]
-            if same.size:
-                chosen.append(int(same[best(extrema.theta_dot[same])]))
-    return np.array(sorted(chosen), dtype=int)
+    heights = np.where(extrema.maximum, extrema.theta_dot, -extrema.theta_dot)
+    order = np.lexsort((-heights, extrema.maximum, extrema.engagement))
+    kinds = np.column_stack([extrema.engagement, extrema.maximum])[order]
+    return np.sort(order[np.unique(kinds, axis=0, return_index=True)[1]])
 
 
 def _find_peaks(motion: Motion) -> list[float]:

@@ -50,7 +50,7 @@ def execute(args: argparse.Namespace) -> int:
         from escapement.plots.saving import save
 
         save(plot_drive_torque(result, units=args.units), args.plot)
-    from escapement.constant_speed.design import LIMITS
+    from escapement.constant_speed.extrema import LIMITS
 
     _output.report(args, summarise(result, args.units), QUANTITIES | LIMITS, LABELS)
     return 0
@@ -62,7 +62,7 @@ def summarise(result: "DriveTorque", units: str) -> dict[str, Any]:
     What does not exist is NaN or infinite here and null in JSON; then, and where a table's
     scatter leaves doubt, there is a `message` that says so.
     """
-    from escapement.constant_speed.design import limits_without_reversal
+    from escapement.constant_speed.extrema import limits_without_reversal
     from escapement.errors import InvalidValue
 
     reasons = []

@@ -8,7 +8,7 @@ those of the scan.
 import numpy as np
 
 from escapement.constant_speed import geneva, reversal_study
-from escapement.constant_speed.kernels import derivatives_at
+from escapement.constant_speed.study import derivatives_at
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
 from escapement.sources.printed import Slip, read_slips
