@@ -147,7 +147,7 @@ class Measurement:
     @cached_property
     def sensor_share(self) -> SensorShare | None:
         """Errors that the encoders alone explain; None without an encoder."""
-        return self.encoder and sensors.sensor_share(self.encoder, self.fit.slope)
+        return sensors.sensor_share(self.encoder, self.fit.slope) if self.encoder else None
 
     @cached_property
     def message(self) -> str:

@@ -174,8 +174,8 @@ def synthetic_readings(
         "input_eccentricity": input_eccentricity,
         "output_eccentricity": output_eccentricity,
     }
-    for name, angle in {"noise": noise, "backlash": backlash, **eccentric}.items():
-        validate.non_negative(name, angle, "give an angle in rad, 0 for none")
+    for name, size in {"noise": noise, "backlash": backlash, **eccentric}.items():
+        validate.non_negative(name, size, "give an angle in rad, 0 for none")
     if validate.number("sense", sense) not in (1.0, -1.0):
         raise validate.fail("sense", "1 or -1", sense, "give the sense of the output encoder")
     if not 0.0 <= validate.number("missing", missing) < 1.0:
@@ -186,12 +186,12 @@ def synthetic_readings(
     phi = _with_play(position(mechanism, theta), backlash)
     bend = 0.0 if encoder is None else encoder.greatest_deviation
     angle = theta - start + _shaft(random, theta, input_eccentricity, bend)
-    output = sense * (phi + _shaft(random, phi, output_eccentricity, bend)) + zero
-    output += noise * random.standard_normal(count)
+    read = sense * (phi + _shaft(random, phi, output_eccentricity, bend)) + zero
+    read = read + noise * random.standard_normal(count)
     if encoder is not None:
-        angle, output = _digital(angle, encoder), _digital(output, encoder)
-    output[random.random(count) < missing] = np.nan
-    return Readings(angle, output, synthetic=True)
+        angle, read = _digital(angle, encoder), _digital(read, encoder)
+    read[random.random(count) < missing] = np.nan
+    return Readings(angle, read, synthetic=True)
 
 
 def _shaft(
@@ -203,7 +203,7 @@ def _shaft(
 
     def bent(at: FloatArray) -> FloatArray:
         waves = np.multiply.outer(_HARMONICS, at)
-        return weights[:, 0] @ np.cos(waves) + weights[:, 1] @ np.sin(waves)  # type: ignore[no-any-return]
+        return weights[:, 0] @ np.cos(waves) + weights[:, 1] @ np.sin(waves)
 
     greatest = float(np.abs(bent(np.linspace(0.0, TURN, 3600))).max())
     return eccentricity * np.sin(angle + start) + deviation / greatest * bent(angle)
@@ -212,7 +212,9 @@ def _shaft(
 def _with_play(phi: FloatArray, backlash: float) -> FloatArray:
     """Output that is pushed at either end of its free play and stays in between."""
     half = 0.5 * backlash
-    lagging = accumulate(phi.tolist(), lambda at, pushed: min(max(at, pushed - half), pushed + half))
+    lagging = accumulate(
+        phi.tolist(), lambda at, pushed: min(max(at, pushed - half), pushed + half)
+    )
     return np.array(list(lagging))
 
 
