@@ -16,16 +16,10 @@ def result():
     return esc.measure(readings, PRIKHODKO, encoder=encoder)
 
 
-@pytest.mark.parametrize(
-    "plot",
-    [
-        plots.plot_errors,
-        plots.plot_error_histogram,
-        plots.plot_frequencies,
-        plots.plot_periodogram,
-        plots.plot_positions,
-    ],
-)
+PANELS = ("positions", "errors", "error_histogram", "frequencies", "periodogram")
+
+
+@pytest.mark.parametrize("plot", [getattr(plots, f"plot_{name}") for name in PANELS])
 def test_panels_are_labelled_and_say_what_is_synthetic(result, plot):
     ax = plot(result)
     assert ax.get_xlabel()
