@@ -74,11 +74,9 @@ class Setting:
         taken = self.typical if self.required else self.default
         shown = f"{taken:g}" if isinstance(taken, float) else taken
         told = "" if taken is None or isinstance(taken, bool) else f" (default: {shown})"
-        return self.long_name + self.note + self.units_shown + told
+        return self.long_name + self.note + self._units_shown() + told
 
-    @property
-    def units_shown(self) -> str:
-        """Its units in brackets, where it has any."""
+    def _units_shown(self) -> str:
         return ""
 
     def check(self, label: str, value: Any) -> Any:
@@ -123,9 +121,7 @@ class Quantity(Setting):
     instead: str = ""
     function: bool = False
 
-    @property
-    def units_shown(self) -> str:
-        """Its units in brackets, where it has any."""
+    def _units_shown(self) -> str:
         shown = dict.fromkeys(units.printed(self.unit, system) for system in units.SYSTEMS)
         return f" [{', '.join(shown)}]" if any(shown) else ""
 
@@ -142,9 +138,10 @@ class Quantity(Setting):
             return validate.rational(label, value, self.remedy, self.maximum)
         if self.function and callable(value):
             return value
-        number = validate.number(label, value, self.remedy)
+        remedy = _with_unit(self.remedy, self.unit)
+        number = validate.number(label, value, remedy)
         if not self._within(number):
-            raise validate.fail(label, self.rule, value, self.remedy)
+            raise validate.fail(label, self.rule, value, remedy)
         return number
 
     def _within(self, values: Any) -> Any:
@@ -192,6 +189,17 @@ class Quantity(Setting):
         if self.whole or self.fraction:
             return values
         return values * units.factor(self.unit, system)
+
+
+@cache  # composed for every check, since the unit may differ on the command line
+def _with_unit(remedy: str, unit: str) -> str:
+    """A remedy that names its unit: "give the crank radius in m (in with units in-lbf-s)"."""
+    metric, other = (units.printed(unit, system) for system in units.SYSTEMS)
+    if not metric:
+        return remedy
+    what, comma, rest = remedy.partition(",")
+    inches = f" ({other} with units {units.SYSTEMS[1]})" if other != metric else ""
+    return f"{what} in {metric}{inches}{comma}{rest}"
 
 
 class Truth(Setting):

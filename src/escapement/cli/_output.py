@@ -19,11 +19,20 @@ from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, unit_name
 
 _INPUTS = ("data", "study", "table")
-_NOT_GIVEN = {
+_NO_LIMIT = "no finite value makes the pin reverse"
+_REASONS = {
     "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
     "stops in the same direction again",
     "critical_friction": "a mesh has no Painleve limit",
+    "inertia_ratio": "there is no F without a load",
+    "reversal_limits": "the follower's deceleration ends at zero, so no inertia ratio lets it "
+    "drive up to the end",
+    "torque_max_over_mean": "the mean torque is not above zero",
+    "greatest_speed": _NO_LIMIT,
+    "greatest_follower_inertia": _NO_LIMIT,
+    "least_load_torque": _NO_LIMIT,
 }
+"""Why a number is missing, of those for which there is but one reason."""
 
 
 def report(
@@ -31,32 +40,36 @@ def report(
     record: Mapping[str, Any],
     quantities: Mapping[str, str],
     labels: Mapping[str, str] | None = None,
+    warning: str = "",
 ) -> None:
     """Print what a command found, in the user's units, as JSON or as a table.
+
+    A `message` is added, and shown on stderr too, where there is a warning or a number is missing.
 
     Parameters
     ----------
     args : Namespace
         With `_arguments.add_common`.
     record : Mapping
-        Numbers in SI, texts and lists by JSON key; a `message` goes to stderr too.
+        Numbers in SI, texts and lists by JSON key.
     quantities : Mapping
         Kind of unit of those numbers that have one, see `escapement.units`.
     labels : Mapping, optional
         What the table calls a key, where that is not the key in words.
+    warning : str
+        What the user should know of the numbers.
     """
     shown = {
-        key: in_units(value, quantities[key], args.units)
-        if key in quantities and value is not None
-        else value
+        key: in_units(value, quantities.get(key, "ratio"), args.units)
         for key, value in record.items()
     }
+    message = "; ".join([*filter(None, [warning]), *not_given(record)])
     if args.json:
-        print_json(shown)
+        print_json(shown | ({"message": message} if message else {}))
     else:
         _print_table(shown, quantities, args.units, labels or {})
-    if "message" in shown:
-        note(str(shown["message"]))
+    if message:
+        note(message)
 
 
 def _print_table(
@@ -73,7 +86,7 @@ def _print_table(
     print_values(
         (labels.get(key, words(key)), value, units.get(key, ""))
         for key, value in record.items()
-        if key not in tables and key != "message"
+        if key not in tables
     )
     for key, rows in tables.items():
         if len(rows) > 1:
@@ -88,17 +101,19 @@ def print_json(record: Mapping[str, Any]) -> None:
 
 
 def not_given(record: Mapping[str, Any]) -> list[str]:
-    """Why keys hold nothing, of those for which there is but one reason."""
+    """Why numbers are missing from what a command found."""
+    found = {key: plain(value) for key, value in record.items() if key in _REASONS}
     return [
-        f"{key} is not given: {why}"
-        for key, why in _NOT_GIVEN.items()
-        if key in record and plain(record[key]) is None
+        f"{key} is not given: {_REASONS[key]}"
+        for key, value in found.items()
+        if value is None or (isinstance(value, list) and None in value)
     ]
 
 
-def in_units(value: float, quantity: str, system: str) -> float:
-    """An SI value in the user's units."""
-    return value / factor(quantity, system)
+def in_units(value: Any, quantity: str, system: str) -> Any:
+    """An SI value in the user's units; what has no unit, or is None, stays as it is."""
+    scale = factor(quantity, system)
+    return value if scale == 1.0 or value is None else value / scale
 
 
 def note(message: str) -> None:
@@ -171,8 +186,6 @@ def make_folder(path: Path) -> None:
     """Create the folder `path` where it is not there; its parent must be."""
     try:
         path.mkdir(exist_ok=True)
-    except FileExistsError:
-        raise CannotCreate(f"output {path} must be a folder, got a file; name another") from None
     except OSError as error:
         raise cannot_create(path, error) from None
     _try_writing(path, path)

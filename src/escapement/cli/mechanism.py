@@ -46,15 +46,13 @@ def execute(args: argparse.Namespace) -> int:
 
         record["critical_friction"] = critical_friction(mechanism, Inertia(**given))
     if args.plot is not None:
-        from escapement.plots import plot_mechanism
-        from escapement.plots.saving import save
+        from escapement import plots
 
-        save(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
-    reasons = _output.not_given(record)
+        plots.save(plots.plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    warning = ""
     try:
         _ = mechanism.path
     except InvalidValue as error:  # a geometry that no motion can be computed for
-        reasons = [f"warning: {error}", *reasons]
-    message = {"message": "; ".join(reasons)} if reasons else {}
-    _output.report(args, record | message, mechanism.report_units)
+        warning = f"warning: {error}"
+    _output.report(args, record, mechanism.report_units, warning=warning)
     return 0

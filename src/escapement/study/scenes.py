@@ -26,7 +26,6 @@ from escapement.model import (
 )
 from escapement.quantity import quantities
 from escapement.scene import Scene
-from escapement.simulation import FASTEST
 from escapement.status import Status
 from escapement.study.plan import StudyPlan
 
@@ -58,7 +57,7 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
         ratios = natural(numbers, plan.kind.meshed)
         w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
         sound = ratio_in_range(ratios["rho"]) & (ratios["load"] < MOST_UNEQUAL)
-        sound &= w <= FASTEST**2
+        sound &= w <= MOST_UNEQUAL**2
     scene = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
     figures = np.full((6, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
