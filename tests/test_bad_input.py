@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from bad_calls import BAD, INERTIA, MACHINES, MODEL, TIMER, WHEEL, built, ivp, maker, study, wheel
+from bad_calls import BAD, INERTIA, MACHINES, TIMER, WHEEL, built, ivp, maker, study, wheel
 from escapement.cli._arguments import option
 from escapement.errors import InvalidValue
 from escapement.model import Run
@@ -156,9 +156,3 @@ def test_numbers_that_no_double_can_hold_end_in_a_status(changes, speed, engine)
     assert "choose inertias, torques and a speed of similar size" in motion.message
     assert motion.handoff_times.size == 0
     assert math.isnan(figures.velocity_max)
-
-
-def test_such_numbers_end_in_a_status_on_the_command_line_too(command):
-    code, _, err = command("run", *MODEL, "--initial-speed", "1e300")
-    assert code == 3
-    assert "choose inertias, torques and a speed of similar size" in err

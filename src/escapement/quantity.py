@@ -169,6 +169,7 @@ class Quantity(Setting):
 
         if self.fraction:
             return np.array([self.read(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
+        # an axis may be long: one by one are checked, for the message, only those that break the rule
         good = np.isfinite(values) & self._within(values)
         if self.whole:
             good &= (values == np.rint(values)) & (values <= _LAST_WHOLE)
@@ -180,6 +181,7 @@ class Quantity(Setting):
         """As `check`, of a word on the command line."""
         value: Any = text
         if not self.fraction:
+            # what is no number is refused by the check, which shows it as typed
             with contextlib.suppress(ValueError):
                 value = int(text) if self.whole else float(text)
         return self.check(label, value)
@@ -258,6 +260,7 @@ class Declared:
 
     def __new__(cls, *args: Any, **keywords: Any) -> Self:
         """Refuse a keyword that there is none of, and name the nearest."""
+        # Python's own TypeError would not name the nearest
         known = _arguments(cls)
         for name in keywords:
             if name not in known:
@@ -271,6 +274,7 @@ class Declared:
         values = vars(self)
         for entry in declared(type(self)).values():
             value = values[entry.key]
+            # a default keeps its rule, and most fields hold theirs
             if value is not entry.default or entry.required:
                 values[entry.key] = entry.check(entry.name, value)
 
@@ -288,6 +292,7 @@ def declared(owner: type) -> dict[str, Setting]:
         entry: Setting | None = field.metadata.get(_KEY)
         if entry is None:
             continue
+        # a declaration may have a default for files that the constructor has not
         open_ = field.default is MISSING
         entry = replace(
             entry,

@@ -89,6 +89,7 @@ def rational(name: str, value: Any, remedy: str, maximum: float = math.inf) -> F
         exact = Fraction(value if type(value) is not bool else "")
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
         raise fail(name, rule, value, remedy) from None
+    # 0.333... stands for 1/3, which no double is
     result = exact.limit_denominator(1000)
     if result < 0 or abs(result - exact) > Fraction(1, 10**12) * (1 + result):
         raise fail(name, rule, value, remedy)

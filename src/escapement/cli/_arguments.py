@@ -128,6 +128,13 @@ def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: A
     group.add_argument(option(entry.name), default=None, **keywords)
 
 
+def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> None:
+    """Add the options of what a class declares."""
+    group = parser.add_argument_group(title)
+    for entry in settings.values():
+        add_setting(group, entry)
+
+
 def typed(args: argparse.Namespace, settings: Mapping[str, Setting]) -> dict[str, Any]:
     """What was typed of some settings, in SI, by the key of each."""
     return {

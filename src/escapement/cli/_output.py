@@ -89,6 +89,7 @@ def _print_table(
         if key not in tables
     )
     for key, rows in tables.items():
+        # a single row repeats what stands above
         if len(rows) > 1:
             print(f"\n{words(key)}")
             header = [words(name) + " (deg)" * name.endswith("_deg") for name in rows[0]]
@@ -102,6 +103,7 @@ def print_json(record: Mapping[str, Any]) -> None:
 
 def not_given(record: Mapping[str, Any]) -> list[str]:
     """Why numbers are missing from what a command found."""
+    # what is not a number or not finite becomes None, as in JSON
     found = {key: plain(value) for key, value in record.items() if key in _REASONS}
     return [
         f"{key} is not given: {_REASONS[key]}"
@@ -167,6 +169,7 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
     """
     folder = check_target(path, force).parent
     for other in others:
+        # links are followed, or a result would replace what it is computed from
         if os.path.realpath(path) == os.path.realpath(other):
             raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
     _try_writing(path, folder)

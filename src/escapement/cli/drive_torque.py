@@ -31,9 +31,7 @@ LABELS = {
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
-    model = parser.add_argument_group("model")
-    for entry in declared(Case).values():
-        _arguments.add_setting(model, entry, required=entry.required)
+    _arguments.add_group(parser, "model", declared(Case))
     output = parser.add_argument_group("output")
     _arguments.add_plot(output, "draw the torque")
     _arguments.add_common(parser)
@@ -45,6 +43,7 @@ def execute(args: argparse.Namespace) -> int:
     from escapement.constant_speed import drive_torque
     from escapement.constant_speed.design import LIMITS
 
+    _arguments.require(args, declared(Case))
     mechanism = _arguments.read_mechanism(args)
     result = drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
     if args.plot is not None:
@@ -62,7 +61,8 @@ def summarise(result: "DriveTorque") -> dict[str, Any]:
 
     try:
         ratio = result.inertia_ratio
-    except InvalidValue:  # without a load
+    except InvalidValue:
+        # without a load there is none
         ratio = math.nan
     return {
         "inertia_ratio": ratio,

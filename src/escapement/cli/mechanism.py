@@ -17,9 +17,7 @@ SUMMARY = "Geometry, transmission, motion ratio and dwell of a mechanism."
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
-    inertia = parser.add_argument_group("inertia, for the critical friction")
-    for entry in declared(Inertia).values():
-        _arguments.add_setting(inertia, entry)
+    _arguments.add_group(parser, "inertia, for the critical friction", declared(Inertia))
     drawing = parser.add_argument_group("drawing")
     _arguments.add_plot(drawing, "draw it to scale")
     drawing.add_argument(
@@ -52,7 +50,8 @@ def execute(args: argparse.Namespace) -> int:
     warning = ""
     try:
         _ = mechanism.path
-    except InvalidValue as error:  # a geometry that no motion can be computed for
+    except InvalidValue as error:
+        # a geometry that no motion can be computed for is reported all the same
         warning = f"warning: {error}"
     _output.report(args, record, mechanism.report_units, warning=warning)
     return 0

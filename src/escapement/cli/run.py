@@ -39,15 +39,10 @@ def configure(parser: Parser) -> None:
         help="a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1",
     )
     _arguments.add_mechanism(parser)
-    model, length = parser.add_argument_group("model"), declared(Run)
-    for entry in _model().values():
-        _arguments.add_setting(model, entry)
-    group = parser.add_argument_group("length of the motion")
-    for name in ("engagements", "duration"):
-        _arguments.add_setting(group, length[name])
-    solver = parser.add_argument_group("solver")
-    for entry in declared(Solver).values():
-        _arguments.add_setting(solver, entry)
+    length = {name: entry for name, entry in declared(Run).items() if name != _START}
+    _arguments.add_group(parser, "model", _model())
+    _arguments.add_group(parser, "length of the motion", length)
+    _arguments.add_group(parser, "solver", declared(Solver))
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.h5", "write the motion")
     _arguments.add_plot(output, "draw the velocities")
@@ -69,6 +64,7 @@ def execute(args: argparse.Namespace) -> int:
 
     motion = simulate(escapement, args.engagements, duration=args.duration, **settings)
     _check_plot(motion, args)
+    # the figures are those of the terminal cycle, however short the motion
     figures = terminal(escapement, **settings)
     _write(motion, args)
     length = "engagements" if args.duration is None else "duration"
@@ -103,6 +99,7 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
     from escapement.cli._cases import load_case
 
     plan, case = load_case(args.study, args.select)
+    # another engine than the study's does not take its tolerances
     own = {} if "engine" in given else plan.solver.given
     speed = plan.values(case)[_START]
     try:
@@ -186,6 +183,7 @@ def _settings_of(escapement: Escapement) -> list[_Input]:
                 if not entry.fits(mechanism.meshed):
                     continue
                 unit = entry.unit
+            # the angles of a table are too many to be shown
             if value is not None and not isinstance(entry, Numbers):
                 found.append((name, str(value) if isinstance(value, Fraction) else value, unit))
     return found
@@ -205,6 +203,7 @@ def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> No
     (other,) = (system for system in SYSTEMS if system != units)
     rows = []
     for name, value, unit in inputs:
+        # speeds are the same in both systems: only this row tells of numbers typed in the other
         shown = unit_name(unit, units)
         if shown != unit_name(unit, other):
             shown += f" = {show(_output.in_units(value, unit, other))} {unit_name(unit, other)}"

@@ -157,6 +157,7 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
     )
     scene = motion.escapement
     run: dict[str, Any] = {"initial_speed": float(motion.at(0.0).theta_dot), "rtol": motion.rtol}
+    # so written, the file says all that it takes to simulate the motion again
     study = plan_from(scene, {"torque": [scene.torque]}, engine=motion.engine, **run)
     text = json.dumps(study.configuration, allow_nan=False)
     configuration = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
@@ -226,6 +227,7 @@ def is_motion(path: str | PathLike[str]) -> bool:
 
     if not Path(path).is_file():
         return False
+    # HDF5 tells of a file that is none, or is damaged, by one or the other
     try:
         with h5py.File(path, "r") as hdf5:
             return bool(hdf5.attrs.get("content") == CONTENT)
@@ -292,6 +294,7 @@ def _read(hdf5: Any) -> Motion:
     }
     samples = {name: hdf5[name][()] for name in ("t", "theta", "theta_dot")}
     end = float(hdf5.attrs["end_time"])
+    # a damaged file may be read without an error of HDF5
     for columns in (samples, *groups.values()):
         _check_columns(columns, end)
     groups["extremum"]["maximum"] = groups["extremum"]["maximum"].astype(bool)
