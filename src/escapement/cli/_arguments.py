@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from escapement import __version__, validate
 from escapement.errors import EscapementError, InvalidValue
-from escapement.files.names import FORMATS
+from escapement.files import FORMATS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.model import Escapement, Inertia
 from escapement.quantity import Setting, Truth, declared

@@ -13,8 +13,7 @@ from typing import Any
 
 from escapement.cli._arguments import UsageError
 from escapement.errors import CannotCreate
-from escapement.files.atomic import cannot_create, check_replaceable, check_target
-from escapement.files.names import picture_format
+from escapement.files import cannot_create, check_replaceable, check_target, picture_format
 from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, unit_name
 

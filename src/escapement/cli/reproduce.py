@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Parser, one_of
-from escapement.files.atomic import replace_file
+from escapement.files import replace_file
 from escapement.text import as_csv, as_json
 
 if TYPE_CHECKING:

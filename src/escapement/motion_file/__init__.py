@@ -17,9 +17,7 @@ import numpy as np
 
 from escapement import __version__
 from escapement.errors import EscapementError, InputFileError
-from escapement.files.atomic import PendingFile, storage_error
-from escapement.files.deferred_errors import DeferredErrorFile
-from escapement.files.names import check_input
+from escapement.files import DeferredErrorFile, PendingFile, check_input, storage_error
 from escapement.mechanisms import KINDS
 from escapement.model import FloatArray
 from escapement.motion import Events, Extrema, Motion
