@@ -169,7 +169,7 @@ class Quantity(Setting):
 
         if self.fraction:
             return np.array([self.read(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
-        # an axis may be long: one by one are checked, for the message, only those that break the rule
+        # an axis may be long: only the first number that breaks the rule is checked alone
         good = np.isfinite(values) & self._within(values)
         if self.whole:
             good &= (values == np.rint(values)) & (values <= _LAST_WHOLE)
