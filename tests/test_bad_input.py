@@ -78,7 +78,9 @@ def test_the_command_line_refuses(refusal, name, value):
 
 
 def test_numbers_of_numpy_are_numbers():
-    assert built(torque=np.float64(0.0113), friction=np.float32(0.25)) == built(friction=0.25)
+    single = built(torque=np.float64(0.0113), friction=np.float32(0.25))
+    assert single == built(friction=0.25)
+    assert type(single.friction) is float
     assert wheel(slots=np.int8(5), internal=np.False_) == wheel(slots=5)
     with pytest.raises(InvalidValue, match="friction must be a finite number, got masked"):
         built(friction=np.ma.masked)
@@ -116,6 +118,7 @@ TOGETHER = {
     "slots": (lambda: esc.Geneva(10**7), "slots must be a whole number of at most 1000000"),
     "both": (lambda: esc.simulate(TIMER, 3, duration=1.0), "must not both be given, got 3 and 1.0"),
     "method": (lambda: esc.simulate(TIMER, method="RK45"), "left out with engine 'energy'"),
+    "share": (lambda: built(efficiency=2), "efficiency must be at least 0.001 and at most 1, got"),
     "loss": (lambda: built(efficiency=0.9), "efficiency must be 1 for a slotted mechanism"),
     "many": (lambda: esc.simulate(TIMER, 10**8), "engagements must be a whole number of at most"),
     "slow": (lambda: esc.simulate(TIMER, 10_001, engine="ivp"), "whole number of at most 10000"),

@@ -85,14 +85,12 @@ def test_run_reports_the_force_where_there_is_a_crank_radius(command, report):
     assert rows["status"] == ["ok"]
 
 
-def test_run_says_why_a_mesh_has_no_critical_friction(command):
-    lengths = ["--sun-radius", ".6", "--planet-radius", ".3"]
-    options = ["run", "elliptical-planetary", *lengths, *MEYER, "--json"]
-    code, out, _ = command(*options, "--efficiency", ".9")
-    record = json.loads(out)
-    assert (code, record["status"], record["critical_friction"]) == (0, "ok", None)
+def test_run_says_why_a_mesh_has_no_critical_friction(report):
+    options = ["run", "elliptical-planetary", "--sun-radius", ".6", "--planet-radius", ".3", *MEYER]
+    record = report(*options, "--efficiency", ".9")
+    assert (record["status"], record["critical_friction"]) == ("ok", None)
     assert record["message"] == "critical_friction is not given: a mesh has no Painleve limit"
-    record = json.loads(command(*options)[1])
+    record = report(*options)
     assert (record["status"], record["velocity_max"]) == ("no_terminal", None)
     assert "no terminal velocity" in record["message"]
     assert record["message"].endswith("a mesh has no Painleve limit")
@@ -207,28 +205,25 @@ def test_a_motion_is_drawn_in_si(command, report):
 
 
 def test_a_geometry_without_dynamics_is_reported_with_a_warning(command):
-    options = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
-    code, out, err = command("mechanism", "gear-driven", *options, "--json")
+    wheel = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
+    code, out, err = command("mechanism", "gear-driven", *wheel, "--json")
     record = json.loads(out)
     assert (code, record["closest_radius_over_fixed"]) == (0, 0.0)
     assert record["message"].startswith("warning: stations 4, lobes 0, curve 'hypo")
     assert err == f"escapement: {record['message']}\n"
-    err = command("mechanism", "gear-driven", *options, "--pins", "9")[2]
+    err = command("mechanism", "gear-driven", *wheel, "--pins", "9")[2]
     assert "pins must be at most 1 for a ratio of times of 1 a pin, got 9; give 1: two" in err
 
 
-def test_what_a_mechanism_lacks_is_null_with_a_reason(command):
+def test_what_a_mechanism_lacks_is_null_with_a_reason(report):
     radii = ("--sun-radius", "1", "--planet-radius", ".5001234")
     inertias = ("--driver-inertia", "1e-6", "--follower-inertia", "1e-6")
-    out, err = command("mechanism", "elliptical-planetary", *radii, *inertias, "--json")[1:]
-    record = json.loads(out)
+    record = report("mechanism", "elliptical-planetary", *radii, *inertias)
     missing = [key for key, value in record.items() if value is None]
     assert missing == ["stations", "critical_friction"]
-    reasons = record["message"].split("; ")
-    for key, reason in zip(missing, reasons, strict=True):
+    for key, reason in zip(missing, record["message"].split("; "), strict=True):
         assert reason.startswith(f"{key} is not given: ")
-    assert err == f"escapement: {record['message']}\n"
-    assert "message" not in json.loads(command("mechanism", "--json")[1])
+    assert "message" not in report("mechanism")
 
 
 def test_an_existing_motion_is_kept_unless_forced_and_a_picture_replaced(command, tmp_path):

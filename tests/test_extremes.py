@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 import escapement as esc
-from bad_calls import MODEL, TIMER, WHEEL, built, first_steps, ivp, wheel
+from bad_calls import MODEL, TIMER, WHEEL, built, ivp, wheel
 from escapement.engines.time import piece
 from escapement.status import Status
 from natural_units import drive
@@ -96,7 +96,7 @@ def test_a_missing_figure_has_a_status_or_a_message(name, engine):
 @pytest.mark.parametrize("settings", [{"atol": 0.0}, {"atol": 0.0, "rtol": 1e-13}, {"rtol": 0.5}])
 def test_any_tolerance_that_is_allowed_ends(settings):
     motion = ivp(**settings)
-    best = first_steps()
+    best = esc.simulate(TIMER, 1)
     error = abs(motion.handoff_times[0] / best.handoff_times[0] - 1.0)
     assert error <= 10.0 * settings.get("rtol", 1e-10)
 

@@ -35,11 +35,7 @@ def plain(value: Any) -> Any:
 
 def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
     """Print name, value and unit, one row each."""
-    # neither a ratio nor an empty list has a unit
-    lines = [
-        (name, show(value), "" if unit == "1" or plain(value) == [] else unit)
-        for name, value, unit in rows
-    ]
+    lines = [(name, show(value), "" if unit == "1" else unit) for name, value, unit in rows]
     wide = max(len(name) for name, _, _ in lines)
     far = max((len(value) for _, value, unit in lines if unit), default=0)
     for name, value, unit in lines:

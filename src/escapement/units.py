@@ -56,14 +56,10 @@ def unit_name(quantity: str, system: str) -> str:
 
 def printed(quantity: str, system: str) -> str:
     """The unit as help and messages write it: "kg m^2", "in-lbf-s^2", "rad/s"; "" for a ratio."""
-    above: list[str] = []
-    below: list[str] = []
-    for part in unit_name(quantity, system).split():
-        symbol, sign, power = re.fullmatch(r"([a-z]+|1)(-?)(\d*)", part, re.IGNORECASE).groups()  # type: ignore[union-attr]
-        raised = symbol + (f"^{power}" if power not in ("", "1") else "")
-        (below if sign else above).append("" if raised == "1" else raised)
-    joint = "-" if system != "SI" else " "
-    return "/".join([joint.join(above), *below])
+    # "rad s-2" is to be rad/s^2, and "kg m2" kg m^2
+    name = re.sub(r" (\w+)-(\d)", r"/\1\2", unit_name(quantity, system))
+    name = re.sub(r"(?<=[a-z])(\d)", r"^\1", name).removesuffix("^1").removeprefix("1")
+    return name if system == "SI" else name.replace(" ", "-")
 
 
 def degrees(angle: float) -> float:

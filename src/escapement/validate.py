@@ -36,18 +36,16 @@ def number(name: str, value: Any, remedy: str = "give a finite real number") -> 
 
 def positive(name: str, value: Any, remedy: str) -> float:
     """`value` as a finite float greater than zero."""
-    result = number(name, value, remedy)
-    if not result > 0.0:
-        raise fail(name, "greater than 0", value, remedy)
-    return result
+    if (result := number(name, value, remedy)) > 0.0:
+        return result
+    raise fail(name, "greater than 0", value, remedy)
 
 
 def non_negative(name: str, value: Any, remedy: str) -> float:
     """`value` as a finite float of at least zero."""
-    result = number(name, value, remedy)
-    if not result >= 0.0:
-        raise fail(name, "at least 0", value, remedy)
-    return result
+    if (result := number(name, value, remedy)) >= 0.0:
+        return result
+    raise fail(name, "at least 0", value, remedy)
 
 
 def numbers(name: str, values: Any, remedy: str) -> "NDArray[float64]":

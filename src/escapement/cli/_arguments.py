@@ -206,6 +206,12 @@ def add_output(group: argparse._ActionsContainer, file: str, text: str) -> None:
     group.add_argument("--force", action="store_true", help=f"replace {file} where it exists")
 
 
+def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
+    """Add a folder to fill; `_output.make_folder` makes it."""
+    text = f"folder for {what}; created, files in it replaced{otherwise}"
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help=text)
+
+
 def add_plot(group: argparse._ActionsContainer, text: str) -> None:
     """Add a figure to draw; `_output.check_wanted` looks at its place."""
     names = f"{', '.join(FORMATS[:-1])} or {FORMATS[-1]}"

@@ -83,7 +83,8 @@ def _print_table(
         if isinstance(value, list) and value and isinstance(value[0], dict)
     }
     print_values(
-        (labels.get(key, words(key)), value, units.get(key, ""))
+        # an empty list is shown as a word
+        (labels.get(key, words(key)), value, "" if value == [] else units.get(key, ""))
         for key, value in record.items()
         if key not in tables
     )
