@@ -119,11 +119,25 @@ class Figures:
         return {name: getattr(self, name) for name in _NAMES}
 
 
+FIGURES = {
+    "velocity_max": "speed",
+    "velocity_min": "speed",
+    "velocity_mean": "speed",
+    "velocity_average_published": "speed",
+    "period": "time",
+    "rise_time": "time",
+    "settling_time": "time",
+    "critical_friction": "ratio",
+    "acceleration_max": "acceleration",
+    "follower_acceleration_max": "acceleration",
+    "contact_moment_max": "torque",
+    "contact_force_max": "force",
+}
+"""Figures of merit in the order in which they are reported, with the kind of unit of each."""
 _NAMES = (
-    *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
-    *("rise_time", "settling_time", "handoff_velocity", "contraction", "acceleration_max"),
-    *("follower_acceleration_max", "contact_moment_max", "contact_force_max"),
-    *("critical_friction", "energy_residual", "reversal_angles", "status", "message"),
+    *FIGURES,
+    *("handoff_velocity", "contraction", "energy_residual", "reversal_angles"),
+    *("status", "message"),
 )
 
 

@@ -39,10 +39,7 @@ class Case(Declared):
     speed: float = field(metadata=quantity(
         "constant driver speed", "speed", exclusive=True, remedy="give the driver speed"
     ))  # fmt: skip
-    load_torque: Load = field(metadata=like(
-        Escapement, "load_torque", default=None, function=True,
-        remedy="give the opposing torque, 0 for none, or a function"
-    ))  # fmt: skip
+    load_torque: Load = field(metadata=like(Escapement, "load_torque", default=None, function=True))
     follower_inertia: float = field(metadata=like(Inertia, "follower_inertia"))
     efficiency: float = field(metadata=quantity(
         "efficiency of the drive, in (0, 1]", exclusive=True, maximum=1.0, default=1.0,
