@@ -66,35 +66,38 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
 
 def plot_gear_driven_examples() -> Figure:
     """Dijksman's mechanisms of figures 6 to 9, each in the middle of its motion."""
-    cases = {
-        6: GearDriven(4, 1, "epicycloid"),
-        7: GearDriven(12, 5, "epicycloid"),
-        8: GearDriven(4, 0, "hypocycloid"),
-        9: GearDriven(12, 3, "hypocycloid"),
+    wheels = (
+        GearDriven(4, 1, "epicycloid"),
+        GearDriven(12, 5, "epicycloid"),
+        GearDriven(4, 0, "hypocycloid"),
+        GearDriven(12, 3, "hypocycloid"),
+    )
+    titles = {
+        f"figure {number}: n = {wheel.stations}, k = {wheel.gear_ratio}": wheel
+        for number, wheel in enumerate(wheels, 6)
     }
-    figure = style.new_figure(style.TWO_COLUMN, 2.25)
-    for ax, (number, mechanism) in zip(figure.subplots(1, 4), cases.items(), strict=True):
-        plot_gear_driven(mechanism, ax=ax)
-        text = f"figure {number}: n = {mechanism.stations}, k = {mechanism.gear_ratio}"
-        ax.set_title(text, fontsize=style.SMALL_SIZE)
-    return figure
+    return _draw_row(titles, 2.25, 0.0, True)
 
 
 def plot_curves() -> Figure:
     """The four cycloids: two paths, each made by two pairs of gears (figure 2)."""
-    cases = (
-        GearDriven(12, 3, "hypocycloid"),
-        GearDriven(12, 3, "contracted-hypocycloid"),
-        GearDriven(12, 3, "epicycloid"),
-        GearDriven(12, 3, "pericycloid"),
-    )
-    figure = style.new_figure(style.TWO_COLUMN, 2.35)
-    for ax, mechanism in zip(figure.subplots(1, 4), cases, strict=True):
-        _draw(ax, GearDrivenOutline(mechanism), 0.5, wheel=False)
-        name = {"hypocycloid": "protracted\nhypocycloid"}.get(mechanism.curve, mechanism.curve)
-        title = f"{name.replace('-', chr(10))}\nk = {mechanism.gear_ratio}"
-        ax.set_title(title if "\n" in name or "-" in mechanism.curve else "\n" + title,
-                     fontsize=style.SMALL_SIZE)  # fmt: skip
+    names = {
+        "protracted\nhypocycloid": "hypocycloid",
+        "contracted\nhypocycloid": "contracted-hypocycloid",
+        "\nepicycloid": "epicycloid",
+        "\npericycloid": "pericycloid",
+    }
+    wheels = {name: GearDriven(12, 3, curve) for name, curve in names.items()}
+    titles = {f"{name}\nk = {wheel.gear_ratio}": wheel for name, wheel in wheels.items()}
+    return _draw_row(titles, 2.35, 0.5, False)
+
+
+def _draw_row(titles: dict[str, GearDriven], height: float, theta: float, *, wheel: bool) -> Figure:
+    figure = style.new_figure(style.TWO_COLUMN, height)
+    axes = figure.subplots(1, len(titles))
+    for ax, (title, mechanism) in zip(axes, titles.items(), strict=True):
+        _draw(ax, GearDrivenOutline(mechanism), theta, wheel=wheel)
+        ax.set_title(title, fontsize=style.SMALL_SIZE)
     return figure
 
 
