@@ -11,7 +11,7 @@ import pytest
 
 from escapement import Escapement, GearDriven, Inertia, mechanisms, read_study
 from escapement.cli import _arguments
-from escapement.cli._parser import Parser, UsageError
+from escapement.cli._arguments import Parser, UsageError
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind

@@ -15,11 +15,11 @@ from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
 from escapement.progress import Progress, describe, duration
 from escapement.status import Status
-from escapement.study.evaluate import Evaluator
 from escapement.study.parse import parse_plan
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.run import Tally, run_plan, write_plan
+from escapement.study.scenes import evaluate
 from escapement.study.sweep import plan_from, sweep
 from escapement.units import INCH_POUND
 
@@ -91,7 +91,7 @@ def test_shared_solves_give_what_each_case_gives_alone(axes):
 )
 def test_no_scene_is_solved_twice(axes, scenes, solves):
     plan = plan_from(TIMER, axes)
-    Evaluator(plan)(0, plan.cases)
+    evaluate(plan, 0, plan.cases)
     assert sum(solves) == scenes
 
 

@@ -6,7 +6,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement.cli._parser import UsageError
+from escapement.cli._arguments import UsageError
 from escapement.errors import InputFileError, InvalidValue
 from escapement.status import Status
 from escapement.units import SYSTEMS, factor, unit_name

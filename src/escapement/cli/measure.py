@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from escapement import validate
 from escapement.cli import _arguments, _output
-from escapement.cli._parser import Parser, UsageError, checked, number, one_of, whole
+from escapement.cli._arguments import Parser, UsageError, checked, number, one_of, whole
 from escapement.text import print_columns, print_values, words
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _output
-from escapement.cli._parser import Parser, UsageError
+from escapement.cli._arguments import Parser, UsageError
 from escapement.errors import InvalidValue
-from escapement.files.names import check_input
+from escapement.files import check_input
 from escapement.status import Status
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement.cli import _arguments, _output
-from escapement.cli._parser import Parser, one_of
-from escapement.files.atomic import replace_file
+from escapement.cli._arguments import Parser, one_of
+from escapement.files import replace_file
 from escapement.text import as_csv, as_json
 
 if TYPE_CHECKING:
@@ -43,19 +43,19 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Recompute, print, and fill the folder."""
-    with _output.folder(args.output):
-        if args.source != ALL:
-            record = _reproduce(args.source, args.output, args)
-        else:
-            record = {}
-            for number, source in enumerate(SOURCES):
-                if number and not args.json:
-                    print("\n")
-                folder = None if args.output is None else args.output / source
-                with _output.folder(folder):
-                    record[source] = _reproduce(source, folder, args)
+    if args.output is not None:
+        _output.make_folder(args.output)
+    record: dict[str, Any] = {}
+    for source in SOURCES if args.source == ALL else [args.source]:
+        if record and not args.json:
+            print("\n")
+        folder = args.output
+        if folder is not None and args.source == ALL:
+            folder = folder / source
+            _output.make_folder(folder)
+        record[source] = _reproduce(source, folder, args)
     if args.json:
-        _output.print_json(record)
+        _output.print_json(record if args.source == ALL else record[args.source])
     return 0
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement.cli import SOME_FAILED, _arguments, _cases, _output
-from escapement.cli._parser import Parser, UsageError, whole
+from escapement.cli._arguments import Parser, UsageError, whole
 from escapement.errors import InvalidValue
 from escapement.text import print_columns, words
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from escapement import validate
 from escapement.columns import read_columns
 from escapement.errors import InputFileError, InvalidValue
-from escapement.files.atomic import write_file
+from escapement.files import write_file
 from escapement.model import FloatArray
 
 TURN = 2.0 * np.pi

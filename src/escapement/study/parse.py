@@ -9,7 +9,7 @@ from typing import Any
 
 from escapement import units, validate
 from escapement.errors import InputFileError, InvalidValue
-from escapement.files.names import check_input
+from escapement.files import check_input
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.model import Mechanism
 from escapement.quantity import declared
