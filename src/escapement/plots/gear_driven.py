@@ -76,7 +76,7 @@ def plot_gear_driven_examples() -> Figure:
         f"figure {number}: n = {wheel.stations}, k = {wheel.gear_ratio}": wheel
         for number, wheel in enumerate(wheels, 6)
     }
-    return _draw_row(titles, 2.25, 0.0, True)
+    return _draw_row(titles, 2.25, 0.0, wheel=True)
 
 
 def plot_curves() -> Figure:
@@ -89,7 +89,7 @@ def plot_curves() -> Figure:
     }
     wheels = {name: GearDriven(12, 3, curve) for name, curve in names.items()}
     titles = {f"{name}\nk = {wheel.gear_ratio}": wheel for name, wheel in wheels.items()}
-    return _draw_row(titles, 2.35, 0.5, False)
+    return _draw_row(titles, 2.35, 0.5, wheel=False)
 
 
 def _draw_row(titles: dict[str, GearDriven], height: float, theta: float, *, wheel: bool) -> Figure:
