@@ -99,7 +99,7 @@ def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
 
 def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
-    _, rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
+    rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
     # speeds over omega_1 are lengths, and are drawn to the left
     spin = 1.0 + mechanism.ratio
     # the planet turns about the point where it rolls on the sun
