@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from escapement.motion import Events, Motion
+from escapement.motion import Motion
+from escapement.trajectory import Events
 
 CONTENT = "motion"
 """Root attribute `content`, by which a motion is told from a study."""

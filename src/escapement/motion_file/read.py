@@ -12,11 +12,12 @@ from escapement.errors import EscapementError, InputFileError
 from escapement.files.names import check_input
 from escapement.mechanisms import KINDS
 from escapement.model import Escapement, FloatArray, Mechanism
-from escapement.motion import Events, Extrema, Motion
+from escapement.motion import Motion
 from escapement.motion_file.layout import CONTENT, SCHEMA_VERSION
 from escapement.status import Status
 from escapement.study.parse import parse_plan
 from escapement.study.reader import DAMAGE, configuration_of
+from escapement.trajectory import Events, Extrema
 
 _DIMENSIONS = ("handoff", "reversal", "extremum", "piece")
 _RTOL = 1e-12  # of states between what the file holds
@@ -92,7 +93,7 @@ def _check_kind(path: str | PathLike[str], hdf5: Any) -> None:
 
 @dataclass(frozen=True)
 class SampledTrajectory:
-    """A trajectory between samples; see `escapement.motion.Trajectory`.
+    """A trajectory between samples; see `escapement.trajectory.Trajectory`.
 
     t, theta, theta_dot : samples, each start of a piece among them.
     """
