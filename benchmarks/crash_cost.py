@@ -9,21 +9,19 @@ the second is what `escapement sweep` does.
 import argparse
 import resource
 import tempfile
-import threading
 import time
 from collections.abc import Callable
-from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 
 import escapement as esc
-from escapement.study.block import blocks_of, encode_block
-from escapement.study.evaluate import Evaluator, in_threads
-from escapement.study.from_escapement import plan_from
-from escapement.study.image import write_blocks
+from escapement.study.block import blocks_of
+from escapement.study.journal import numerics
 from escapement.study.plan import StudyPlan
-from escapement.study.run import frame_of, write_plan
+from escapement.study.run import Work, frame_of, in_threads, solve_block, solved_scenes, write_plan
+from escapement.study.sweep import plan_from
+from escapement.study.writer import write_blocks
 
 
 def study(cases: int) -> StudyPlan:
@@ -34,13 +32,10 @@ def study(cases: int) -> StudyPlan:
 
 def write_once(plan: StudyPlan, path: Path, workers: int) -> None:
     frame = frame_of(plan)
-    cut, evaluate = blocks_of(frame), Evaluator(plan)
-
-    def work(number: int):
-        return encode_block(cut, number, evaluate(*cut.span(number)))
-
-    with closing(in_threads(work, range(len(cut)), workers, evaluate.stop)) as blocks:
-        write_blocks(frame, path, blocks, True, threading.Event(), None)
+    cut = blocks_of(frame)
+    with in_threads(workers) as pool:
+        work = Work(plan, cut, numerics(), solved_scenes(plan, pool))
+        write_blocks(frame, path, pool.completed(solve_block, work, range(len(cut))), True)
 
 
 def keep(plan: StudyPlan, path: Path, workers: int) -> None:

@@ -52,8 +52,8 @@ def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
     begin = time.perf_counter()
     import escapement as esc
     from escapement.engines.energy import batch
-    from escapement.study.from_escapement import plan_from
     from escapement.study.run import write_plan
+    from escapement.study.sweep import plan_from
 
     timer = PROBLEMS[0].escapement
     esc.simulate(timer)

@@ -46,7 +46,7 @@ def test_the_last_picture_is_that_of_its_instant(mechanism, tmp_path):
     assert drawing.get_xlim() == limits
     instant = start + 0.75 * (stop - start)
     state = shown.at(instant)
-    alone = plots.DRAWINGS[mechanism.kind](mechanism, float(state.theta))
+    alone = plots.plot_mechanism(mechanism, float(state.theta))
     assert place(drawing) == pytest.approx(place(alone))
     marks = velocities.lines[-1]
     np.testing.assert_allclose(marks.get_ydata(), [state.theta_dot, state.phi_dot])

@@ -1,6 +1,5 @@
 """Command line as a process: what it loads, and what strikes from outside."""
 
-import json
 import os
 import shlex
 import signal
@@ -13,7 +12,6 @@ import pytest
 
 import escapement as esc
 from escapement import cli
-from escapement.study.reader import read_study
 from study_tools import IVP_STUDY
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(esc.__file__).parents[1])}
@@ -59,30 +57,8 @@ def test_output_that_cannot_be_written():
             arguments, stdout=full, stderr=subprocess.PIPE, env=ENVIRONMENT, text=True
         )
     assert done.returncode == 74
-    assert done.stderr.startswith("escapement: error: standard output must ")
-    assert done.stderr.endswith("; free space, or send it elsewhere\n")
+    assert done.stderr.startswith("escapement: error: input or output failed: ")
     assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
-def test_output_that_is_closed():
-    line = shlex.join([*PROGRAM, "mechanism", "--json"]) + " >&-"
-    done = subprocess.run(line, shell=True, capture_output=True, text=True, env=ENVIRONMENT)
-    assert done.returncode == 74
-    assert done.stderr.startswith("escapement: error: standard output must ")
-    assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
-def test_messages_that_nobody_can_hear(tmp_path):
-    """They are neither a failure nor part of the result."""
-    study = IVP_STUDY.replace("num = 40", "num = 2").replace("ivp", "energy")
-    (tmp_path / "s.toml").write_text(study)
-    line = shlex.join([*PROGRAM, "sweep", "s.toml", "--json"]) + " 2>&-"
-    done = subprocess.run(line, shell=True, stdout=subprocess.PIPE, cwd=tmp_path, env=ENVIRONMENT)
-    assert done.returncode == 0
-    assert json.loads(done.stdout)["cases"] == 2
-    assert read_study(tmp_path / "s.h5").failed == 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
@@ -100,36 +76,6 @@ def test_interrupted_sweep_leaves_nothing(tmp_path):
     assert process.returncode == 130
     assert err == "escapement: error: interrupted\n"
     assert [path.name for path in tmp_path.iterdir()] == ["long.toml"]
-
-
-DROPPED = """
-import signal, sys, time, weakref
-from escapement.cli import mechanism, program
-class Thing: pass
-def execute(args):
-    thing = Thing()
-    weakref.finalize(thing, signal.raise_signal, signal.SIGINT).atexit = False
-    {drop}
-    time.sleep(3.0)
-    return 0
-mechanism.execute = execute
-sys.argv = ["escapement", "mechanism"]
-program()
-"""
-DROPS = {
-    "by a callback": "del thing",
-    "by a failed import": "try: signal.raise_signal(signal.SIGINT)\n"
-    "    except BaseException: raise ImportError('failed to import') from None",
-}
-
-
-@pytest.mark.parametrize("drop", DROPS.values(), ids=DROPS)
-def test_interrupt_that_foreign_code_drops(drop):
-    code = DROPPED.format(drop=drop)
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=ENVIRONMENT
-    )
-    assert (done.returncode, done.stderr) == (130, "escapement: error: interrupted\n")
 
 
 def test_letters_that_the_terminal_lacks():

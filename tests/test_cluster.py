@@ -13,11 +13,10 @@ from escapement.cli import main
 from escapement.errors import InvalidValue, StorageError
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
-from escapement.study import cluster
-from escapement.study.from_escapement import plan_from
+from escapement.study import run
 from escapement.study.reader import read_study
 from escapement.study.run import write_plan
-from escapement.study.sweep import sweep
+from escapement.study.sweep import plan_from, sweep
 from escapement.study.writer import partial_path
 from study_tools import without_date
 
@@ -98,7 +97,7 @@ def test_begun_here_and_continued_there(tmp_path, client, serial):
 def test_a_block_that_ends_every_worker(tmp_path, client, monkeypatch):
     made = {"__name__": "__main__"}  # so that it travels by value
     exec("def fatal(*_):\n    import os\n    os._exit(9)", made)
-    monkeypatch.setattr(cluster, "solve_blocks", made["fatal"])
+    monkeypatch.setattr(run, "solve_block", made["fatal"])
     monkeypatch.setattr(client.cluster.scheduler, "allowed_failures", 0)
     with pytest.raises(StorageError, match="a block ended 1 workers"):
         write_plan(plan(10), tmp_path / "a.h5", scheduler=client)
@@ -119,7 +118,7 @@ def test_local_cluster_on_the_command_line(tmp_path, monkeypatch, capsys):
 
 
 def test_no_scheduler_there(tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
+    monkeypatch.setattr(run, "_PATIENCE", 0.5)
     with pytest.raises(StorageError, match="must answer, and did not"):
         sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5", scheduler="tcp://127.0.0.1:9")
     assert list(tmp_path.iterdir()) == []

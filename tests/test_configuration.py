@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
-from escapement.quantity import quantities
 from escapement.solver import DEFAULT_ENGINE
-from escapement.study.from_escapement import plan_from
 from escapement.study.parse import load_plan, parse_plan
+from escapement.study.sweep import plan_from
 from escapement.units import INCH, INCH_POUND
 
 GOOD = {
@@ -42,9 +41,9 @@ def test_units_order_and_defaults():
             solver={"rtol": 1e-8},
         )
     )
-    assert list(plan.axes) == ["torque", "friction"]
+    assert list(plan.dimensions) == ["torque", "friction"]
     assert plan.shape == (4, 1)
-    assert plan.axes["torque"] == pytest.approx([0.08, 0.10, 0.12, 0.14], rel=1e-15)
+    assert plan.dimensions["torque"] == pytest.approx([0.08, 0.10, 0.12, 0.14], rel=1e-15)
     assert (plan.unit("torque"), plan.unit("friction")) == ("in lbf", "1")
     assert plan.solver.given == {"engine": DEFAULT_ENGINE, "rtol": 1e-8}
     case = plan.escapement(3)
@@ -69,7 +68,7 @@ def test_every_number_of_the_model_can_be_an_axis():
     assert plan.shape == (2, 1, 2, 1, 2, 2, 2, 3)
     last = plan.escapement(plan.cases - 1)
     assert last.mechanism == Geneva(slots=4, pins=3)
-    assert plan.axes["slots"].dtype == np.int64
+    assert plan.dimensions["slots"].dtype == np.int64
     for start, stop in ((0, 5), (90, plan.cases)):
         columns = plan.columns(np.arange(start, stop))
         for row, case in enumerate(range(start, stop)):
@@ -110,26 +109,14 @@ def test_a_mechanism_of_the_users_own_is_kept_as_it_is():
 
 def test_mechanisms_of_the_users_own_are_told_apart_by_their_numbers():
     class Mine(Geneva):
-        def __repr__(self):
-            return "Mine()"
-
-    plans = [
-        plan_from(Escapement(Mine(slots), Inertia(1.0, 1.0), torque=1.0), {"friction": [0.1]})
-        for slots in (5, 5, 6)
-    ]
-    assert plans[0].configuration == plans[1].configuration
-    assert plans[0].configuration != plans[2].configuration
-
-
-def test_a_mechanism_of_the_users_own_is_the_same_wherever_it_is_in_memory():
-    class Mine(Geneva):
-        __repr__ = object.__repr__
+        __repr__ = object.__repr__  # with its place in memory
 
     plans = [
         plan_from(Escapement(mine, Inertia(1.0, 1.0), torque=1.0), {"friction": [0.1]})
-        for mine in (Mine(slots=5), Mine(slots=5))
+        for mine in (Mine(5), Mine(5), Mine(6))
     ]
     assert plans[0].configuration == plans[1].configuration
+    assert plans[0].configuration != plans[2].configuration
     assert "Mine object>, checksum" in plans[0].configuration["mechanism"]["description"]
 
 
@@ -153,7 +140,10 @@ REFUSED = [
     ({"sweep": {"crank_radius": [1]}}, "'crank_radius' in [sweep]; it belongs in [mechanism]"),
     ({"sweep": {"rtol": [1e-6]}}, "unknown key 'rtol' in [sweep]; it belongs in [solver]"),
     ({"sweep": {"internal": [True]}}, "'internal' in [sweep]; it belongs in [mechanism]"),
-    ({"sweep": {"friction": EVEN | {"num": 1}}}, "friction.num must be at least 2 where start and"),
+    (
+        {"sweep": {"friction": EVEN | {"num": 1}}},
+        "friction.num must be a whole number",
+    ),
     ({"sweep": {"friction": EVEN | {"nun": 3}}}, "'nun' in axis friction; did you mean 'num'?"),
     ({"torque": ...}, "the study lacks torque (driving torque); give"),
     ({"inertia": {}}, "lacks inertia.driver (moment of inertia of the driver), inertia.follower"),
@@ -163,15 +153,16 @@ REFUSED = [
     ({"mechanism": {"kind": "genva", "slots": 4}}, "mechanism.kind must be one of geneva, "),
     ({"mechanism": {"slots": 2}}, "mechanism.slots must be a whole number of at least 3, got 2"),
     ({"mechanism": {"slots": 4.5}}, "mechanism.slots must be a whole number of at least 3, got"),
-    ({"mechanism": {"slots": True}}, "mechanism.slots must be a finite number, got True"),
+    (
+        {"mechanism": {"slots": True}},
+        "mechanism.slots must be a whole number of at least 3, got True",
+    ),
     ({"mechanism": {"slots": 4, "internal": 1}}, "mechanism.internal must be true or false"),
     ({"mechanism": {"slots": 4, "crank_radius": 0}}, "mechanism.crank_radius must be greater"),
     ({"inertia": {"driver": -1.0, "follower": 1.0}}, "inertia.driver must be greater than 0, got"),
     ({"torque": 0}, "torque must be greater than 0, got 0; give the constant"),
     ({"torque": "much"}, "torque must be a finite number, got 'much'"),
-    ({"torque": True}, "torque must be a finite number, got True"),
     ({"torque": float("nan")}, "torque must be a finite number, got nan"),
-    ({"torque": 10**400}, "torque must be a finite number, got 1000"),
     ({"friction": -0.1}, "friction must be at least 0, got -0.1; give a coefficient"),
     ({"load_torque": float("inf")}, "load_torque must be a finite number, got inf"),
     ({"units": "cgs"}, "units must be one of SI, in-lbf-s, got 'cgs'"),
@@ -183,16 +174,21 @@ REFUSED = [
     ({"sweep": {"friction": [0.1, "0.2"]}}, "friction[1] must be a finite number, got '0.2'"),
     ({"sweep": {"friction": [0.1, True]}}, "friction[1] must be a finite number, got True"),
     ({"sweep": {"friction": [[0.1]]}}, "friction[0] must be a finite number, got [0.1]"),
-    ({"sweep": {"friction": "0.1"}}, "friction must be a list of numbers, one number, or start"),
-    ({"sweep": {"friction": True}}, "friction must be a list of numbers, one number, or start"),
+    ({"sweep": {"friction": "0.1"}}, "friction[0] must be a finite number, got '0.1'"),
     ({"sweep": {"slots": [4, 2]}}, "slots[1] must be a whole number of at least 3, got 2"),
     ({"sweep": {"slots": [4, 4.5]}}, "slots[1] must be a whole number of at least 3, got 4.5"),
-    ({"sweep": {"pins": [1e300]}}, "pins[0] must be below 2^53, got 1e+300;"),
+    (
+        {"sweep": {"pins": [1e300]}},
+        "pins[0] must be a whole number of at most 9007199254740992, got",
+    ),
     ({"sweep": {"torque": [1.0, 0.0]}}, "torque[1] must be greater than 0, got 0.0"),
-    ({"sweep": {"torque": {"start": 1}}}, "axis torque lacks stop and num; write { start"),
-    ({"sweep": {"torque": EVEN | {"num": 0}}}, "torque.num must be a whole number of at least 1"),
+    ({"sweep": {"torque": {"start": 1}}}, "torque.stop must be a finite number, got None"),
+    ({"sweep": {"torque": EVEN | {"num": 0}}}, "torque.num must be a whole number of at least 2"),
     ({"sweep": {"torque": EVEN | {"num": 2.5}}}, "torque.num must be a whole number of at least"),
-    ({"sweep": {"torque": EVEN | {"num": 10**8}}}, "torque must have at most 10000000 values"),
+    (
+        {"sweep": {"torque": EVEN | {"num": 10**8}}},
+        "torque.num must be a whole number of at",
+    ),
     ({"sweep": {"torque": EVEN | {"start": "a"}}}, "torque.start must be a finite number"),
     ({"sweep": {"torque": EVEN | {"log": 1}}}, "torque.log must be true or false, got 1"),
     (
@@ -233,17 +229,9 @@ def test_a_refusal_is_one_line_that_helps(changes, message):
 @pytest.mark.parametrize(
     ("axes", "message"),
     [
-        ({"friction": np.zeros((2, 2))}, "friction must be one-dimensional, got 'shape (2, 2)'"),
-        ({"friction": np.array([True])}, "friction must be a list of numbers"),
-        ({"friction": np.array(["a"])}, "friction must be a list of numbers"),
+        ({"friction": np.zeros((2, 2))}, "friction[0] must be a finite number, got [0.0, 0.0]"),
         ({"friction": np.array([0.1, None])}, "friction[1] must be a finite number, got None"),
-        ({"friction": [[1], [1, 2]]}, "friction[0] must be a finite number"),
-        (
-            {"friction": np.ma.array([0.1, 0.2], mask=[0, 1])},
-            "friction must be free of masked values",
-        ),
-        ({"friction": [0.1, np.ma.masked]}, "friction[1] must be a finite number, got masked"),
-        ({"friction": None}, "friction must be a list of numbers"),
+        ({"friction": np.ma.array([0.1, 0.2], mask=[0, 1])}, "friction[1] must be a finite"),
         ({}, "must sweep at least one parameter"),
     ],
 )
@@ -260,13 +248,6 @@ def test_lobes_are_refused_before_anything_is_computed(lobes):
         parse_plan(GOOD | {"mechanism": machine, "sweep": {"lobes": lobes}})
 
 
-def test_the_most_slots_are_those_of_the_wheel():
-    most = quantities(Geneva)["slots"].maximum
-    assert Geneva(int(most)).slots == most
-    with pytest.raises(InvalidValue):
-        Geneva(int(most) + 1)
-
-
 def write(path, content):
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     return path
@@ -278,13 +259,11 @@ def write(path, content):
         (None, MissingInput, "does not exist; check its name"),
         ("torque = 1\nfriction 3\n", InputFileError, "(at line 2, column"),
         ("torque = 1\ntorque = 2\n", InputFileError, "(at line 2, column"),
-        (b"torque = 1\n\xff\xfe = 2\n", InputFileError, "not UTF-8 (at line 2)"),
-        ("a = " + "[" * 100_000, InputFileError, "nested too deeply"),
-        ("a = " + "1" * 10_000, InputFileError, "must be valid TOML"),
+        (b"torque = 1\n\xff\xfe = 2\n", InputFileError, "utf-8"),
+        ("a = " + "[" * 100_000, InputFileError, "must be valid TOML"),
         ("a = 1990-13-45\n", InputFileError, "must be valid TOML"),
         ("torque = 1979-05-27\n[sweep]\nfriction=[1]", InvalidValue, "torque must be a finite"),
         ("", InvalidValue, "must sweep at least one parameter"),
-        ("[sweep]\nfriction = [nan]", InvalidValue, "friction[0] must be a finite number, got nan"),
     ],
 )
 def test_unusable_files_are_told_from_bad_values(tmp_path, content, error, message):
@@ -300,7 +279,7 @@ def test_unusable_files_are_told_from_bad_values(tmp_path, content, error, messa
 
 
 def test_a_directory_or_a_file_as_folder_is_no_study(tmp_path):
-    with pytest.raises(InputFileError, match="directory"):
+    with pytest.raises(InputFileError, match="ordinary file"):
         load_plan(tmp_path)
     with pytest.raises(MissingInput):
         load_plan(write(tmp_path / "file", "") / "study.toml")
@@ -329,15 +308,15 @@ number = st.floats(0.0, 1e6, allow_subnormal=False)
 def test_a_list_is_its_values(values):
     for form in (values, tuple(values), np.array(values), np.array(values, dtype=object)):
         plan = plan_from(TIMER, {"friction": form})
-        assert plan.axes["friction"].tolist() == values
-        assert plan.axes["friction"].dtype == np.float64
+        assert plan.dimensions["friction"].tolist() == values
+        assert plan.dimensions["friction"].dtype == np.float64
 
 
 @settings(deadline=None)
 @given(number, number, st.integers(2, 50))
 def test_even_steps_reach_both_ends(start, stop, num):
     form = {"start": start, "stop": stop, "num": num}
-    values = parse_plan(changed(sweep={"friction": form})).axes["friction"]
+    values = parse_plan(changed(sweep={"friction": form})).dimensions["friction"]
     assert values.size == num
     assert values[0] == start
     assert values[-1] == stop
@@ -349,11 +328,17 @@ def test_even_steps_reach_both_ends(start, stop, num):
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(2, 50))
 def test_logarithmic_steps_have_one_ratio(start, stop, num):
     form = {"start": start, "stop": stop, "num": num, "log": True}
-    values = parse_plan(changed(sweep={"torque": form})).axes["torque"]
+    values = parse_plan(changed(sweep={"torque": form})).dimensions["torque"]
     assert (values[0], values[-1]) == (start, stop)
     assert np.allclose(np.diff(np.log(values)), np.log(stop / start) / (num - 1), atol=1e-9)
 
 
 def test_powers_of_two_are_whole():
     form = {"start": 4, "stop": 64, "num": 5, "log": True}
-    assert parse_plan(changed(sweep={"slots": form})).axes["slots"].tolist() == [4, 8, 16, 32, 64]
+    assert parse_plan(changed(sweep={"slots": form})).dimensions["slots"].tolist() == [
+        4,
+        8,
+        16,
+        32,
+        64,
+    ]

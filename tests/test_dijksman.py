@@ -3,15 +3,18 @@
 import numpy as np
 import pytest
 
-from escapement.sources.dijksman import charts
-from escapement.sources.dijksman.captions import (
+from escapement.sources.dijksman import (
     COLUMNS,
-    as_rows,
-    printed_figures,
+    captions,
+    equations,
+    figures,
+    mechanism,
     proportions,
+    reproduce,
     right_values,
+    start_ratios,
 )
-from escapement.sources.dijksman.slips import chart_mechanisms, equations, start_ratios
+from escapement.sources.dijksman.slips import chart_mechanisms
 
 # solved by hand with another program from the tangency at entry
 RIGHT = {
@@ -29,20 +32,21 @@ ERRATA = {
 
 
 def test_captions():
-    figures = printed_figures()
-    assert [figure.figure for figure in figures] == [6, 7, 8, 9]
-    for printed in figures:
-        found = right_values(printed.mechanism)
+    assert [int(caption["figure"]) for caption in captions()] == [6, 7, 8, 9]
+    for caption in captions():
+        wheel = mechanism(caption)
+        found = right_values(wheel)
         for column in COLUMNS:
-            assert found[column] == pytest.approx(RIGHT[printed.figure][column], abs=5.1e-5)
-        assert printed.mechanism.gear_ratio == printed.gear_ratio
-        assert printed.mechanism.slots == printed.slots
+            right = RIGHT[int(caption["figure"])][column]
+            assert found[column] == pytest.approx(right, abs=5.1e-5)
+        assert wheel.gear_ratio == int(caption["gear_ratio"])
+        assert wheel.slots == int(caption["slots"])
 
 
 def test_every_printed_number_is_right_or_explained():
     cells = proportions()
     assert len(cells) == 16
-    wrong = {(cell.figure, cell.column): cell for cell in cells if not cell.agrees}
+    wrong = {(cell.place, cell.column): cell for cell in cells if not cell.agrees}
     assert wrong.keys() == ERRATA.keys()
     for place, (right, reason) in ERRATA.items():
         assert wrong[place].right == right
@@ -54,7 +58,7 @@ def test_every_printed_number_is_right_or_explained():
 
 
 def test_rows_for_json():
-    rows = as_rows(proportions())
+    rows = reproduce("SI").record["rows"]
     assert [len(row["errata"]) for row in rows] == [3, 0, 0, 1]
     assert rows[0]["printed"] == {
         "alpha_deg": 21.6, "motion_ratio": 0.12, "arm_over_fixed": 1.263,
@@ -85,7 +89,7 @@ def test_wheels_of_the_charts_start_at_once():
 
 
 def test_charts(tmp_path):
-    figure = charts.plot_design_charts()
+    figure = figures.plot_design_charts()
     inside, outside = figure.axes
     ids = {line.get_gid() for line in inside.lines} - {None}
     assert "n-24" in {line.get_gid() for line in outside.lines}
@@ -99,7 +103,7 @@ def test_charts(tmp_path):
 
 
 def test_motions_begin_and_end_where_they_should():
-    figure = charts.plot_motions()
+    figure = figures.plot_motions()
     angle, velocity, acceleration, jerk = figure.axes
     for line in angle.lines:
         x, y = line.get_data()

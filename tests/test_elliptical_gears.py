@@ -37,8 +37,8 @@ def test_pitch_curves_roll_without_slip(drive, places):
 
 def test_arcs_by_quadrature_and_around():
     driving, driven = PAPER.pitch_ellipses
-    for gear, sign in ((driving, 1.0), (driven, -1.0)):
-        a, e = gear.semi_major_axis, sign * gear.eccentricity
+    for gear in (driving, driven):
+        a, e = gear.semi_major_axis, gear.eccentricity
 
         def speed(x, a=a, e=e):
             r = a * (1 - e * e) / (1 - e * mpmath.cos(x))
@@ -125,11 +125,13 @@ def test_stations(sun, planet, stations):
         (lambda: esc.EllipticalPlanetary(1.0, 0.0), ["planet_radius", "greater than 0", "0.0"]),
         (lambda: esc.EllipticalPlanetary("a", 1.0), ["sun_radius", "finite number", "'a'"]),
         (lambda: esc.EllipticalPlanetary(1e6, 1.0), ["sun_radius / planet_radius", "10000"]),
-        (lambda: esc.EllipticalPlanetary(1.7e308, 1e308), ["sun_radius + planet_radius", "inf"]),
         (lambda: esc.EllipticalPlanetary.from_ellipse(1.0, 1.0), ["eccentricity", "below 1"]),
         (lambda: esc.EllipticalPlanetary.from_ellipse(1.0, 0.0), ["eccentricity", "circle"]),
         (lambda: esc.EllipticalPlanetary.from_ellipse(-1.0, 0.5), ["semi_major_axis", "-1.0"]),
-        (lambda: esc.EllipticalPlanetary.from_stop_interval(7.0, 1.0), ["stop_interval", "2 pi"]),
+        (
+            lambda: esc.EllipticalPlanetary.from_stop_interval(7.0, 1.0),
+            ["stop_interval", "below 6.28319", "2 pi"],
+        ),
         (lambda: PAPER.dwell_below(-1.0), ["ratio", "at least 0", "-1.0"]),
         (lambda: PAPER.dwell_within(0.0), ["angle", "greater than 0", "0.0"]),
         (lambda: PAPER.planet_inertia(1.0, 1e-9, 1e-3), ["moment", "offset^2", "shaft"]),
@@ -193,7 +195,7 @@ def test_teeth_share_the_perimeter():
     ("make", "words"),
     [
         (lambda: tooth_module(PAPER, 2), ["teeth", "at least 3", "2"]),
-        (lambda: fewest_teeth(PAPER, 1.0), ["pressure_angle", "below pi/4"]),
+        (lambda: fewest_teeth(PAPER, 1.0), ["pressure_angle", "below 0.785398"]),
         (lambda: fewest_teeth(PAPER, addendum=0.0), ["addendum", "greater than 0"]),
         (lambda: esc.EllipticalPlanetary.from_teeth(18, 32, 1e-3), ["sun_radius", "greater"]),
         (lambda: esc.EllipticalPlanetary.from_teeth(18.5, 9, 1e-3), ["sun_teeth", "whole"]),

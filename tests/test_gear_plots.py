@@ -124,9 +124,7 @@ def test_rings_of_slots_do_not_cross():
         assert steps[-1] - steps[0] == pytest.approx(2.0 * math.pi, abs=2.0 * math.pi / wheel.slots)
 
 
-def test_another_mechanism_is_refused():
-    with pytest.raises(InvalidValue, match="mechanism must be gear-driven"):
-        gear_driven.plot_gear_driven("wheel")
+def test_what_cannot_be_drawn_is_refused():
     with pytest.raises(InvalidValue, match="theta must be a finite"):
         gear_driven.plot_gear_driven(WHEELS[0], math.nan)
     with pytest.raises(InvalidValue, match="slots must be at most 200 in a drawing, got 203"):

@@ -11,13 +11,13 @@ import pytest
 
 from escapement import Escapement, GearDriven, Inertia, mechanisms, read_study
 from escapement.cli import _arguments
-from escapement.cli._parser import Parser, UsageError
+from escapement.cli._arguments import Parser, UsageError
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind
 from escapement.quantity import quantity
-from escapement.study.from_escapement import plan_from
 from escapement.study.parse import parse_plan
+from escapement.study.sweep import plan_from
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 import escapement as esc
-from escapement.constant_speed import _chebyshev, contact_moment
+from escapement import chebyshev
+from escapement.constant_speed import contact_moment
 from escapement.errors import InvalidValue
 
 WHEEL = esc.Geneva(8)
@@ -90,14 +91,17 @@ def test_a_jump_at_dead_centre_turns_the_pin(mechanism):
 
 def test_kinks_alone_count_against_a_load(monkeypatch):
     """Not the rounding at the ends of the engagement, where the follower hardly moves."""
-    monkeypatch.setattr(_chebyshev, "_MOST", 1000)
+    monkeypatch.setattr(chebyshev, "MOST_KINKS", 500)
     angles = np.linspace(-0.4, -0.3, 350)
     found = driven(lambda phi: np.interp(phi, angles, 1.0 + 0.3 * (np.arange(350) % 2)))
     assert found.torque_max == pytest.approx(found.at(_GRID).torque.max(), rel=1e-4)
 
 
 def test_what_is_too_rough_is_refused():
-    with pytest.raises(InvalidValue, match="load_torque must be smooth but for at most 5000 kinks"):
+    with pytest.raises(
+        InvalidValue,
+        match="load_torque, or a transmission, must be smooth but for at most 5000 kinks",
+    ):
         driven(lambda phi: np.sin(1e6 * phi))
 
 
@@ -141,11 +145,9 @@ STATE = {"theta": 0.1, "speed": 1.0, "acceleration": 0.0, "load_torque": 1.0}
     [
         ({"theta": -1.3}, "theta must be between pin entry and the end of the cell"),
         ({"theta": 5.2}, "theta must be between pin entry and the end of the cell"),
-        ({"theta": math.nan}, "theta must be finite numbers, got nan"),
-        ({"speed": 1e200}, "must give a moment within the range of a double"),
-        ({"speed": math.inf}, "speed must be finite numbers, got inf"),
-        ({"acceleration": "a"}, "acceleration must be finite numbers, got 'a'"),
-        ({"speed": [1.0, 2.0], "theta": [0.1] * 3}, r"shapes that fit, got \(3,\), \(2,\), \(\)"),
+        ({"theta": math.nan}, "theta must be finite, got nan"),
+        ({"speed": math.inf}, "speed must be finite, got inf"),
+        ({"acceleration": "a"}, "acceleration must be real numbers, got 'a'"),
         ({"follower_inertia": -0.019}, "follower_inertia must be greater than 0"),
         ({"load_torque": -1.0}, "load_torque must be at least 0"),
     ],

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 import escapement as esc
 from escapement import measurement
 from escapement.errors import CannotCreate, InputFileError, InvalidValue, MissingInput
-from escapement.measurement import csv_layout
 
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
 ANGLES = np.linspace(0.0, 900.0, 61)
@@ -65,10 +64,8 @@ GOOD = {
 }
 
 
-@pytest.mark.parametrize("block", [64, 1 << 22])
 @pytest.mark.parametrize("content", GOOD.values(), ids=GOOD)
-def test_what_is_understood(file, monkeypatch, content, block):
-    monkeypatch.setattr(csv_layout, "_BLOCK_BYTES", block)
+def test_what_is_understood(file, content):
     check(esc.read_readings(file(content)))
 
 
@@ -99,7 +96,7 @@ def test_degrees_are_not_assumed_in_silence(file):
 def test_a_foreign_unit_is_not_taken_for_degrees(file, unit):
     path = file(text(head=f"shaft_{unit},wheel_{unit}"))
     names = {"input": f"shaft_{unit}", "output": f"wheel_{unit}"}
-    with pytest.raises(InputFileError, match=f"degrees or radians, got 'shaft_{unit}'"):
+    with pytest.raises(InputFileError, match=f"degrees or radians, got 'shaft_{unit}"):
         esc.read_readings(path, **names)
     check(esc.read_readings(path, **names, angle_unit="deg"))
 
@@ -133,43 +130,49 @@ def put(line, row):
 BAD = {
     "other separator": (put(5, "45.0;22.5"), "line 5", "2 fields", "','", "'45.0;22.5'"),
     "decimal comma": (put(5, "45,0,22,5"), "line 5", "2 fields", "'45,0,22,5'"),
-    "text": (put(62, "x1,2"), "line 62", "finite number in field 1", "'x1'"),
-    "text in the output": (put(3, "15,7..5"), "line 3", "field 2", "'7..5'"),
-    "underscore": (put(3, "1_5,7"), "line 3", "field 1", "'1_5'"),
-    "infinite": (put(9, "inf,1"), "line 9", "finite number", "'inf'"),
-    "too great": (put(9, "1,1e400"), "line 9", "field 2", "'1e400'"),
-    "far away": (put(9, "1e300,1"), "line 9", "within 1e10 turns", "field 1", "'1e+300'"),
-    "far away in the output": (put(9, "1,-4e12"), "line 9", "1e10 turns", "field 2", "'-4e+12'"),
+    "text": (put(62, "x1,2"), "line 62", "numbers in fields 1 and 2", "'x1,2'"),
+    "text in the output": (put(3, "15,7..5"), "line 3", "numbers in fields", "'15,7..5'"),
+    "underscore": (put(3, "1_5,7"), "line 3", "numbers in fields", "'1_5,7'"),
+    "infinite": (put(9, "inf,1"), "line 9", "within 1e10 turns", "inf rad"),
+    "too great": (put(9, "1,1e400"), "line 9", "output must be within 1e10 turns", "inf rad"),
+    "far away": (put(9, "1e300,1"), "line 9", "input must be within 1e10 turns"),
+    "far away in the output": (put(9, "1,-4e12"), "line 9", "output must be within 1e10 turns"),
     "short row": (put(9, "1"), "line 9", "2 fields", "'1'"),
-    "second header": (put(9, "input_deg,output_deg"), "line 9", "'input_deg'"),
+    "second header": (put(9, "input_deg,output_deg"), "line 9", "'input_deg,output_deg'"),
     "long row": (put(9, "1,2" * 99), "line 9", "..."),
     "one column": (text([(a,) for a, _ in ROWS], head="input"), "line 1", "two columns"),
     "one column of numbers": ("1\n2\n3\n", "line 1", "two columns", "'1'"),
     "three columns of numbers": (text([(a, a, b) for a, b in ROWS], head=None), "line 1", "name"),
-    "unknown names": (text(head="x,y"), "line 1", "input or in or driver", "none among 'x, y'"),
-    "ambiguous": (text(head="input,in"), "line 1", "several", "'input, in'"),
-    "gradians": (text(head="input_grad,output_grad"), "line 1", "degrees or rad", "'input_grad'"),
-    "turns": (text(head="input [deg],output [turns]"), "line 1", "degrees", "'output [turns]'"),
+    "unknown names": (text(head="x,y"), "line 1", "input or in or driver", "'x,y'"),
+    "ambiguous": (text(head="input,in"), "line 1", "one column", "'input,in'"),
+    "gradians": (
+        text(head="input_grad,output_grad"),
+        "line 1",
+        "degrees or rad",
+        "'input_grad,output_grad'",
+    ),
+    "turns": (
+        text(head="input [deg],output [turns]"),
+        "line 1",
+        "degrees",
+        "'input [deg],output [turns]'",
+    ),
     "empty": ("", "must hold rows of angles"),
     "blank": ("\n\n\n", "must hold rows of angles"),
     "comments only": ("# a\n# b\n", "must hold rows of angles"),
-    "header only": ("input,output\n", "at least 20 complete samples, got 0 of 0"),
+    "header only": ("input,output\n", "must hold rows of angles"),
     "few rows": (text(ROWS[:19]), "at least 20", "got 19 of 19"),
     "nothing but NaN": (text([("nan", "nan")] * 50), "got 0 of 50"),
     "standstill": (text([("1", "2")] * 50), "input must turn"),
-    "binary": (b"\x89PNG\r\n\x1a\n\x00\x00", "line 1", "text in UTF-8"),
+    "binary": (b"\x89PNG\r\n\x1a\n\x00\x00", "text file", "UTF-8"),
     "zeros in text": (text().encode().replace(b"\n45", b"\n\x0045"), "line 5", "\\x00"),
-    "other code": (put(4, "30,15 \xb0").encode("latin-1"), "line 4", "UTF-8"),
-    "UTF-16": (text().encode("utf-16"), "line 1", "UTF-8"),
+    "other code": (put(4, "30,15 \xb0").encode("latin-1"), "UTF-8"),
+    "UTF-16": (text().encode("utf-16"), "UTF-8"),
 }
 
 
-@pytest.mark.parametrize("block", [64, 1 << 22])
 @pytest.mark.parametrize(("content", "said"), [(c, s) for c, *s in BAD.values()], ids=BAD)
-def test_what_is_not_understood(file, monkeypatch, content, said, block):
-    monkeypatch.setattr(csv_layout, "_BLOCK_BYTES", block)
-    if block == 64 and "..." in said:
-        pytest.skip("one block is shorter")
+def test_what_is_not_understood(file, content, said):
     with pytest.raises(InputFileError) as caught:
         esc.read_readings(file(content))
     message = str(caught.value)
@@ -223,12 +226,6 @@ def test_whatever_happens_to_a_file_it_is_read_or_refused_in_one_line(file, cuts
     assert "data.csv" in message
 
 
-def test_a_file_without_line_ends(file, monkeypatch):
-    monkeypatch.setattr(csv_layout, "_BLOCK_BYTES", 1000)
-    with pytest.raises(InputFileError, match="line 1 must be a row of angles"):
-        esc.read_readings(file("input,output," + "1," * 5000))
-
-
 def test_not_a_file(tmp_path):
     with pytest.raises(MissingInput, match=r"none\.csv does not exist"):
         esc.read_readings(tmp_path / "none.csv")
@@ -236,8 +233,6 @@ def test_not_a_file(tmp_path):
         esc.measure(tmp_path / "x" / "y", DRIVE)
     with pytest.raises(InputFileError, match="directory"):
         esc.read_readings(tmp_path)
-    with pytest.raises(InputFileError, match="readable"):
-        esc.read_readings("a\0b")
 
 
 def test_wrong_names_and_units(file):
@@ -248,7 +243,7 @@ def test_wrong_names_and_units(file):
         esc.read_readings(path, input="input", output="input")
     with pytest.raises(InvalidValue, match="angle_unit must be one of deg, rad"):
         esc.read_readings(path, angle_unit="degrees")
-    with pytest.raises(InvalidValue, match="without a header"):
+    with pytest.raises(InputFileError, match="line 1 must name its 2 columns"):
         esc.read_readings(file(text(head=None)), input="input")
 
 

@@ -173,11 +173,3 @@ def test_many_turns_are_cut_for_the_periodogram_alone():
     assert "the periodogram covers the first 1000 turns" in result.message
     assert result.periodogram.samples == pytest.approx(40_000, abs=2)
     assert shown(result, "input").turns == pytest.approx(1500.0, abs=0.1)
-
-
-def test_samples_at_one_angle_are_no_first_turns():
-    angle = np.append(np.zeros(30), 2.0 * np.pi * np.linspace(2000.0, 3000.0, 30))
-    errors = np.random.default_rng(1).standard_normal(60)
-    found = measurement.spectrum.periodogram(angle, errors, highest=4.0)
-    assert found.samples == 60
-    assert found.turns == pytest.approx(3000.0)

@@ -185,15 +185,13 @@ def test_design_of_a_mechanism_of_another_kind():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: esc.reversal_study(4, -0.5), r"inertia_ratio must be finite numbers of at least"),
-        (lambda: esc.reversal_study(4, [1.0, math.inf]), "inertia_ratio must be .* got inf"),
-        (lambda: esc.reversal_study([3, 2], 1.0), "slots must be whole .* at least 3, got 2;"),
+        (lambda: esc.reversal_study(4, -0.5), "inertia_ratio must be at least 0, got -0.5"),
+        (lambda: esc.reversal_study(4, [1.0, math.inf]), "inertia_ratio must be finite"),
+        (lambda: esc.reversal_study([3, 2], 1.0), "slots must be whole .* at least 3, got 2"),
         (lambda: esc.reversal_study(4.5, 1.0), "slots must be whole numbers"),
-        (lambda: esc.reversal_study([3, 4], [1.0] * 3), "must have shapes that fit"),
         (lambda: esc.Geneva(2), "slots must be a whole number of at least 3, got 2"),
         (lambda: esc.fewest_slots(-1.0), r"inertia_ratio must be at least 0, got -1\.0"),
         (lambda: inertia_ratio(1.0, 1.0, 0.0), "without a load there is no inertia ratio F"),
-        (lambda: inertia_ratio(1.0, 1.0, 1e-310), "load_torque must be great enough"),
         (lambda: inertia_ratio(1.0, 1.0, np.sin), "load_torque must be constant"),
         (lambda: esc.greatest_speed(4, 1.0, 1.0), "mechanism must be a mechanism"),
         (lambda: esc.greatest_speed(esc.Geneva(4), -1.0, 1.0), "load_torque must be at least 0"),

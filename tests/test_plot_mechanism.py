@@ -1,6 +1,7 @@
 """Drawings to scale: pins, slots and discs are where geometry puts them."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from escapement.outlines.elliptical import EllipticalOutline
 from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline, locking_disc
 from figure_tools import by_id
+from tabulated_drive import exact
 
 DRIVES = [
     esc.Geneva(slots=3),
@@ -160,11 +162,25 @@ def test_drawing_refuses_what_it_cannot_draw(mechanism, theta):
         plots.plot_mechanism(mechanism, theta)
 
 
-@pytest.mark.parametrize("name", ["plot_planetary", "plot_gear_driven", "plot_table"])
-def test_other_drives_are_sent_to_their_drawing(name):
-    with pytest.raises(InvalidValue, match=name):
-        plots.plot_mechanism(esc.EllipticalPlanetary(0.016, 0.009))
-    assert callable(getattr(plots, name))
+@pytest.mark.parametrize(
+    ("mechanism", "drawn"),
+    [
+        (esc.EllipticalPlanetary(0.016, 0.009), "driving"),
+        (esc.GearDriven(12, 3), "fixed-gear"),
+        (esc.Geneva(4), "crank-disc"),
+    ],
+)
+def test_every_kind_is_drawn_by_one_function(mechanism, drawn):
+    assert by_id(plots.plot_mechanism(mechanism, 0.2, Figure().add_subplot()), drawn)
+
+
+def test_a_mechanism_without_bodies_is_drawn_as_its_transmission():
+    drive = esc.EllipticalPlanetary(0.016, 0.009)
+    names = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
+    own = SimpleNamespace(**{name: getattr(drive, name) for name in names})
+    for mechanism in (own, exact(24)):
+        heights = plots.plot_mechanism(mechanism).lines[1].get_ydata()
+        assert np.max(heights) == pytest.approx(drive.ratio_max, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from escapement import plots
 from escapement.errors import InvalidValue
 from escapement.plots import style
 from escapement.status import Status
-from escapement.study.parameters import model_numbers
+from escapement.study.plan import model_numbers
 from figure_tools import legend_of
 
 UNITS = {

@@ -27,13 +27,13 @@ DRIVE = ("elliptical-planetary", "--sun-radius", 0.016, "--planet-radius", 0.009
 
 
 def test_every_number_is_right_or_has_its_reason():
-    rows = {row.name: row for row in prikhodko.table()}
+    rows = {row.column: row for row in prikhodko.table()}
     assert len(rows) == 17
     wrong = {name: (row.right, row.reason) for name, row in rows.items() if not row.agrees}
     assert wrong == {
         "intervals": ("8", "the next greater whole number: 8.205"),
-        "quantile": ("2.58", "cut off, not rounded: 2.576"),
-        "half_width": ("3.34", "cut off, not rounded: 3.336"),
+        "quantile": ("2.58", "cut off, not rounded: 2.5758"),
+        "half_width": ("3.34", "cut off, not rounded: 3.3359"),
     }
     raw = {name for name, row in rows.items() if row.right is None}
     assert raw == {
@@ -43,7 +43,7 @@ def test_every_number_is_right_or_has_its_reason():
 
 
 def test_statistics_by_other_means():
-    rows = {row.name: row.value for row in prikhodko.table()}
+    rows = {row.column: row.value for row in prikhodko.table()}
     # (16) is the incomplete gamma function; for six degrees of freedom a finite sum
     half = 7.595 / 2.0
     assert rows["significance"] == pytest.approx(100.0 * gammaincc(3.0, half), rel=1e-12)
@@ -72,10 +72,10 @@ def test_a_measurement_such_as_the_paper_s():
 
 
 def test_errata_are_whole_sentences_of_one_line():
-    places = [slip.place for slip in prikhodko.ERRATA]
+    places = [slip.place for slip in prikhodko.equations()]
     assert "(12)" in places
     assert len(set(places)) == len(places)
-    assert all("\n" not in slip.right and slip.right for slip in prikhodko.ERRATA)
+    assert all("\n" not in slip.right and slip.right for slip in prikhodko.equations())
 
 
 # --- figures ------------------------------------------------------------------------------
@@ -83,7 +83,7 @@ def test_errata_are_whole_sentences_of_one_line():
 
 def test_position_function_is_flat_at_the_stops():
     ax = figures.plot_position_function(PAPER, Figure().add_subplot())
-    curve = ax.lines[0].get_xydata()
+    curve = ax.lines[-2].get_xydata()
     stops = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"]
     assert stops == pytest.approx([101.25, 303.75])
     assert curve[-1] == pytest.approx([405.0, -315.0])
@@ -149,9 +149,7 @@ def test_output_turns_in_the_drawing_as_it_should():
     assert turned == pytest.approx(expected, abs=1e-9)
 
 
-def test_only_this_drive_is_drawn():
-    with pytest.raises(InvalidValue, match="elliptical gears"):
-        planetary.plot_planetary(esc.Geneva(4))
+def test_an_angle_that_is_no_number_is_refused():
     with pytest.raises(InvalidValue, match="theta"):
         planetary.plot_planetary(PAPER, math.nan)
 

@@ -5,9 +5,8 @@ import pytest
 
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
-from escapement.sources.meyer import listing
+from escapement.sources.meyer import INERTIAS, PrintedRun, listing, printed_rows
 from escapement.sources.meyer.program import program_1973, read_printout
-from escapement.sources.meyer.rows import INERTIAS, PrintedRun, printed_rows
 from escapement.units import INCH_POUND
 
 HIGH_RATE = (4, 0.35, 0.20, *INERTIAS[4])  # the run of recommendation 2

@@ -1,13 +1,11 @@
 """Continuing a study: what is taken over, what is refused, and who may write."""
 
-import contextlib
 import os
 import re
-import signal
+import sqlite3
 import subprocess
 import sys
-import threading
-from pathlib import Path
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -19,12 +17,11 @@ from escapement.errors import CannotCreate
 from escapement.mechanisms import Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
-from escapement.study import owned_file, run
-from escapement.study.from_escapement import plan_from
+from escapement.study import run
 from escapement.study.reader import read_study
 from escapement.study.result import SCHEMA_VERSION
 from escapement.study.run import write_plan
-from escapement.study.sweep import sweep
+from escapement.study.sweep import plan_from, sweep
 from escapement.study.writer import partial_path
 from study_tools import IVP_STUDY, let_go, without_date
 
@@ -64,7 +61,7 @@ def test_only_what_is_missing_is_computed(tmp_path, solved):
     assert before > 0
     solved.extend([0.0] * 30)  # past the interruption
     tally = write_plan(plan(), path, resume=True)
-    assert tally.resumed in (16, 20)
+    assert 16 <= tally.resumed < 40
     assert len(solved) - 30 == 40 - tally.resumed
     assert (tally.cases, tally.failed) == (40, 0)
     assert not partial_path(path).exists()
@@ -193,6 +190,31 @@ def test_a_file_of_someone_else_is_not_taken_for_partial_results(tmp_path):
     assert partial_path(tmp_path / "a.h5").read_text() == "my own notes, of some length"
 
 
+def test_partial_results_of_the_version_before_are_named_and_kept(tmp_path):
+    partial = partial_path(tmp_path / "a.h5")
+    before = b"escapement partial results, process 7 on host".ljust(127) + b"\n" + bytes(99)
+    partial.write_bytes(before)
+    for options in ({}, {"resume": True}, {"force": True, "resume": True}):
+        with pytest.raises(CannotCreate, match="partial results of an earlier version") as caught:
+            tools.write(tmp_path / "a.h5", tools.small_study(), **options)
+        assert "\n" not in str(caught.value)
+        assert partial.read_bytes() == before
+    tools.write(tmp_path / "a.h5", tools.small_study(), force=True)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
+
+
+def test_a_database_of_someone_else_is_not_touched(tmp_path):
+    partial = partial_path(tmp_path / "a.h5")
+    with closing(sqlite3.connect(partial)) as database, database:
+        database.execute("CREATE TABLE notes (text)")
+    before = partial.read_bytes()
+    for options in ({}, {"resume": True}, {"force": True}):
+        with pytest.raises(CannotCreate, match="no partial result; move it away"):
+            tools.write(tmp_path / "a.h5", tools.small_study(), **options)
+    assert partial.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [partial]
+
+
 def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path):
     for name in ("a.h5.unfinished", "a.unfinished", ".escapement-0123456789abcdef.partial"):
         (tmp_path / name).write_text("my own notes")
@@ -210,7 +232,7 @@ def test_what_a_killed_process_left_is_removed_by_the_next(tmp_path):
         assert first.stdout.readline() == "begun\n"
         assert first.stdout.readline() == "0\n"
         first.kill()
-    assert len(list(tmp_path.iterdir())) == 2
+    assert partial_path(path).exists()
     tools.write(path, tools.small_study(), resume=True)
     assert list(tmp_path.iterdir()) == [path]
 
@@ -222,7 +244,7 @@ def test_the_second_of_two_is_told_so(tmp_path):
         assert first.stdout.readline() == "0\n"
         before = partial_path(path).read_bytes()
         for options in ({}, {"resume": True}, {"force": True}):
-            with pytest.raises(CannotCreate, match=f"process {first.pid} on .* is writing it"):
+            with pytest.raises(CannotCreate, match="another process is writing it"):
                 tools.write(path, tools.small_study(), **options)
         assert partial_path(path).read_bytes() == before
         first.kill()
@@ -304,62 +326,3 @@ def test_a_real_study_survives_its_process(tmp_path, monkeypatch):
     assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
     assert main(["sweep", "s.toml", "--quiet", "-o", "t.h5"]) == 0
     assert without_date(tmp_path / "s.h5") == without_date(tmp_path / "t.h5")
-
-
-HOLDER = """
-import os, sys, time
-sys.path.insert(0, {folder!r})
-import crash_tools as tools
-from pathlib import Path
-with tools.StudyWriter(Path({path!r}), tools.small_study()) as writer:
-    writer.add(tools.block(tools.small_study(), 0))
-    child = os.fork()  # it holds what its parent holds, and outlives it
-    if child:
-        print(child, flush=True)
-    time.sleep(60)
-"""
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_killed_process_that_takes_its_time_is_waited_for(tmp_path, monkeypatch):
-    """As one does whose disk is busy: its lock goes later than its name."""
-    path = tmp_path / "a.h5"
-    code = HOLDER.format(folder=str(Path(__file__).parent), path=str(path))
-    monkeypatch.setattr(owned_file, "_PATIENCE", 0.0)
-    monkeypatch.setattr(owned_file, "_LONG_PATIENCE", 0.2)
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
-        child = int(process.stdout.readline())
-        try:
-            process.kill()
-            process.wait()
-            with pytest.raises(CannotCreate, match=f"process {process.pid} on .* is writing it"):
-                tools.write(path, tools.small_study(), resume=True)
-            monkeypatch.setattr(owned_file, "_LONG_PATIENCE", 60.0)
-            threading.Timer(0.3, os.kill, (child, signal.SIGKILL)).start()
-            assert tools.missing(path) == list(range(1, 10))
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(child, signal.SIGKILL)
-
-
-def test_who_is_ending():
-    assert not owned_file.is_ending(os.getpid())
-    waits = [sys.executable, "-c", "print(flush=True); input()"]
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen(waits, **pipes) as process:
-        process.stdout.readline()  # one that is being loaded waits for the disk, as one that ends
-        assert not owned_file.is_ending(process.pid)
-        process.kill()
-        process.wait()
-        assert owned_file.is_ending(process.pid)
-
-
-def test_a_lock_without_a_name_is_waited_for(tmp_path, monkeypatch):
-    """Its owner was killed before it could say who it is, or is about to."""
-    monkeypatch.setattr(owned_file, "_PATIENCE", 0.0)
-    partial = partial_path(tmp_path / "a.h5")
-    with open(partial, "wb") as nameless:
-        assert owned_file.try_lock(nameless.fileno())
-        threading.Timer(0.3, nameless.close).start()
-        tools.write(tmp_path / "a.h5", tools.small_study())
-    assert (tmp_path / "a.h5").exists()

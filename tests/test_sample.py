@@ -19,8 +19,8 @@ EVEN = {"low": 0.2, "high": 0.3}
 
 
 def sample(method="latin-hypercube", size=64, **parameters):
-    """Values of a sample around `GOOD`."""
-    return parse_plan(GOOD | {"sample": {"method": method, "size": size} | parameters}).sample
+    """The plan of a sample around `GOOD`."""
+    return parse_plan(GOOD | {"sample": {"method": method, "size": size} | parameters})
 
 
 @pytest.mark.parametrize("method", ["latin-hypercube", "sobol"])
@@ -33,7 +33,7 @@ def test_every_stratum_of_every_parameter_holds_one_case(method):
         follower_inertia={"relative_standard_deviation": 0.02},
         initial_speed={"low": 0.0, "high": 5.0},
     )
-    values = drawn.values
+    values = drawn.sampled
     normal = NormalDist(50e-6, 1e-6)
     shares = {
         "friction": (values["friction"] - 0.2) / 0.1,
@@ -48,7 +48,7 @@ def test_every_stratum_of_every_parameter_holds_one_case(method):
 
 def test_sobol_fills_every_elementary_box_of_a_plane():
     """A net in base 2: boxes of area 1/64, however shaped, hold one point each."""
-    values = sample("sobol", friction=EVEN, torque={"low": 1.0, "high": 2.0}).values
+    values = sample("sobol", friction=EVEN, torque={"low": 1.0, "high": 2.0}).sampled
     x, y = (values["friction"] - 0.2) / 0.1, values["torque"] - 1.0
     for power in range(7):
         boxes = np.floor(x * 2**power) * 2 ** (6 - power) + np.floor(y * 2 ** (6 - power))
@@ -57,28 +57,13 @@ def test_sobol_fills_every_elementary_box_of_a_plane():
 
 def test_a_normal_distribution_can_be_cut_off():
     cut = {"standard_deviation": 0.1, "low": 0.25, "high": 0.5}
-    values = sample(friction=cut).values["friction"]
+    values = sample(friction=cut).sampled["friction"]
     normal = NormalDist(0.3, 0.1)
     below, above = normal.cdf(0.25), normal.cdf(0.5)
     share = (np.array([normal.cdf(v) for v in values]) - below) / (above - below)
     assert sorted(np.floor(share * 64).astype(int)) == list(range(64))
     assert values.min() >= 0.25
     assert values.max() <= 0.5
-
-
-def test_ends_far_apart_are_spread_evenly_in_the_logarithm():
-    for low, high in [(1e-320, 1e-3), (1e-200, 1e200)]:
-        values = sample(load_torque={"low": low, "high": high, "log": True}).values["load_torque"]
-        share = (np.log(values) - np.log(low)) / (np.log(high) - np.log(low))
-        assert sorted(np.floor(share * 64).astype(int)) == list(range(64))
-
-
-@pytest.mark.parametrize("deviation", [1e4, 1e7, 3e7, 1e9, 1e16, 1e300])
-def test_a_normal_distribution_cut_to_next_to_nothing_is_even(deviation):
-    cut = {"standard_deviation": deviation, "low": 0.1, "high": 0.4}
-    values = sample(friction=cut).values["friction"]
-    share = (values - 0.1) / 0.3
-    assert sorted(np.floor(share * 64).astype(int)) == list(range(64))
 
 
 @pytest.mark.parametrize(
@@ -90,15 +75,15 @@ def test_a_normal_distribution_cut_to_next_to_nothing_is_even(deviation):
     ],
 )
 def test_two_ways_to_say_the_same(one, other):
-    values = [sample(friction=form).values["friction"] for form in (one, other)]
+    values = [sample(friction=form).sampled["friction"] for form in (one, other)]
     np.testing.assert_allclose(*values, rtol=1e-14)
 
 
 def test_the_seed_decides_and_is_always_recorded():
     one, again, other = (sample(friction=EVEN, **seed) for seed in ({}, {"seed": 0}, {"seed": 1}))
-    assert one.form["seed"] == 0
-    np.testing.assert_array_equal(one.values["friction"], again.values["friction"])
-    assert not np.isin(one.values["friction"], other.values["friction"]).any()
+    assert one.configuration["sample"]["seed"] == 0
+    np.testing.assert_array_equal(one.sampled["friction"], again.sampled["friction"])
+    assert not np.isin(one.sampled["friction"], other.sampled["friction"]).any()
     assert one.fingerprint == again.fingerprint != other.fingerprint
 
 
@@ -109,7 +94,7 @@ def test_a_list_is_taken_case_by_case():
     assert [plan.escapement(i).mechanism.slots for i in range(3)] == lists["slots"]
     assert [plan.escapement(i).torque for i in range(3)] == lists["torque"]
     even = {"method": "list", "friction": {"start": 0.1, "stop": 0.3, "num": 3}, "slots": [4, 3, 6]}
-    values = parse_plan(GOOD | {"sample": even}).sample.values
+    values = parse_plan(GOOD | {"sample": even}).sampled
     np.testing.assert_array_equal(values["friction"], np.linspace(0.1, 0.3, 3))
 
 
@@ -124,35 +109,34 @@ def test_a_plan_is_what_its_configuration_says(method, axes):
     plan = parse_plan(GOOD | {"sweep": axes, "sample": {"method": method} | forms})
     again = parse_plan(json.loads(json.dumps(plan.configuration)))
     assert again.configuration == plan.configuration
-    assert again.fixed == plan.fixed
-    assert ("torque" in plan.fixed) == (method != "list")  # the nominal value
+    assert again.fixed_si == plan.fixed_si
+    assert ("torque" in plan.configuration) == (method != "list")  # the nominal value
     for case in range(plan.cases):
         assert again.values(case) == plan.values(case)
 
 
 REFUSED = [
-    ({}, "the sample lacks a method; give one of latin-hypercube, sobol, list"),
+    ({}, "sample.method must be one of latin-hypercube, sobol, list, got None"),
     ({"method": "sobl", "friction": EVEN}, "sample.method must be one of latin-hypercube, sobol"),
-    ({"method": "sobol", "friction": EVEN}, "the sample lacks size; give the number of cases"),
+    ({"method": "sobol", "friction": EVEN}, "sample.size must be a whole number of at least"),
     ({"size": 4}, "the sample must vary at least one parameter, got none"),
     ({"size": 0, "friction": EVEN}, "sample.size must be a whole number of at least 1, got 0"),
     ({"size": 2.5, "friction": EVEN}, "sample.size must be a whole number of at least 1, got 2.5"),
-    ({"size": 10**8, "friction": EVEN}, "sample.size must be at most 10000000, got 100000000"),
+    ({"size": 10**8, "friction": EVEN}, "sample.size must be a whole number of at most 10000000"),
     (
         {"method": "sobol", "size": 1000, "friction": EVEN},
-        "sample.size must be a power of two with method 'sobol', whose points are even only then, "
-        "got 1000; give 512 or 1024",
+        "sample.size must be a power of two with method 'sobol', got 1000; only then its points "
+        "are even: give 512 or 1024",
     ),
     ({"size": 4, "seed": -1, "friction": EVEN}, "sample.seed must be a whole number of at least 0"),
-    ({"size": 4, "seed": 2**63, "friction": EVEN}, "sample.seed must be below 2^63"),
     ({"sise": 4, "friction": EVEN}, "unknown key 'sise' in [sample]; did you mean 'size'?"),
     ({"size": 4, "frction": EVEN}, "unknown key 'frction' in [sample]; did you mean 'friction'?"),
     ({"size": 4, "friction": EVEN | {"hi": 1}}, "unknown key 'hi' in sample.friction; did you"),
     ({"size": 4, "friction": 0.1}, "sample.friction must be a table that says how it spreads"),
-    ({"size": 4, "friction": {"low": 0.1}}, "sample.friction lacks high; write { low = ..., high"),
+    ({"size": 4, "friction": {"low": 0.1}}, "sample.friction.high must be a finite"),
     ({"size": 4, "friction": {"low": 0.3, "high": 0.2}}, "high must be greater than low = 0.3"),
     ({"size": 4, "friction": {"low": -0.1, "high": 0.2}}, "sample.friction.low must be at least 0"),
-    ({"size": 4, "friction": EVEN | {"tolerance": 1}}, "sample.friction.low must be left out with"),
+    ({"size": 4, "friction": EVEN | {"tolerance": 1}}, "'low' in sample.friction with tolerance"),
     ({"size": 4, "friction": {"tolerance": 0.4}}, "the lowest value of sample.friction must be at"),
     ({"size": 4, "friction": {"tolerance": 0}}, "sample.friction.tolerance must be greater than 0"),
     ({"size": 4, "friction": EVEN | {"log": 1}}, "sample.friction.log must be true or false"),
@@ -160,10 +144,10 @@ REFUSED = [
         {"size": 4, "friction": {"low": 0.0, "high": 0.2, "log": True}},
         "sample.friction.low must be greater than 0, got 0.0; a logarithmic spread",
     ),
-    ({"size": 4, "friction": {"tolerance": 0.1, "log": True}}, "sample.friction.log must be left"),
+    ({"size": 4, "friction": {"tolerance": 0.1, "log": True}}, "'log' in sample.friction with tol"),
     (
         {"size": 4, "friction": {"tolerance": 0.1, "relative_tolerance": 0.1}},
-        "sample.friction must be spread in one way, got 'tolerance and relative_tolerance'",
+        "unknown key 'relative_tolerance' in sample.friction with tolerance",
     ),
     (
         {"size": 64, "friction": {"standard_deviation": 0.2}},
@@ -177,8 +161,8 @@ REFUSED = [
         {"size": 4, "load_torque": {"relative_tolerance": 0.1}},
         "must be a part of a nominal value other than 0, got 0; give tolerance in its own unit",
     ),
-    ({"size": 4, "slots": EVEN}, "whole numbers are not drawn at random; write slots in [sweep]"),
-    ({"method": "list", "size": 2, "friction": [1]}, 'sample.size must be left out with method'),
+    ({"size": 4, "slots": EVEN}, "whole numbers and fractions are not drawn at random"),
+    ({"method": "list", "size": 2, "friction": [1]}, 'in [sample] with method "list"'),
     (
         {"method": "list", "friction": [0.1, 0.2], "torque": [1.0]},
         "sample.torque must have as many values as friction, got 1 and 2",
@@ -215,7 +199,7 @@ def test_what_is_missing_or_said_twice():
 
 def test_fractions_are_not_drawn():
     machine = {"kind": "gear-driven", "curve": "hypocycloid", "stations": 5, "lobes": "1/2"}
-    with pytest.raises(InvalidValue, match=r"sample\.lobes must be left out, fractions are not"):
+    with pytest.raises(InvalidValue, match=r"sample\.lobes must be left out, whole numbers"):
         parse_plan(
             GOOD | {"mechanism": machine, "sample": {"method": "sobol", "size": 4, "lobes": EVEN}}
         )

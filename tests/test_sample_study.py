@@ -10,13 +10,12 @@ import xarray
 import escapement as esc
 from escapement import simulation
 from escapement.errors import CannotCreate
-from escapement.study import sample
-from escapement.study.from_escapement import plan_from
+from escapement.study import varied
 from escapement.study.parse import parse_plan
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.run import run_plan, write_plan
-from escapement.study.sweep import sweep
+from escapement.study.sweep import plan_from, sweep
 from escapement.units import INCH_POUND
 from study_tools import without_date
 
@@ -120,8 +119,8 @@ def test_numbers_drawn_otherwise_are_not_mixed(tmp_path, monkeypatch):
 
     with pytest.raises(KeyboardInterrupt):
         write_plan(many(), tmp_path / "a.h5", progress=stop)
-    draw = sample._unit_cube
-    monkeypatch.setattr(sample, "_unit_cube", lambda *given: draw(*given)[:, ::-1].copy())
+    draw = varied.unit_cube
+    monkeypatch.setattr(varied, "unit_cube", lambda *given: draw(*given)[:, ::-1].copy())
     with pytest.raises(CannotCreate, match="whose results may differ"):
         write_plan(many(), tmp_path / "a.h5", resume=True)
 
@@ -163,7 +162,7 @@ def test_on_the_command_line(command, report, monkeypatch):
     shown = shown["some_cases"][0]["torque"]
     assert shown == pytest.approx(study.sampled["torque"][0] * INCH_POUND, rel=1e-15)
     # redone as it was stored, whatever this version would draw
-    monkeypatch.setattr(sample, "_unit_cube", None)
+    monkeypatch.setattr(varied, "unit_cube", None)
     again = report("run", "--from", "s.h5", "--select", "case=11")
     assert again["period"] == pytest.approx(study.results["period"][11], rel=1e-11)
     code, _, err = command("plot", "s.h5", "--units", "SI")

@@ -8,9 +8,9 @@ import sys
 import h5py
 import pytest
 
+from escapement import files
 from escapement.errors import InputFileError, MissingInput, StorageError
-from escapement.files import atomic
-from escapement.study import image
+from escapement.study import writer
 from escapement.study.reader import read_study
 from escapement.study.result import SCHEMA_VERSION
 from escapement.study.writer import write_study
@@ -47,13 +47,13 @@ class FailingFile:
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
     """Message of the storage error, None where nothing failed."""
 
-    class Failing(atomic.PendingFile):
+    class Failing(files.PendingFile):
         def __init__(self, *arguments):
             super().__init__(*arguments)
             self.handle = FailingFile(self.handle, failing_call, code)
 
     with monkeypatch.context() as patch:
-        patch.setattr(image, "PendingFile", Failing)
+        patch.setattr(writer, "PendingFile", Failing)
         try:
             write_study(study((2, 9_000)), path, force=True)
         except StorageError as error:

@@ -1,8 +1,6 @@
 """The result file: its layout, its bytes and its round trip."""
 
-import errno
 import io
-import os
 from dataclasses import replace
 
 import h5py
@@ -13,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from escapement.status import Status
-from escapement.study import journal
 from escapement.study.block import blocks_of, encode, fletcher32, tiling
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
@@ -86,29 +83,6 @@ def test_bytes_do_not_depend_on_the_order_of_the_blocks(tmp_path):
         files.add((tmp_path / f"{name}.h5").read_bytes())
     assert len(files) == 1
     assert len(list(tmp_path.iterdir())) == 4
-
-
-@pytest.mark.parametrize("kept", [0, 2])
-def test_blocks_that_memory_no_longer_holds_are_read_back(tmp_path, monkeypatch, kept):
-    monkeypatch.setattr(journal, "_RECENT", kept)
-    whole = study((3, 30_000))
-    write_study(whole, tmp_path / "a.h5")
-    write_in_blocks(tmp_path / "b.h5", whole, reversed)
-    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
-
-
-@pytest.mark.parametrize("advice", [None, OSError])
-def test_the_systems_memory_is_left_where_it_can_be(tmp_path, monkeypatch, advice):
-    def refuse(*_):
-        raise advice(errno.EINVAL, "no")
-
-    monkeypatch.setattr(journal, "SYNC_EVERY", 0.0)
-    if advice is None:
-        monkeypatch.delattr(os, "posix_fadvise", raising=False)
-    else:
-        monkeypatch.setattr(os, "posix_fadvise", refuse, raising=False)
-    write_in_blocks(tmp_path / "a.h5", study(), list)
-    assert_same(read_study(tmp_path / "a.h5"), study())
 
 
 @settings(deadline=None)

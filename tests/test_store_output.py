@@ -6,15 +6,15 @@ import shutil
 
 import pytest
 
+from escapement import files
 from escapement.errors import CannotCreate, StorageError
-from escapement.files import atomic
-from escapement.files.atomic import check_target
+from escapement.files import check_target
 from escapement.study.reader import read_study
 from escapement.study.writer import StudyWriter, partial_path, write_study
 from study_tools import a_file, assert_same, block, study, write_in_blocks
 
 OUTPUTS = [
-    (a_file, "must not exist yet, got an existing file; choose another name or give force=True"),
+    (a_file, "must not exist yet, got an existing file; choose another name, or give force=True"),
     (lambda path: path, "must be a file, got a directory"),
     (lambda path: path / "no" / "a.h5", "must be in an existing folder"),
     (lambda path: a_file(path) / "a.h5", "Not a directory"),
@@ -57,7 +57,7 @@ def test_a_file_that_cannot_be_opened(tmp_path, monkeypatch, code, error):
     def refuse(*_, **__):
         raise OSError(code, os.strerror(code))
 
-    monkeypatch.setattr(atomic, "open", refuse, raising=False)
+    monkeypatch.setattr(files, "open", refuse, raising=False)
     with pytest.raises(error, match=os.strerror(code)):
         write_study(study(), tmp_path / "a.h5")
 

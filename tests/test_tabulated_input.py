@@ -35,7 +35,7 @@ def test_what_parts_the_columns(tmp_path, line):
     lines = [line.format(*row) for row in zip(theta, phi, strict=True)]
     for text in (lines, [row.replace(".", ",") for row in lines]):
         if text is lines or line[6] in ";\t":
-            place.write_text("theta phi\n" + "\n".join(text) + "\n")
+            place.write_text("# angles\n" + "\n".join(text) + "\n")
             table = esc.Tabulated.from_csv(place)
             np.testing.assert_allclose(table.theta, np.radians(theta), rtol=1e-12)
             np.testing.assert_allclose(table.phi, np.radians(phi), atol=1e-5)
@@ -71,18 +71,18 @@ def test_headings_tell_order_and_unit(tmp_path, heading, turned, units):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("1 2\n3 4 5\n", ["two numbers", "line 2", "'3 4 5'", "semicolon"]),
-        ("a,b\n1,2\n3\n", ["two numbers", "line 3", "'3'"]),
-        ("1,2\n3,four\n", ["two numbers", "line 2", "four"]),
-        ("1,2\n3,nan\n", ["two numbers", "line 2"]),
-        ("O.0,0.0\n1,2\n", ["two numbers", "line 1", "'O.0,0.0'"]),
-        ("# first\n0.0,nan\n1,2\n", ["two numbers", "line 2", "'0.0,nan'"]),
-        ("0,0,\n1,2\n", ["two numbers", "line 1", "'0,0,'"]),
-        ("theta rad phi rad\n1 2\n", ["radians", "line 1", "each of its two columns"]),
-        ("theta_rad,phi\n1,2\n", ["units of both columns", "line 1", "theta_deg,phi_deg"]),
-        ("theta_mrad,phi_mrad\n1,2\n", ["degrees or radians", "line 1", "theta_deg,phi_deg"]),
-        ("theta (turns),phi\n1,2\n", ["degrees or radians", "line 1", "theta_deg,phi_deg"]),
-        ("theta,driver\n1,2\n", ["line 1", "one for follower"]),
+        ("1 2\n3 4 5\n", ["2 fields apart by blanks", "line 2", "'3 4 5'"]),
+        ("a,b\n1,2\n3\n", ["2 fields", "line 3", "'3'"]),
+        ("1,2\n3,four\n", ["numbers in fields 1 and 2", "line 2", "four"]),
+        ("1,2\n3,nan\n", ["two finite numbers", "line 2"]),
+        ("O.0,0.0\n1,2\n", ["numbers in fields", "line 1", "'O.0,0.0'"]),
+        ("# first\n0.0,nan\n1,2\n", ["two finite numbers", "line 2"]),
+        ("0,0,\n1,2\n", ["name its 3 columns", "line 1", "'0,0,'"]),
+        ("theta rad phi rad\n1 2\n", ["4 fields apart by blanks", "line 2", "'1 2'"]),
+        ("theta_rad,phi\n1,2\n", ["units of both columns", "theta_deg,phi_deg"]),
+        ("theta_mrad,phi_mrad\n1,2\n", ["degrees or radians", "line 1"]),
+        ("theta (turns),phi\n1,2\n", ["degrees or radians", "line 1"]),
+        ("theta,driver\n1,2\n", ["line 1", "one column called input or in"]),
     ],
 )
 def test_tables_that_cannot_be_read(tmp_path, text, words):
@@ -95,7 +95,7 @@ def test_tables_that_cannot_be_read(tmp_path, text, words):
 
 
 def test_tables_that_are_not_there_or_no_text(tmp_path):
-    with pytest.raises(MissingInput, match="must exist"):
+    with pytest.raises(MissingInput, match="does not exist"):
         esc.Tabulated.from_csv(tmp_path / "nothing.csv")
     place = tmp_path / "binary.csv"
     place.write_bytes(b"\xff\xfe\x00\x81")
@@ -325,7 +325,7 @@ def test_commands_warn_of_a_table_with_a_gap(command):
     ("argv", "code", "words"),
     [
         ((), 2, ["--table", "required"]),
-        (("--table", "no.csv"), 66, ["no.csv", "must exist"]),
+        (("--table", "no.csv"), 66, ["no.csv", "does not exist"]),
         (("--table", "table.csv", "--slots", 4), 2, ["--slots", "tabulated"]),
         (
             ("--table", "table.csv", "--cell-angle", 100),

@@ -9,8 +9,8 @@ from escapement.plots.planetary import plot_planetary
 from escapement.plots.style import legend_above
 from escapement.plots.tabulated import plot_table
 from escapement.sources import meyer
+from escapement.sources.filemon.figures import plot_reversal_curves
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
-from escapement.sources.filemon.reversal_figures import plot_reversal_curves
 from escapement.sources.prikhodko.figures import plot_position_function, plot_velocity_plans
 from escapement.units import INCH_POUND
 from pages import LINES, RUNS, drawn

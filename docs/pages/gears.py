@@ -8,7 +8,7 @@ from escapement.plots.gear_driven import (
     plot_gear_driven,
     plot_gear_driven_examples,
 )
-from escapement.sources.dijksman.charts import plot_design_charts, plot_motions
+from escapement.sources.dijksman.figures import plot_design_charts, plot_motions
 from pages import drawn, panels
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import circle, transmission_at
 from escapement.model import Inertia, Mechanism
+from escapement.roots import newton_in_bracket
 
 
 @jit
@@ -27,19 +28,13 @@ def _stationary(g1, g2, rho, end):
     g1 and g2, of which `end` is one, so Newton's method kept in that bracket cannot fail.
     """
     total, product = g1 + g2, g1 * g2
-    inner, outer = 0.0, end
+    low, high = min(0.0, end), max(0.0, end)
     g = 0.5 * end
     for _ in range(200):
         value = ((total * g + 4.0 * rho - 2.0 * product) * g - 3.0 * rho * total) * g
         value += 2.0 * rho * product
         slope = (3.0 * total * g + 8.0 * rho - 4.0 * product) * g - 3.0 * rho * total
-        if value < 0.0:
-            inner = g
-        else:
-            outer = g
-        guess = g - value / slope
-        if not min(inner, outer) < guess < max(inner, outer):
-            guess = 0.5 * (inner + outer)
+        guess, low, high = newton_in_bracket(g, value, slope, low, high, end > 0.0)
         if abs(guess - g) <= 1e-15 * abs(g):
             break
         g = guess

@@ -26,11 +26,12 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _KEY = "setting"
+_LAST_WHOLE = 2.0**53  # beyond it a double no longer tells whole numbers apart
 _METAVARS = {"torque": "M", "inertia": "I", "length": "R", "speed": "W", "time": "S"}
 
 
 def per_class(function: Callable[[type], T]) -> Callable[[type], T]:
-    """A function of a class that is worked out once for each."""
+    """`functools.cache` of a function of a class, which its own type does not allow for."""
     return cache(function)
 
 
@@ -39,7 +40,7 @@ class Setting:
     """What a user may set: its words, and where it stands.
 
     long_name : what it is.
-    remedy : what to do about a value that breaks the rule; a unit is put before its comma.
+    remedy : what to do about a value that breaks the rule.
     name : of the option and the axis; by default that of the field.
     note : what the help of the command line adds.
     metavar : what stands for its value there.
@@ -102,8 +103,8 @@ class Quantity(Setting):
     """A number.
 
     unit : its kind, a key of `escapement.units`.
-    minimum, maximum, exclusive, whole, fraction : the rule. An exclusive minimum is not
-        reached; a fraction may be written as text, "1/2".
+    minimum, maximum, exclusive, below, whole, fraction : the rule. An exclusive minimum is not
+        reached, nor is the maximum where `below` is true; a fraction may be text, "1/2".
     slotted : True for what only a mechanism with a slot has, False for what only one without
         it has; there it keeps its default.
     instead : name of what the other mechanisms have in its place.
@@ -114,6 +115,7 @@ class Quantity(Setting):
     minimum: float = 0.0
     maximum: float = math.inf
     exclusive: bool = False
+    below: bool = False
     whole: bool = False
     fraction: bool = False
     axis: bool = True
@@ -134,32 +136,33 @@ class Quantity(Setting):
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule."""
         if self.whole:
-            most = None if self.maximum == math.inf else int(self.maximum)
+            most = int(min(self.maximum, _LAST_WHOLE))
             return validate.integer(label, value, int(self.minimum), self.remedy, most)
         if self.fraction:
             return validate.rational(label, value, self.remedy, self.maximum)
         if self.function and callable(value):
             return value
         number = validate.number(label, value, self.remedy)
-        above = number > self.minimum if self.exclusive else number >= self.minimum
-        if above and number <= self.maximum:
-            return number
-        raise validate.fail(label, self.rule, value, self.remedy)
+        if not self._within(number):
+            raise validate.fail(label, self.rule, value, self.remedy)
+        return number
+
+    def _within(self, values: Any) -> Any:
+        """Whether a number, or each of an array, is in the range."""
+        low = values > self.minimum if self.exclusive else values >= self.minimum
+        return low & (values < self.maximum if self.below else values <= self.maximum)
 
     @property
     def rule(self) -> str:
-        """The rule of a real number in words."""
-        if self.maximum == math.inf:
-            return f"{'greater than' if self.exclusive else 'at least'} {self.minimum:g}"
-        if self.exclusive:
-            return f"greater than {self.minimum:g} and at most {self.maximum:g}"
-        return f"in [{self.minimum:g}, {self.maximum:g}]"
+        """The range of a real number in words."""
+        low = f"{'greater than' if self.exclusive else 'at least'} {self.minimum:g}"
+        high = f"{'below' if self.below else 'at most'} {self.maximum:g}"
+        return low if math.isinf(self.maximum) else f"{low} and {high}"
 
     def read(self, label: str, value: Any) -> Any:
         """As `check`; in a file 4.0 is a whole number too, and a fraction becomes a double."""
-        if self.whole:
-            number = validate.number(label, value, self.remedy)
-            return self.check(label, int(number) if number == int(number) else value)
+        if self.whole and isinstance(value, float) and value.is_integer():
+            value = int(value)
         checked = self.check(label, value)
         return float(checked) if self.fraction else checked
 
@@ -169,28 +172,19 @@ class Quantity(Setting):
 
         if self.fraction:
             return np.array([self.read(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
-        good = np.isfinite(values) & (values >= self.minimum) & (values <= self.maximum)
-        if self.exclusive:
-            good &= values > self.minimum
+        good = np.isfinite(values) & self._within(values)
         if self.whole:
-            good &= values == np.rint(values)
-            good &= values < 2.0**53  # beyond it a double no longer tells whole numbers apart
-        if not good.all():
-            first = int(np.argmin(good))
-            place, value = f"{label}[{first}]", float(values[first])
-            self.read(place, value)
-            raise validate.fail(place, "below 2^53", value, self.remedy)
+            good &= (values == np.rint(values)) & (values <= _LAST_WHOLE)
+        for i in np.flatnonzero(~good)[:1].tolist():
+            self.read(f"{label}[{i}]", float(values[i]))
         return values.astype(np.int64) if self.whole else values
 
     def parse(self, label: str, text: str) -> Any:
         """As `check`, of a word on the command line."""
-        if self.fraction:
-            return self.check(label, text)
         value: Any = text
-        with contextlib.suppress(ValueError):
-            value = int(text) if self.whole else float(text)
-        if not self.whole and (value is text or not math.isfinite(value)):
-            raise validate.fail(label, "a finite number", text, self.remedy)
+        if not self.fraction:
+            with contextlib.suppress(ValueError):
+                value = int(text) if self.whole else float(text)
         return self.check(label, value)
 
     def to_si(self, values: Any, system: str) -> Any:
@@ -256,34 +250,26 @@ class Declared:
 
     def __new__(cls, *args: Any, **keywords: Any) -> Self:
         """Refuse a keyword that there is none of, and name the nearest."""
-        if keywords and not keywords.keys() <= _names(cls):
-            _refuse_unknown(cls, keywords)
+        known = _arguments(cls)
+        for name in keywords:
+            if name not in known:
+                raise UnknownArgument(
+                    f"{cls.__name__} has no argument {name!r}; {validate.nearest(name, known)}"
+                )
         return object.__new__(cls)
 
     def check_fields(self) -> None:
         """Put the checked value of every declared field in the place of what was given."""
         values = vars(self)
-        for entry in _in_si(type(self)).values():
+        for entry in declared(type(self)).values():
             value = values[entry.key]
             if value is not entry.default or entry.required:
                 values[entry.key] = entry.check(entry.name, value)
 
 
 @per_class
-def _names(owner: Any) -> frozenset[str]:
-    return frozenset(field.name for field in fields(owner))
-
-
-def _refuse_unknown(cls: type, keywords: Mapping[str, Any]) -> None:
-    known = inspect.signature(cls.__init__).parameters  # type: ignore[misc]
-    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in known.values()):
-        return
-    names = tuple(known)[1:]
-    for name in keywords:
-        if name not in names:
-            raise UnknownArgument(
-                f"{cls.__name__} has no argument {name!r}; {validate.did_you_mean(name, names)}"
-            )
+def _arguments(cls: Any) -> tuple[str, ...]:
+    return tuple(inspect.signature(cls.__init__).parameters)[1:]
 
 
 @per_class
@@ -319,16 +305,4 @@ def like(owner: type, name: str, **changes: Any) -> dict[str, Setting]:
 
 def check_number(owner: type, name: str, value: Any) -> Any:
     """`value`, in SI, as the number `name` of a class; raises InvalidValue."""
-    return _in_si(owner)[name].check(name, value)
-
-
-@per_class
-def _in_si(owner: type) -> dict[str, Setting]:
-    """What a class declares as constructors check it, in SI: so the remedies name the units."""
-    found = {}
-    for name, entry in declared(owner).items():
-        unit = units.printed(entry.unit, "SI") if isinstance(entry, Quantity) else ""
-        head, comma, tail = entry.remedy.partition(",")
-        remedy = f"{head} in {unit}{comma}{tail}" if unit else entry.remedy
-        found[name] = replace(entry, remedy=remedy)
-    return found
+    return declared(owner)[name].check(name, value)

@@ -1,7 +1,7 @@
 """`simulate` gives a motion, `terminal` the figures of merit of its terminal cycle."""
 
 from dataclasses import replace
-from functools import cache, lru_cache
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -10,18 +10,22 @@ from escapement.dynamics import drive, ends_alike
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
-from escapement.model import Escapement, Run
-from escapement.motion import Motion
+from escapement.model import MOST_UNEQUAL, Escapement, Run
+from escapement.motion import Motion, no_motion
 from escapement.painleve import critical_friction, painleve_message
-from escapement.quantity import check_number
+from escapement.quantity import check_number, quantities
 from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver
 from escapement.status import MESSAGES, Status
 
-DEFAULT_ENGAGEMENTS = 20
 LONGEST = {"energy": 10_000_000, "ivp": 10_000}
 """Engagements of one motion: they take up to a gigabyte, and seconds or, with "ivp", a minute."""
-FASTEST = 1e100
+FASTEST = MOST_UNEQUAL
 """Greatest initial speed in units of sqrt(torque / I_f): a double holds its square."""
+_FOLDERS = {"energy": "energy", "ivp": "time"}
+_TOO_UNEQUAL = (
+    f"the numbers differ by a factor of more than {MOST_UNEQUAL:g}, whose square no double holds; "
+    "choose inertias, torques and a speed of similar size"
+)
 
 
 def simulate(
@@ -72,7 +76,7 @@ def simulate(
     InvalidValue
         When an argument breaks its rule.
     """
-    solver = _chosen(solver, engine, rtol, atol, method, max_step)
+    solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
@@ -80,27 +84,24 @@ def simulate(
             f"{engagements!r} and {duration!r}; leave one out"
         )
     if duration is None:
-        count = DEFAULT_ENGAGEMENTS if engagements is None else engagements
-        remedy = "give how many to run; the figures of merit need no long motion"
-        engagements = validate.integer("engagements", count, 1, remedy, maximum=LONGEST[engine])
+        count = quantities(Run)["engagements"]
+        wanted = count.default if engagements is None else engagements
+        engagements = validate.integer(
+            "engagements", wanted, 1, count.remedy, maximum=LONGEST[engine]
+        )
     else:
         duration = check_number(Run, "duration", duration)
-        if engine != DEFAULT_ENGINE:
-            # the fast engine refuses too long a duration in a moment, the other after hours
-            _engine(DEFAULT_ENGINE, "simulate")(
-                escapement,
-                engagements=None,
-                duration=duration,
-                initial_speed=settings["initial_speed"],
-                rtol=1e-6,
-                longest=LONGEST[engine],
-            )
+    if _too_unequal(escapement, settings["initial_speed"]):
+        still = no_motion(escapement, engine, solver.tolerance)
+        return replace(still, status=Status.INVALID, message=_TOO_UNEQUAL)
+    if duration is not None and engine != DEFAULT_ENGINE:
+        # the fast engine refuses too long a duration in a moment, the other after hours
+        start = {"initial_speed": settings["initial_speed"], "rtol": 1e-6}
+        fast = _engine(DEFAULT_ENGINE, "simulate")
+        fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
     run = _engine(engine, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     return motion
-
-
-_FOLDERS = {"energy": "energy", "ivp": "time"}
 
 
 @cache
@@ -110,28 +111,19 @@ def _engine(name: str, task: str) -> Any:
     return getattr(module, task)
 
 
-# settings are checked once: the check takes longer than solving an engagement
-_known = lru_cache(typed=True)(choose_solver)
-
-
-def _chosen(*settings: Any) -> Solver:
-    """`choose_solver` of settings that were mostly checked before."""
-    try:
-        return _known(*settings)
-    except TypeError:
-        # an array, or another value that is no key of the cache: its check says what is wrong
-        return choose_solver(*settings)
-
-
 def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> dict[str, Any]:
     """Keyword arguments that both functions of an engine take."""
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    speed = check_number(Run, "initial_speed", initial_speed)
-    if speed * escapement.time_unit > FASTEST:
-        most = f"at most {FASTEST / escapement.time_unit:.3g} rad/s for this torque and inertia"
-        raise validate.fail("initial_speed", most, initial_speed, "start slower")
-    return {**solver.arguments, "initial_speed": speed}
+    return {**solver.arguments, "initial_speed": check_number(Run, "initial_speed", initial_speed)}
+
+
+def _too_unequal(escapement: Escapement, speed: float) -> bool:
+    """Whether kernels would overflow: by the ratios of inertias, torques and speed."""
+    scene, clock = escapement.scene, escapement.time_unit
+    small, great = 1.0 / MOST_UNEQUAL, MOST_UNEQUAL
+    sound = small < scene.rho < great and small < clock * clock < great
+    return not (sound and scene.load < great and speed * clock < FASTEST)
 
 
 def terminal(
@@ -161,8 +153,10 @@ def terminal(
         Their `status` is NO_TERMINAL without friction, STALL when the drive cannot
         carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
     """
-    solver = _chosen(solver, engine, rtol, atol, method, max_step)
+    solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
+    if _too_unequal(escapement, settings["initial_speed"]):
+        return Figures(status=Status.INVALID, message=_TOO_UNEQUAL)
     mechanism = escapement.mechanism
     base = Figures(critical_friction=critical_friction(mechanism, escapement.inertia))
     message = painleve_message(mechanism, escapement.inertia, escapement.friction)

@@ -1,14 +1,13 @@
 """Settings of the engines, which are checked here without loading an engine."""
 
 import math
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.quantity import check_number, quantity
+from escapement.quantity import Choice, Declared, quantity, setting
 
 ENGINES = ("energy", "ivp")
 DEFAULT_ENGINE = "energy"
@@ -17,7 +16,7 @@ METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 
 
 @dataclass(frozen=True)
-class Solver:
+class Solver(Declared):
     """Which engine, and how accurately; None leaves a choice to the engine.
 
     Parameters
@@ -36,26 +35,36 @@ class Solver:
         When a setting breaks its rule.
     """
 
-    engine: str = DEFAULT_ENGINE
-    rtol: float | None = None
-    atol: float | None = None
-    method: str | None = None
+    section = "solver"
+
+    engine: str = field(default=DEFAULT_ENGINE, metadata=setting(Choice(
+        long_name="energy, the fast one, or ivp, the reference", allowed=ENGINES, metavar="NAME"
+    )))  # fmt: skip
+    rtol: float | None = field(default=None, metadata=quantity(
+        "relative error of handoff times and speeds", minimum=1e-13, maximum=1.0, below=True,
+        axis=False, metavar="R", remedy="1e-10 is a good choice",
+        note=f" (default: {DEFAULT_RTOL['energy']:g}, with ivp {DEFAULT_RTOL['ivp']:g})"
+    ))  # fmt: skip
+    atol: float | None = field(default=None, metadata=quantity(
+        "absolute tolerance as in SciPy's solve_ivp", axis=False, metavar="A", note=", with ivp",
+        remedy="leave it out for a fitting one"
+    ))  # fmt: skip
+    method: str | None = field(default=None, metadata=setting(Choice(
+        long_name=f"{METHODS[0]} (default), {', '.join(METHODS[1:])}", allowed=METHODS,
+        metavar="NAME", note=", with ivp"
+    )))  # fmt: skip
     max_step: float | None = field(default=None, metadata=quantity(
         "longest step", "time", exclusive=True, axis=False, note=", with ivp",
         remedy="give the longest step"
     ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        validate.choice("engine", self.engine, ENGINES)
-        if self.rtol is not None:
-            object.__setattr__(self, "rtol", _tolerance(self.rtol))
-        for name, check in _OF_IVP.items():
+        self.check_fields()
+        for name in ("atol", "method", "max_step"):
             value = getattr(self, name)
-            if value is not None:
-                if self.engine != "ivp":
-                    rule = f"left out with engine {self.engine!r}"
-                    raise validate.fail(name, rule, value, "or choose engine 'ivp'")
-                object.__setattr__(self, name, check(value))
+            if value is not None and self.engine != "ivp":
+                rule = f"left out with engine {self.engine!r}"
+                raise validate.fail(name, rule, value, "or choose engine 'ivp'")
         if self.max_step is None and self.atol is not None and self.atol > 1.0:
             # 1 rad is most of an engagement: the error would no longer limit the steps
             rule = "at most 1 unless max_step is given"
@@ -84,14 +93,8 @@ class Solver:
         }
 
 
-def _tolerance(value: Any) -> float:
-    remedy = "1e-10 is a good choice"
-    tolerance = validate.number("rtol", value, remedy)
-    if not 1e-13 <= tolerance < 1.0:
-        raise validate.fail("rtol", "at least 1e-13 and below 1", value, remedy)
-    return tolerance
-
-
+# checked settings are kept: their check takes longer than solving an engagement
+@lru_cache(typed=True)
 def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
     """The `solver` that was given, or one of separate settings, of which None is not given.
 
@@ -114,10 +117,3 @@ def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
             "make all settings part of the Solver, or leave solver out"
         )
     return solver
-
-
-_OF_IVP: dict[str, Callable[[Any], Any]] = {
-    "atol": lambda value: validate.non_negative("atol", value, "leave it out for a fitting one"),
-    "method": lambda value: validate.choice("method", value, METHODS),
-    "max_step": lambda value: check_number(Solver, "max_step", value),
-}

@@ -1,36 +1,14 @@
-"""Tables for people, JSON and CSV for programs, and headings of columns of angles."""
+"""Tables for people, JSON and CSV for programs."""
 
 import csv
 import io
 import json
 import math
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-UNITS = {"deg": 2.0 * math.pi / 360.0, "rad": 1.0}
-"""Units of angles, in rad."""
-NAMES = {
-    "input": ("input", "in", "driver", "theta", "phi1"),
-    "output": ("output", "out", "follower", "phi", "phi3"),
-}
-"""Headings by which the columns of driver and follower are known."""
-_SPELLINGS = {
-    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
-    "rad": "rad", "radian": "rad", "radians": "rad",
-}  # fmt: skip
-FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?", re.IGNORECASE)
-"""Units of angles that are recognised in order to refuse them."""
 
-
-def name_and_unit(field: str) -> tuple[str, str | None]:
-    """Name of a column in small letters, and its unit: of `UNITS`, `FOREIGN`, or None."""
-    *words, last = re.findall(r"[^\W_]+|°", field.lower()) or [""]
-    unit = _SPELLINGS.get(last) or (last if FOREIGN.fullmatch(last) else None)
-    return "".join(words if unit else [*words, last]), unit
-
-
-def as_json(record: dict[str, Any]) -> str:
+def as_json(record: Mapping[str, Any]) -> str:
     """One JSON object; a number that is not finite becomes null."""
     return json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
 
@@ -44,7 +22,7 @@ def as_csv(rows: Iterable[Sequence[Any]]) -> str:
 
 def plain(value: Any) -> Any:
     """`value` as types that JSON has, with None for NaN and infinity."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if hasattr(value, "tolist"):  # a scalar or an array of NumPy
         value = value.tolist()
@@ -59,7 +37,7 @@ def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
     """Print name, value and unit, one row each."""
     lines = [(name, show(value), "" if unit == "1" else unit) for name, value, unit in rows]
     wide = max(len(name) for name, _, _ in lines)
-    far = max(len(value) for _, value, unit in lines if unit)
+    far = max((len(value) for _, value, unit in lines if unit), default=0)
     for name, value, unit in lines:
         print(f"{name:<{wide}}  {value:<{far}}  {unit}".rstrip())
 
@@ -79,6 +57,8 @@ def show(value: Any) -> str:
     value = plain(value)
     if value is None:
         return "-"
+    if isinstance(value, list):
+        return ", ".join(map(show, value)) or "none"
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -20,13 +20,20 @@ SYSTEMS = ("SI", "in-lbf-s")
 """Unit systems a user may choose: SI, or inch, pound-force and second."""
 
 _FACTORS = {"torque": INCH_POUND, "inertia": INCH_POUND, "length": INCH, "force": POUND_FORCE}
+_FACTORS["power"] = INCH_POUND
 _NAMES = {
-    "SI": {"torque": "N m", "inertia": "kg m2", "length": "m", "force": "N"},
-    "in-lbf-s": {"torque": "in lbf", "inertia": "in lbf s2", "length": "in", "force": "lbf"},
+    "SI": {"torque": "N m", "inertia": "kg m2", "length": "m", "force": "N", "power": "W"},
+    "in-lbf-s": {
+        "torque": "in lbf",
+        "inertia": "in lbf s2",
+        "length": "in",
+        "force": "lbf",
+        "power": "in lbf s-1",
+    },
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
-    "degrees": "degree", "ratio": "1",
+    "degrees": "degree", "energy": "J", "ratio": "1",
 }  # fmt: skip
 
 
@@ -36,7 +43,7 @@ def factor(quantity: str, system: str) -> float:
     Parameters
     ----------
     quantity : str
-        "torque", "inertia", "length", "force", "speed", "acceleration", "time",
+        "torque", "power", "inertia", "length", "force", "speed", "acceleration", "time",
         "angle", "degrees" or "ratio".
     system : str
         "SI" or "in-lbf-s".

@@ -18,7 +18,7 @@ from timeit import Timer
 from typing import Any
 
 from escapement import __version__
-from escapement.files.atomic import replace_file
+from escapement.files import replace_file
 from escapement.text import as_csv
 
 Call = Callable[[], Any]

@@ -24,7 +24,7 @@ from escapement.benchmark.measuring import (
 )
 from escapement.benchmark.problems import PROBLEMS, Problem
 from escapement.benchmark.solvers import MeasuredSolver, TimedRun, own_solvers
-from escapement.files.atomic import replace_file
+from escapement.files import replace_file
 from escapement.plots import save, style
 from escapement.solver import DEFAULT_RTOL
 

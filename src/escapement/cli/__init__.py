@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
-from escapement.cli import _interrupt
 from escapement.errors import EscapementError, InvalidValue, StorageError
 
 COMMANDS = {
@@ -49,80 +48,57 @@ def main(argv: Sequence[str] | None = None) -> int:
         failed; 65 unreadable input file; 66 missing input; 73 cannot create
         output; 74 input/output error; 130 interrupted.
     """
-    _open_streams()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # a letter that the terminal's encoding lacks is shown by its number
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _warn
-            code = _dispatch(sys.argv[1:] if argv is None else list(argv))
-            print(end="", flush=True)
+            code = _dispatch(sys.argv[1:] if argv is None else argv)
+            sys.stdout.flush()
             return code
     except EscapementError as error:
         return _complain(str(error), error.exit_code)
     except KeyboardInterrupt:
         return _complain("interrupted", INTERRUPTED)
     except BrokenPipeError:
-        _discard_output()
+        _drop_output()
         return 0  # the reader has seen enough, as in `escapement ... | head`
     except OSError as error:
-        message = str(error)
-        if _discard_output():
-            message = f"standard output must take what is written, got: {error.strerror or error}"
-            message += "; free space, or send it elsewhere"
-        return _complain(message, StorageError.exit_code)
+        _drop_output()
+        message = f"input or output failed: {error.strerror or error}; free space, or use another"
+        return _complain(f"{message} place", StorageError.exit_code)
     except MemoryError:
         message = "not enough memory; ask for a shorter motion or fewer cases"
         return _complain(message, StorageError.exit_code)
     except ArithmeticError as error:
         message = f"a number leaves the range of a double ({error}); choose less extreme values"
         return _complain(message, InvalidValue.exit_code)
-    except Exception:
-        if not _interrupt.has_struck():
-            raise
-        return _complain("interrupted", INTERRUPTED)
 
 
 def program() -> NoReturn:
     """The command line as a process of its own."""
-    _interrupt.watch()
     code = main()
     if code == INTERRUPTED:
         # an orderly exit would wait for threads that nobody wants any more; all files are closed
-        _discard_output()
         os._exit(code)
     sys.exit(code)
 
 
-def _dispatch(argv: list[str]) -> int:
-    """Help and version here, everything else in the command's own module."""
-    from escapement.cli._parser import Parser, understand_command
+def _dispatch(argv: Sequence[str]) -> int:
+    """Understand the command and its arguments, then run the module that has it."""
+    from escapement.cli._arguments import Parser, understand_command
 
-    name = understand_command(argv, COMMANDS)
-    if name is None:
-        return 0
-    command = import_module(f"escapement.cli.{name.replace('-', '_')}")
-    parser = Parser(prog=f"escapement {name}", description=command.SUMMARY)
-    command.configure(parser)
-    args = parser.understand(argv[1:])
-    if args is None:
-        return 0
     try:
-        result: int = command.execute(args)
-        return result
-    except EscapementError as error:
-        return _complain(parser.spell(error), error.exit_code)
-
-
-def _open_streams() -> None:
-    """Stand-ins for standard streams that are closed: results fail, messages go nowhere.
-
-    A letter that the terminal's encoding lacks is shown by its number.
-    """
-    if getattr(sys.stdout, "closed", sys.stdout is None):
-        sys.stdout = open(os.open(os.devnull, os.O_RDONLY), "w")  # noqa: SIM115
-    if getattr(sys.stderr, "closed", sys.stderr is None):
-        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")
+        name = understand_command(argv, COMMANDS)
+        command = import_module(f"escapement.cli.{name.replace('-', '_')}")
+        parser = Parser(prog=f"escapement {name}", description=command.SUMMARY)
+        command.configure(parser)
+        args = parser.understand(argv[1:])
+    except SystemExit:  # argparse ends so after help, or the version
+        return 0
+    code: int = command.execute(args)
+    return code
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -137,13 +113,9 @@ def _complain(message: str, code: int) -> int:
     return code
 
 
-def _discard_output() -> bool:
-    """Drop what cannot be written, or the interpreter complains of it at exit: was there any?"""
+def _drop_output() -> None:
+    """Drop what cannot be written: the interpreter would try again, and complain, at exit."""
     try:
-        print(end="", flush=True)
+        sys.stdout.flush()
     except OSError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
-        os.close(nowhere)
-        return True
-    return False
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""Options that several commands share, and the objects they describe.
+"""The parser of all commands, options that several share, and the objects they describe.
 
 Options of numbers follow from their declarations, see `escapement.quantity`. Values are
 checked as typed, in the user's units, so that a message shows what the user wrote; the
@@ -6,13 +6,17 @@ conversion to SI follows.
 """
 
 import argparse
-from collections.abc import Mapping
+import contextlib
+import re
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from escapement.cli._parser import Parser, UsageError, checked, one_of, option
-from escapement.files.names import FORMATS
+from escapement import __version__, validate
+from escapement.errors import EscapementError, InvalidValue
+from escapement.files import FORMATS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.model import Escapement, Inertia
 from escapement.quantity import Setting, Truth, declared
@@ -20,6 +24,96 @@ from escapement.units import SYSTEMS
 
 if TYPE_CHECKING:
     from escapement.mechanisms.kind import Kind
+
+_NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
+_OPTION = re.compile(r"--?[a-z]")
+
+
+class UsageError(EscapementError):
+    """The command line cannot be understood."""
+
+
+class _Formatter(argparse.RawDescriptionHelpFormatter):
+    """Wraps help between words only: a name with a hyphen stays whole."""
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        return textwrap.wrap(" ".join(text.split()), width, break_on_hyphens=False)
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse without its surprises: no abbreviations, errors raised as one line."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(allow_abbrev=False, formatter_class=_Formatter, **options)
+        # argparse by itself takes a number with an exponent, -3e-6, for an option
+        self._negative_number_matcher = _NEGATIVE
+
+    def error(self, message: str) -> NoReturn:
+        """Raise what argparse found wrong, with where to read on."""
+        raise UsageError(f"{message}; see '{self.prog} --help'")
+
+    def understand(self, argv: Sequence[str]) -> argparse.Namespace:
+        """Parsed arguments; SystemExit where help was asked for and given."""
+        known = self._option_string_actions
+        for name in (word.partition("=")[0] for word in argv):
+            # argparse would first tell of what is missing, which a misspelt option is not
+            passes = name in known or name[:2] in known or _NEGATIVE.match(name)
+            if _OPTION.match(name) and not passes:
+                longer = [word for word in known if word.startswith(name)] or known
+                remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
+                raise UsageError(f"unknown option {name!r}; {remedy}")
+        return self.parse_args(argv)
+
+
+def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str:
+    """Name of the command; SystemExit where help or the version was asked for and given."""
+    listing = "\n".join(f"  {name:<14}{summary}" for name, summary in commands.items())
+    parser = Parser(
+        prog="escapement",
+        usage="escapement COMMAND [options]",
+        description="Time-domain simulation of Geneva escapements.\n\ncommands:\n" + listing,
+        epilog="'escapement COMMAND --help' explains a command.",
+    )
+    parser.add_argument("--version", action="version", version=f"escapement {__version__}")
+    rule = one_of("COMMAND", tuple(commands))
+    parser.add_argument("command", metavar="COMMAND", type=rule, help=argparse.SUPPRESS)
+    name: str = parser.understand(argv[:1]).command
+    return name
+
+
+def option(name: str) -> str:
+    """Spelling of an argument on the command line."""
+    return "--" + name.replace("_", "-")
+
+
+def checked(check: Callable[[Any], Any], convert: type = str) -> Callable[[str], Any]:
+    """An argparse type: `check` of what was typed, converted where that is possible."""
+
+    def read(text: str) -> Any:
+        value: Any = text
+        with contextlib.suppress(ValueError):
+            value = convert(text)
+        try:
+            return check(value)
+        except InvalidValue as error:
+            raise UsageError(str(error)) from None
+
+    return read
+
+
+def number(name: str, rule: Callable[..., float], remedy: str) -> Callable[[str], float]:
+    """Type of a real option, `rule` being one of `escapement.validate`."""
+    return checked(lambda value: rule(name, value, remedy), float)
+
+
+def whole(name: str, minimum: int, remedy: str) -> Callable[[str], int]:
+    """Type of a whole-numbered option."""
+    return checked(lambda value: validate.integer(name, value, minimum, remedy), int)
+
+
+def one_of(name: str, allowed: tuple[str, ...]) -> Callable[[str], str]:
+    """Type of an option with a few values."""
+    return checked(lambda text: validate.choice(name, text, allowed))
 
 
 def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: Any) -> None:
@@ -80,16 +174,9 @@ def read_mechanism(args: argparse.Namespace) -> "Kind":
                 f"{shown!r}; it belongs to {' and '.join(owners[name])}"
             )
     settings = kind_of(kind).options()
+    require(args, settings, f" with {kind}")
     given = {entry.key: entry.typical for entry in settings.values() if entry.typical is not None}
-    given |= typed(args, settings)
-    missing = [
-        option(name)
-        for name, entry in settings.items()
-        if entry.required and entry.key not in given
-    ]
-    if missing:
-        raise UsageError(f"the following arguments are required with {kind}: {', '.join(missing)}")
-    return kind_of(kind).from_options(**given)
+    return kind_of(kind).from_options(**given | typed(args, settings))
 
 
 def mechanism_options(args: argparse.Namespace) -> list[str]:
@@ -137,21 +224,20 @@ def add_common(
     )
 
 
-def read_inertia(args: argparse.Namespace) -> Inertia | None:
-    """Both inertias, or None where neither is given."""
-    settings = declared(Inertia)
-    given = typed(args, settings)
-    if len(given) == len(settings):
-        return Inertia(**given)
-    if not given:
-        return None
-    (there,) = (option(name) for name, entry in settings.items() if entry.key in given)
-    (missing,) = (option(name) for name, entry in settings.items() if entry.key not in given)
-    raise UsageError(f"{missing} must be given beside {there}, got that alone; give both or none")
+def require(args: argparse.Namespace, settings: Mapping[str, Setting], where: str = "") -> None:
+    """Raise UsageError where a setting that is required was not typed."""
+    lacking = [
+        option(name)
+        for name, entry in settings.items()
+        if entry.required and entry.typical is None and getattr(args, name) is None
+    ]
+    if lacking:
+        raise UsageError(f"the following arguments are required{where}: {', '.join(lacking)}")
 
 
 def read_escapement(args: argparse.Namespace) -> Escapement:
     """The escapement the arguments describe."""
+    require(args, declared(Escapement) | declared(Inertia))
     return Escapement(
         mechanism=read_mechanism(args),
         inertia=Inertia(**typed(args, declared(Inertia))),

@@ -1,20 +1,22 @@
 """Cases of a study file: one found by the values of its axes, and a few to be seen at once."""
 
+import itertools
+import math
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement.cli._parser import UsageError
+from escapement.cli._arguments import UsageError
 from escapement.errors import InputFileError, InvalidValue
 from escapement.status import Status
-from escapement.units import factor
+from escapement.units import SYSTEMS, factor, unit_name
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
 
 
 ROWS = 12
-RESULTS = ("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time")
+SHOWN = ("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time")
 
 
 def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
@@ -43,8 +45,11 @@ def load_case(path: Path, selection: str | None) -> tuple["StudyPlan", int]:
     wanted = parse(selection or "")
     configuration = read_configuration(path)
     if "sample" in configuration and "case" in wanted:
-        # as it was drawn and computed, not drawn again
-        row = read_sample_case(path, _whole(wanted.pop("case")))
+        case = wanted.pop("case")
+        if not case.is_integer():
+            raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
+        # another version of SciPy may draw other numbers: take those that were computed
+        row = read_sample_case(path, int(case))
         configuration["sample"] = {"method": "list"} | {name: [row[name]] for name in row}
     try:
         plan = parse_plan(configuration)
@@ -80,79 +85,69 @@ def parse(selection: str) -> dict[str, float]:
     return wanted
 
 
-def _whole(case: float) -> int:
-    if not case.is_integer():
-        raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
-    return round(case)
-
-
 def _place(path: Path, name: str, values: Any, wanted: dict[str, float]) -> int:
     """Index of the value that was wanted on one axis."""
-    if name not in wanted:
-        if values.size == 1:
-            return 0
+    from escapement.study.result import place_on
+
+    if name not in wanted and values.size > 1:
         raise UsageError(
             f"--select must choose one of the {values.size} values of {name} in {path}, got none; "
             f"add {name}={values[0]:g}"
         )
-    from escapement.study.result import place_on
-
     try:
-        return place_on(values, name, wanted[name], path)
+        return place_on(values, name, wanted[name], path) if name in wanted else 0
     except InvalidValue as error:
-        # as it stands: the name is one of the file's axes, not an option
+        # a UsageError is shown as it is: this name is no option of the command
         raise UsageError(str(error)) from None
 
 
 def some_cases(
     plan: "StudyPlan", path: str | PathLike[str], units: str | None
-) -> list[dict[str, Any]]:
+) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """At most a dozen cases of a study file, spread evenly over every dimension.
 
     Only those are read, however large the file. Parameters are in `units`, or in the
-    study's where that is None.
+    study's where that is None. Returned as well: the unit of every column.
     """
     import h5py
 
-    places = spread(plan.shape, ROWS)
-    numbers = {name: {name: values} for name, values in plan.dimensions.items()}
-    if plan.sample is not None:
-        numbers[[*numbers][-1]] |= plan.sample.values
+    from escapement.study.result import RESULTS
+
+    along = {name: {name: values} for name, values in plan.dimensions.items()}
+    if plan.sampled:
+        along["case"] |= plan.sampled
+    names = [name for columns in along.values() for name in columns]
+    scaled = {name: in_system(plan.unit(name), units) for name in names}
     with h5py.File(path, "r") as hdf5:
         cases = []
-        for place in places:
+        for place in spread(plan.shape, ROWS):
             case = {
-                name: values[i].item() * _scale(plan, name, units)
-                for along, i in zip(numbers.values(), place, strict=True)
-                for name, values in along.items()
+                name: values[i].item() * scaled[name][0]
+                for columns, i in zip(along.values(), place, strict=True)
+                for name, values in columns.items()
             }
-            case |= {name: float(hdf5[name][place]) for name in RESULTS}
+            case |= {name: float(hdf5[name][place]) for name in SHOWN}
             cases.append(case | {"status": Status(int(hdf5["status"][place])).label})
-    return cases
+    own = {name: unit for name, (_, unit) in scaled.items()}
+    return cases, own | {name: RESULTS[name].units for name in (*SHOWN, "status")}
 
 
-def _scale(plan: "StudyPlan", name: str, units: str | None) -> float:
-    """Factor from the study's units of a parameter to `units`."""
-    if units in (None, plan.unit_system) or name not in plan.parameters:
-        return 1  # a whole number stays whole
-    unit = plan.parameters[name].unit
-    return factor(unit, plan.unit_system) / factor(unit, units)
+def in_system(unit: str, system: str | None) -> tuple[float, str]:
+    """Factor that brings numbers of a unit into `system`, and the unit's name there."""
+    for quantity in ("torque", "inertia", "length", "force"):
+        for own in SYSTEMS:
+            if system not in (None, own) and unit == unit_name(quantity, own):
+                return factor(quantity, own) / factor(quantity, system), unit_name(quantity, system)
+    return 1, unit  # a whole number stays whole
 
 
 def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:
     """At most `most` grid places: the ends of every axis, then places between them."""
-    import itertools
-    import math
-
     counts = list(shape)
     while math.prod(counts) > most:
         counts[counts.index(max(counts))] -= 1
-    picks = [_evenly(size, count) for size, count in zip(shape, counts, strict=True)]
+    picks = [
+        [round(i * (size - 1) / (count - 1)) for i in range(count)] if count > 1 else [size // 2]
+        for size, count in zip(shape, counts, strict=True)
+    ]
     return list(itertools.product(*picks))
-
-
-def _evenly(size: int, count: int) -> list[int]:
-    """`count` of the indices of an axis, both ends among them; of one, the middle."""
-    if count == 1:
-        return [size // 2]
-    return [round(i * (size - 1) / (count - 1)) for i in range(count)]

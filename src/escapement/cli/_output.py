@@ -7,17 +7,15 @@ import argparse
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from escapement.cli._parser import UsageError
+from escapement.cli._arguments import UsageError
 from escapement.errors import CannotCreate
-from escapement.files.atomic import cannot_create, check_replaceable, check_target
-from escapement.files.names import picture_format
-from escapement.text import as_json, plain
-from escapement.units import factor
+from escapement.files import cannot_create, check_replaceable, check_target, picture_format
+from escapement.text import as_json, plain, print_columns, print_values, words
+from escapement.units import factor, unit_name
 
 _INPUTS = ("data", "study", "table")
 _NOT_GIVEN = {
@@ -27,12 +25,68 @@ _NOT_GIVEN = {
 }
 
 
-def print_json(record: dict[str, Any]) -> None:
+def report(
+    args: argparse.Namespace,
+    record: Mapping[str, Any],
+    quantities: Mapping[str, str],
+    labels: Mapping[str, str] | None = None,
+) -> None:
+    """Print what a command found, in the user's units, as JSON or as a table.
+
+    Parameters
+    ----------
+    args : Namespace
+        With `_arguments.add_common`.
+    record : Mapping
+        Numbers in SI, texts and lists by JSON key; a `message` goes to stderr too.
+    quantities : Mapping
+        Kind of unit of those numbers that have one, see `escapement.units`.
+    labels : Mapping, optional
+        What the table calls a key, where that is not the key in words.
+    """
+    shown = {
+        key: in_units(value, quantities[key], args.units)
+        if key in quantities and value is not None
+        else value
+        for key, value in record.items()
+    }
+    if args.json:
+        print_json(shown)
+    else:
+        _print_table(shown, quantities, args.units, labels or {})
+    if "message" in shown:
+        note(str(shown["message"]))
+
+
+def _print_table(
+    record: Mapping[str, Any], quantities: Mapping[str, str], system: str, labels: Mapping[str, str]
+) -> None:
+    """Name, value and unit of each; a list of objects follows as a table of its own."""
+    units = {key: "deg" for key in record if key.endswith("_deg")}
+    units |= {key: unit_name(quantity, system) for key, quantity in quantities.items()}
+    tables = {
+        key: value
+        for key, value in record.items()
+        if isinstance(value, list) and value and isinstance(value[0], dict)
+    }
+    print_values(
+        (labels.get(key, words(key)), value, units.get(key, ""))
+        for key, value in record.items()
+        if key not in tables and key != "message"
+    )
+    for key, rows in tables.items():
+        if len(rows) > 1:
+            print(f"\n{words(key)}")
+            header = [words(name) + " (deg)" * name.endswith("_deg") for name in rows[0]]
+            print_columns([header], [row.values() for row in rows])
+
+
+def print_json(record: Mapping[str, Any]) -> None:
     """One object on stdout."""
     print(as_json(record), end="")
 
 
-def not_given(record: dict[str, Any]) -> list[str]:
+def not_given(record: Mapping[str, Any]) -> list[str]:
     """Why keys hold nothing, of those for which there is but one reason."""
     return [
         f"{key} is not given: {why}"
@@ -95,10 +149,11 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
     force : bool
         Whether an existing file may be replaced.
     """
+    folder = check_target(path, force).parent
     for other in others:
-        if _is_same(path, other):
+        if os.path.realpath(path) == os.path.realpath(other):
             raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
-    _try_writing(path, check_target(path, force).parent)
+    _try_writing(path, folder)
 
 
 def check_picture(path: Path, *others: Path) -> None:
@@ -117,31 +172,9 @@ def make_folder(path: Path) -> None:
         path.mkdir(exist_ok=True)
     except FileExistsError:
         raise CannotCreate(f"output {path} must be a folder, got a file; name another") from None
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise cannot_create(path, error) from None
     _try_writing(path, path)
-
-
-@contextmanager
-def folder(path: Path | None) -> Iterator[None]:
-    """A folder to fill, where one was asked for: if it is new and stays empty, it goes."""
-    new = path is not None and not path.exists()
-    try:
-        if path is not None:
-            make_folder(path)
-        yield
-    finally:
-        if path is not None and new:
-            with suppress(OSError):  # it is not empty
-                path.rmdir()
-
-
-def _is_same(path: Path, other: Path) -> bool:
-    """Whether both are one place; of what can be none, who opens it says why."""
-    try:
-        return os.path.realpath(path) == os.path.realpath(other)
-    except (OSError, ValueError):
-        return False
 
 
 def _try_writing(path: Path, folder: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _output
-from escapement.cli._parser import Parser
+from escapement.cli._arguments import Parser
 from escapement.text import print_columns
 
 if TYPE_CHECKING:

@@ -7,17 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from escapement import validate
 from escapement.cli import _arguments, _output
-from escapement.cli._parser import Parser, UsageError, checked, number, one_of, whole
+from escapement.cli._arguments import Parser, UsageError, checked, number, one_of, whole
 from escapement.text import print_columns, print_values, words
 
 if TYPE_CHECKING:
-    from escapement.measurement import (
-        Encoder,
-        Measurement,
-        NormalityTest,
-        Periodogram,
-        ShaftError,
-    )
+    from escapement.measurement import Encoder, Measurement
 
 SUMMARY = "Measured positions of input and output against theory, with statistics."
 
@@ -103,20 +97,10 @@ def execute(args: argparse.Namespace) -> int:
     mechanism = _arguments.read_mechanism(args)
     from escapement.measurement import measure, read_readings
 
-    readings = read_readings(
-        args.data,
-        input=args.input_column,
-        output=args.output_column,
-        angle_unit=args.angle_unit,
-    )
-    result = measure(
-        readings,
-        mechanism,
-        bins=args.bins,
-        confidence=args.confidence,
-        encoder=encoder,
-        zeros=zeros,
-    )
+    columns = {"input": args.input_column, "output": args.output_column}
+    readings = read_readings(args.data, **columns, angle_unit=args.angle_unit)
+    options = {"bins": args.bins, "confidence": args.confidence, "zeros": zeros}
+    result = measure(readings, mechanism, encoder=encoder, **options)
     _write(result, args)
     record = summarise(result)
     if args.json:
@@ -151,11 +135,6 @@ def _read_zeros(args: argparse.Namespace) -> tuple[float, float] | None:
         )
     if missing:
         return None
-    from escapement.measurement.readings import FARTHEST, WITHIN
-
-    for name, angle in given.items():
-        if abs(math.radians(angle)) > FARTHEST:
-            raise validate.fail(name, WITHIN, angle, "give an angle in degrees")
     return math.radians(args.phase), math.radians(args.offset)
 
 
@@ -173,71 +152,70 @@ def _write(result: "Measurement", args: argparse.Namespace) -> None:
 
 def summarise(result: "Measurement") -> dict[str, Any]:
     """What `measure` reports, by JSON key; angles in degrees."""
-
-    def degrees(values: Any) -> list[float]:
-        return [math.degrees(value) for value in values]
-
-    fit, sensor = result.fit, result.sensor_share
-    return {
-        "samples": result.errors.size,
+    fit, spectrum, peak = result.fit, result.periodogram, result.periodogram.peak
+    errors, power = result.errors, float(result.periodogram.power[result.periodogram.peak])
+    tests = result.chi_squared_test, result.published_test, result.anderson_darling_test
+    return _in_degrees({
+        "samples": errors.size,
         "missing": result.readings.missing,
         "synthetic": result.readings.synthetic,
-        "input_travel_deg": math.degrees(float(result.input.max() - result.input.min())),
+        "input_travel_deg": float(result.input.max() - result.input.min()),
         "sense": fit.sense,
-        "phase_deg": math.degrees(fit.phase),
-        "phase_error_deg": math.degrees(fit.phase_error),
-        "offset_deg": math.degrees(fit.offset),
-        "offset_error_deg": math.degrees(fit.offset_error),
-        "mean_deg": math.degrees(result.mean),
-        "standard_deviation_deg": math.degrees(result.standard_deviation),
-        "error_min_deg": math.degrees(float(result.errors.min())),
-        "error_max_deg": math.degrees(float(result.errors.max())),
+        "phase_deg": fit.phase,
+        "phase_error_deg": fit.phase_error,
+        "offset_deg": fit.offset,
+        "offset_error_deg": fit.offset_error,
+        "mean_deg": result.mean,
+        "standard_deviation_deg": result.standard_deviation,
+        "error_min_deg": float(errors.min()),
+        "error_max_deg": float(errors.max()),
         "confidence": result.confidence,
-        "interval_deg": degrees(result.interval),
-        "mean_interval_deg": degrees(result.mean_interval),
+        "interval_deg": result.interval,
+        "mean_interval_deg": result.mean_interval,
         "autocorrelation": result.autocorrelation,
         "bins": result.bins,
-        "bin_edges_deg": degrees(result.histogram.edges.tolist()),
+        "bin_edges_deg": result.histogram.edges.tolist(),
         "observed": result.histogram.observed,
         "expected": result.histogram.expected,
-        "chi_squared": _described(result.chi_squared_test),
-        "chi_squared_published": _described(result.published_test),
-        "anderson_darling": _described(result.anderson_darling_test),
-        "shaft_errors": [_of_shaft(error) for error in result.shaft_errors],
-        "periodogram_peak": _peak(result.periodogram),
-        "sensor": None
-        if sensor is None
-        else {f"{name}_deg": math.degrees(value) for name, value in sensor._asdict().items()},
+        **{
+            key: {
+                "statistic": float(test.statistic),
+                "degrees_of_freedom": test.degrees_of_freedom or None,
+                "p_value": float(test.p_value),
+            }
+            for key, test in zip(_TESTS, tests, strict=True)
+        },
+        "shaft_errors": [
+            _in_degrees({
+                "shaft": error.shaft,
+                "order": error.order,
+                "amplitude_deg": error.amplitude,
+                "standard_error_deg": error.standard_error,
+                "p_value": error.p_value,
+                "turns": error.turns,
+            })
+            for error in result.shaft_errors
+        ],
+        "periodogram_peak": _in_degrees({
+            "cycles_per_input_turn": float(spectrum.frequency[peak]),
+            "amplitude_deg": float(spectrum.amplitude[peak]),
+            "share_of_variance": power,
+            "false_alarm_probability": float(spectrum.false_alarm_probability(power)),
+        }),
+        "sensor": result.sensor_share
+        and _in_degrees({f"{key}_deg": x for key, x in result.sensor_share._asdict().items()}),
         "message": result.message,
-    }
+    })  # fmt: skip
 
 
-def _described(test: "NormalityTest") -> dict[str, Any]:
+def _in_degrees(record: dict[str, Any]) -> dict[str, Any]:
+    """A record whose keys that end in _deg hold degrees in place of radians."""
+
+    def converted(value: Any) -> Any:
+        return [*map(converted, value)] if isinstance(value, list | tuple) else math.degrees(value)
+
     return {
-        "statistic": float(test.statistic),
-        "degrees_of_freedom": test.degrees_of_freedom or None,
-        "p_value": float(test.p_value),
-    }
-
-
-def _of_shaft(error: "ShaftError") -> dict[str, Any]:
-    return {
-        "shaft": error.shaft,
-        "order": error.order,
-        "amplitude_deg": math.degrees(error.amplitude),
-        "standard_error_deg": math.degrees(error.standard_error),
-        "p_value": error.p_value,
-        "turns": error.turns,
-    }
-
-
-def _peak(spectrum: "Periodogram") -> dict[str, float]:
-    peak = spectrum.peak
-    return {
-        "cycles_per_input_turn": float(spectrum.frequency[peak]),
-        "amplitude_deg": math.degrees(float(spectrum.amplitude[peak])),
-        "share_of_variance": float(spectrum.power[peak]),
-        "false_alarm_probability": float(spectrum.false_alarm_probability(spectrum.power[peak])),
+        key: converted(value) if key.endswith("_deg") else value for key, value in record.items()
     }
 
 

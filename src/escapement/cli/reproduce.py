@@ -6,17 +6,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement.cli import _arguments, _output
-from escapement.cli._parser import Parser, one_of
-from escapement.files.atomic import replace_file
+from escapement.cli._arguments import Parser, one_of
+from escapement.files import replace_file
 from escapement.text import as_csv, as_json
 
 if TYPE_CHECKING:
-    from escapement.sources.reproduction import Reproduction
+    from escapement.sources.report import Reproduction
 
 SUMMARY = "A source's printed numbers beside computed ones, why they differ, and the figures."
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
-"""Folders of `escapement.sources`; `reproduce(units)` of each `report` gives a `Reproduction`."""
+"""Folders of `escapement.sources`; `reproduce(units)` of each gives a `Reproduction`."""
 ALL = "all"
 
 
@@ -43,25 +43,25 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Recompute, print, and fill the folder."""
-    with _output.folder(args.output):
-        if args.source != ALL:
-            record = _reproduce(args.source, args.output, args)
-        else:
-            record = {}
-            for number, source in enumerate(SOURCES):
-                if number and not args.json:
-                    print("\n")
-                folder = None if args.output is None else args.output / source
-                with _output.folder(folder):
-                    record[source] = _reproduce(source, folder, args)
+    if args.output is not None:
+        _output.make_folder(args.output)
+    record: dict[str, Any] = {}
+    for source in SOURCES if args.source == ALL else [args.source]:
+        if record and not args.json:
+            print("\n")
+        folder = args.output
+        if folder is not None and args.source == ALL:
+            folder = folder / source
+            _output.make_folder(folder)
+        record[source] = _reproduce(source, folder, args)
     if args.json:
-        _output.print_json(record)
+        _output.print_json(record if args.source == ALL else record[args.source])
     return 0
 
 
 def _reproduce(source: str, folder: Path | None, args: argparse.Namespace) -> dict[str, Any]:
     """Recompute one source, write and print what is wanted; its record."""
-    module = import_module(f"escapement.sources.{source}.report")
+    module = import_module(f"escapement.sources.{source}")
     made: Reproduction = module.reproduce(args.units)
     if folder is not None:
         contents = {".json": as_json(made.record), ".csv": as_csv(made.table)}

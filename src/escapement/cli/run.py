@@ -1,19 +1,19 @@
 """`escapement run`: one motion and its figures of merit."""
 
 import argparse
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from escapement import validate
 from escapement.cli import SOME_FAILED, _arguments, _output
-from escapement.cli._parser import Parser, UsageError, number, option, whole
+from escapement.cli._arguments import Parser, UsageError, option
 from escapement.errors import InvalidValue
 from escapement.model import Escapement, Inertia, Run
-from escapement.quantity import Setting, declared
+from escapement.quantity import Numbers, Quantity, Setting, declared
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
-from escapement.text import print_values, words
-from escapement.units import unit_name
+from escapement.text import print_values, show, words
+from escapement.units import SYSTEMS, factor, unit_name
 
 if TYPE_CHECKING:
     from escapement.metrics import Figures
@@ -24,7 +24,6 @@ SUMMARY = "One motion from pin entry, and its figures of merit."
 _LONG = 10_000  # engagements from which writing them takes seconds, and shows its progress
 _LONGEST_PLOT = 10_000  # engagements: a gigabyte of points
 _START = "initial_speed"
-_SOLVER = ("engine", "rtol", "atol", "method", "max_step")
 
 FIGURES = {
     "velocity_max": "speed",
@@ -55,18 +54,15 @@ def configure(parser: Parser) -> None:
         help="a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1",
     )
     _arguments.add_mechanism(parser)
-    model = parser.add_argument_group("model")
+    model, length = parser.add_argument_group("model"), declared(Run)
     for entry in _model().values():
         _arguments.add_setting(model, entry)
-    length = parser.add_argument_group("length of the motion")
-    length.add_argument(
-        "--engagements",
-        type=whole("--engagements", 1, "give how many to run"),
-        metavar="N",
-        help="engagements to run (default: 20)",
-    )
-    _arguments.add_setting(length, declared(Run)["duration"])
-    _add_solver(parser)
+    group = parser.add_argument_group("length of the motion")
+    for name in ("engagements", "duration"):
+        _arguments.add_setting(group, length[name])
+    solver = parser.add_argument_group("solver")
+    for entry in declared(Solver).values():
+        _arguments.add_setting(solver, entry)
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.h5", "write the motion")
     _arguments.add_plot(output, "draw the velocities")
@@ -80,29 +76,6 @@ def _model() -> dict[str, Setting]:
     return dict(sorted(every.items(), key=lambda item: not item[1].required))
 
 
-def _add_solver(parser: Parser) -> None:
-    solver = parser.add_argument_group("solver")
-    solver.add_argument("--engine", metavar="NAME", help="energy (default) or ivp, the reference")
-    solver.add_argument(
-        "--rtol",
-        type=number("--rtol", validate.number, "1e-10 is a good choice"),
-        metavar="R",
-        help="relative error of handoff times and speeds (default: 1e-12, with ivp 1e-10)",
-    )
-    solver.add_argument(
-        "--atol",
-        type=number("--atol", validate.non_negative, "leave it out"),
-        metavar="A",
-        help="with ivp: absolute tolerance as in SciPy's solve_ivp",
-    )
-    solver.add_argument(
-        "--method",
-        metavar="NAME",
-        help="with ivp: DOP853 (default), RK45, RK23, Radau, BDF or LSODA",
-    )
-    _arguments.add_setting(solver, declared(Solver)["max_step"])
-
-
 def execute(args: argparse.Namespace) -> int:
     """Simulate, write what was asked for, print the figures."""
     _output.check_wanted(args, file="FILE.h5")
@@ -114,10 +87,13 @@ def execute(args: argparse.Namespace) -> int:
     figures = terminal(escapement, **settings)
     _write(motion, args)
     record = summarise(motion, figures, args.units)
+    length = "engagements" if args.duration is None else "duration"
+    taken = args.duration or args.engagements or declared(Run)["engagements"].default
+    inputs = describe(escapement) | {_START: settings[_START], length: taken, "rtol": motion.rtol}
     if args.json:
-        _output.print_json(record)
+        _output.print_json({"inputs": {"units": args.units} | inputs} | record)
     else:
-        print_table(record, args.units)
+        print_table(inputs, record, args.units)
     outcome = motion if motion.status.failed else figures
     if record["message"] != MESSAGES[Status.OK]:
         _output.note(record["message"])
@@ -126,22 +102,11 @@ def execute(args: argparse.Namespace) -> int:
 
 def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
     """What to simulate, and the settings of `simulate`: of the arguments or of a study."""
-    given = {name: getattr(args, name) for name in _SOLVER if getattr(args, name) is not None}
+    given = _arguments.typed(args, declared(Solver))
     if args.study is None:
         if args.select is not None:
             raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
-        model = _model()
-        missing = [
-            option(name)
-            for name, entry in model.items()
-            if entry.required and getattr(args, name) is None
-        ]
-        if missing:
-            raise UsageError(
-                f"the following arguments are required: {', '.join(missing)}; "
-                "see 'escapement run --help'"
-            )
-        start = _arguments.typed(args, {_START: model[_START]})
+        start = {_START: 0.0} | _arguments.typed(args, {_START: declared(Run)[_START]})
         return _arguments.read_escapement(args), given | start
     _refuse_beside_study(args)
     from escapement.cli._cases import load_case
@@ -225,9 +190,43 @@ def _message(message: str, values: dict[str, Any]) -> str:
     return "; ".join(reasons if reasons and message == MESSAGES[Status.OK] else [message, *reasons])
 
 
-def print_table(record: dict[str, Any], units: str) -> None:
-    """The same as a table."""
-    rows = [
+def describe(escapement: Escapement) -> dict[str, Any]:
+    """Every number and choice of an escapement by name: with units, in each system of units."""
+    mechanism: Any = escapement.mechanism
+    found: dict[str, Any] = {"kind": mechanism.kind}
+    for owner in (mechanism, escapement.inertia, escapement):
+        for name, entry in declared(type(owner)).items():
+            value = getattr(owner, entry.key)
+            if value is None or isinstance(entry, Numbers):
+                continue
+            if isinstance(entry, Quantity):
+                if not entry.fits(mechanism.meshed):
+                    continue
+                scales = {system: factor(entry.unit, system) for system in SYSTEMS}
+                if len({*scales.values()}) > 1:
+                    value = {system: value / scale for system, scale in scales.items()}
+            found[name] = str(value) if isinstance(value, Fraction) else value
+    return found
+
+
+def print_table(inputs: dict[str, Any], record: dict[str, Any], units: str) -> None:
+    """What was simulated, with units in both systems, and what came of it."""
+    quantities = {
+        name: entry.unit
+        for owner in (Inertia, Escapement, Run)
+        for name, entry in declared(owner).items()
+        if isinstance(entry, Quantity)
+    }
+    (other,) = (system for system in SYSTEMS if system != units)
+    rows: list[tuple[str, Any, str]] = []
+    for name, value in inputs.items():
+        unit = quantities.get(name, "length" if isinstance(value, dict) else "ratio")
+        if isinstance(value, dict):
+            also = f"{show(value[other])} {unit_name(unit, other)}"
+            rows.append((words(name), value[units], f"{unit_name(unit, units)} = {also}"))
+        else:
+            rows.append((words(name), value, unit_name(unit, units)))
+    rows += [
         (words(key), record[key], unit_name(kind, units))
         for key, kind in FIGURES.items()
         if key in record

@@ -3,15 +3,13 @@
 import argparse
 import os
 import signal
-import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from escapement.cli import SOME_FAILED, _arguments, _cases, _output
-from escapement.cli._parser import Parser, UsageError, whole
+from escapement.cli._arguments import Parser, UsageError, whole
 from escapement.errors import InvalidValue
 from escapement.text import print_columns, words
-from escapement.units import unit_name
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
@@ -61,21 +59,21 @@ def execute(args: argparse.Namespace) -> int:
             f"--workers must not come with --scheduler {args.scheduler}, whose workers are "
             "already there; leave it out"
         )
-    path = Path(f"{args.config.stem}.h5") if args.output is None else args.output
+    path = args.output or Path(f"{args.config.stem}.h5")
     _output.check_output(path, args.config, force=args.force or args.resume)
     try:
         plan.check_mechanism()
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
     tally = _run(plan, path, args)
-    cases = _cases.some_cases(plan, path, args.units)
+    cases, units = _cases.some_cases(plan, path, args.units)
     if args.json:
-        sizes = {name: values.size for name, values in plan.dimensions.items()}
+        sizes = dict(zip(plan.dimensions, plan.shape, strict=True))
         record = {"output": str(path), "axes": sizes, "cases": tally.cases, "failed": tally.failed}
-        record["resumed"] = tally.resumed
-        _output.print_json(record | {"some_cases": cases})
+        _output.print_json(record | {"resumed": tally.resumed, "some_cases": cases})
     else:
-        _print_table(plan, cases, args.units or plan.unit_system)
+        below = ["" if units[name] == "1" else units[name] for name in cases[0]]
+        print_columns([[*map(words, cases[0])], below], ([*case.values()] for case in cases))
         before = f", {tally.resumed} of them from before" if tally.resumed else ""
         _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
     if tally.failed:
@@ -91,10 +89,8 @@ def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
     from escapement.study.run import write_plan
     from escapement.study.writer import partial_path
 
-    in_charge = threading.current_thread() is threading.main_thread()
-    previous = signal.getsignal(signal.SIGTERM)
-    if in_charge:
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # a job scheduler ends a process by SIGTERM: it keeps what is finished, as after Ctrl-C
+    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return write_plan(
             plan,
@@ -111,16 +107,4 @@ def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
             _output.note(f"what was finished is in {partial.name}; continue with --resume")
         raise
     finally:
-        if in_charge:
-            signal.signal(signal.SIGTERM, previous)
-
-
-def _print_table(plan: "StudyPlan", cases: list[dict[str, Any]], units: str) -> None:
-    named = {name: unit_name(parameter.unit, units) for name, parameter in plan.parameters.items()}
-    named |= {
-        name: "s" if name.endswith(("period", "time")) else "rad s-1" for name in _cases.RESULTS
-    }
-    names = [*cases[0]]
-    header = [words(name) for name in names]
-    below = ["" if named.get(name) in (None, "1") else named[name] for name in names]
-    print_columns([header, below], ([case[name] for name in names] for case in cases))
+        signal.signal(signal.SIGTERM, previous)

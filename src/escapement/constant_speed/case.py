@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from escapement import validate
-from escapement.errors import InvalidValue
 from escapement.model import Escapement, Inertia, Mechanism, check_losses, is_mechanism
 from escapement.quantity import Declared, check_number, like, quantity
 
@@ -44,11 +42,6 @@ class Case(Declared):
         checked(self.mechanism)
         self.check_fields()
         check_losses(self, self.mechanism.path.table)
-        if not 0.0 < self.inertial < math.inf:
-            raise InvalidValue(
-                "speed and follower_inertia must give a torque a double can hold, got "
-                f"{self.speed!r} rad/s and {self.follower_inertia!r} kg m^2; choose other units"
-            )
 
     @property
     def load_varies(self) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.constant_speed.case import Case, checked, checked_number
-from escapement.constant_speed.kernels import tabulate_torque
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
@@ -54,74 +52,63 @@ def contact_moment(
     ------
     InvalidValue
         When an argument breaks its rule.
+    ValueError
+        When the shapes of the arrays do not fit.
     """
-    wanted = {"theta": theta, "speed": speed, "acceleration": acceleration}
-    given = [finite(name, value) for name, value in wanted.items()]
-    try:
-        angles, speeds, rates = np.broadcast_arrays(*given)
-    except ValueError:
-        shapes = ", ".join(str(values.shape) for values in given)
-        raise InvalidValue(
-            f"theta, speed and acceleration must have shapes that fit, got {shapes}; give one of "
-            "each for every state, or one for all"
-        ) from None
+    given = {"theta": theta, "speed": speed, "acceleration": acceleration}
+    states = [validate.numbers(name, value, "give finite numbers") for name, value in given.items()]
+    angles, speeds, rates = np.broadcast_arrays(*states)
     inertia = checked_number("follower_inertia", follower_inertia)
     load = checked_number("load_torque", load_torque)
     exit_ = checked(mechanism).breaks[-1]
     angles = within_cell(mechanism, angles)
     engaged = np.minimum(angles, exit_)
     ratios = transmission(mechanism.path, engaged)
-    with np.errstate(over="ignore", invalid="ignore"):
-        driven = inertia * (ratios.g * rates + ratios.dg * speeds**2)
+    driven = inertia * (ratios.g * rates + ratios.dg * speeds**2)
     moment = load_at(load, np.asarray(mechanism.follower_angle(engaged))) + driven
-    if not np.isfinite(moment).all():
-        raise InvalidValue(
-            "speed, acceleration and follower_inertia must give a moment within the range of a "
-            "double, got more; choose less extreme values"
-        )
     return np.where(angles > exit_, 0.0, moment)
 
 
 def table(case: Case, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Follower angle, load torque, and g, contact moment and torque, at 1-D angles."""
+    """Follower angle, load torque, and g, contact moment and torque, at 1-D angles.
+
+    The equation of motion with theta_ddot = 0: N R = load + I_f omega^2 g' and p = g + s mu |u|,
+    s the sign of N R. The torque is p N R / eta where the driver works, and eta p N R where it
+    is driven; with mu = 0 that is Filemon's (6), whose 1/eta holds for the driving part.
+    """
     phi = np.asarray(case.mechanism.follower_angle(theta), dtype=float)
-    load = load_at(case.load_torque, phi)
-    out = np.empty((3, theta.size))
-    path, friction, efficiency = case.mechanism.path, case.friction, case.efficiency
-    tabulate_torque(path, theta, load, case.inertial, friction, efficiency, out)
-    if not np.abs(out).max(initial=0.0) < _LARGEST:
+    load, found = load_at(case.load_torque, phi), transmission(case.mechanism.path, theta)
+    with np.errstate(over="ignore", invalid="ignore"):
+        moment = load + case.inertial * found.dg
+        side = np.where(moment >= 0.0, 1.0, -1.0)
+        torque = (found.g + side * case.friction * np.abs(found.u)) * moment
+        torque = np.where(torque >= 0.0, torque / case.efficiency, torque * case.efficiency)
+    if not np.abs(torque).max(initial=0.0) < _LARGEST:
         raise InvalidValue(
             "load_torque, follower_inertia, speed and friction must give a torque within the "
             "range of a double, got more; choose less extreme values"
         )
-    return phi, load, out
+    return phi, load, np.array([found.g, moment, torque])
 
 
 def load_at(load: Load, phi: FloatArray) -> FloatArray:
     """Load torque at follower angles, of their shape [N m]."""
-    values = _asked(load, phi) if callable(load) else np.asarray(load, dtype=float)
+    if not callable(load):
+        return np.full(phi.shape, float(load))
+    try:
+        values = np.broadcast_to(load(phi), phi.shape).astype(float, casting="same_kind")
+    except (TypeError, ValueError) as error:
+        got = " ".join(str(error).split())[:120]
+        raise InvalidValue(
+            "load_torque must be a function of an array of follower angles that gives the torque "
+            f"at each, a real number, got: {got}; write it with NumPy, numpy.where for cases"
+        ) from None
     if not np.isfinite(values).all():
         raise InvalidValue(
             "load_torque must give a finite torque at every follower angle, got "
-            f"{float(values[~np.isfinite(values)].flat[0])!r}; check the function"
+            f"{float(values[~np.isfinite(values)][0])!r}; check the function"
         )
-    return np.array(np.broadcast_to(values, phi.shape))
-
-
-def _asked(load: Callable[[FloatArray], ArrayLike], phi: FloatArray) -> FloatArray:
-    """What a load function gives at follower angles, real numbers of their shape."""
-    try:
-        values = np.ma.filled(load(phi), np.nan)
-        if values.dtype.kind in "biuf":
-            return np.broadcast_to(values.astype(float), phi.shape)
-        got = repr(values.reshape(-1)[:1].tolist())
-    except (TypeError, ValueError) as error:
-        got = str(error)
-    got = " ".join(got.split())[:120]
-    raise InvalidValue(
-        "load_torque must be a function of an array of follower angles that gives the torque at "
-        f"each, a real number, got: {got}; write it with NumPy, numpy.where for cases"
-    )
+    return values
 
 
 def within_cell(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
@@ -137,15 +124,3 @@ def within_cell(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
         )
     engaged = theta <= exit_ + hair
     return np.where(engaged, np.clip(theta, entry, exit_), np.minimum(theta, end))
-
-
-def finite(name: str, value: ArrayLike) -> FloatArray:
-    """`value` as an array of finite real numbers."""
-    remedy = "give finite numbers"
-    try:
-        given = np.ma.filled(value, np.nan)
-    except (TypeError, ValueError):
-        raise validate.fail(name, "finite numbers", value, remedy) from None
-    if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
-        raise validate.fail(name, "finite numbers", value, remedy)
-    return given.astype(float)

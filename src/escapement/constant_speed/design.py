@@ -5,6 +5,7 @@ exceed F12 of the mechanism.
 """
 
 import math
+from bisect import bisect_left
 
 from escapement import validate
 from escapement.constant_speed import geneva
@@ -107,21 +108,15 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
     remedy = "give F = I_f omega^2/M_load"
     ratio = validate.non_negative("inertia_ratio", inertia_ratio, remedy)
 
-    def free(slots: int) -> bool:
-        return bool(geneva.reversal_limits(slots, internal)[0] >= ratio)
-
-    if not free(MOST_SLOTS):
+    fewest = 3 + bisect_left(
+        range(3, MOST_SLOTS + 1), ratio, key=lambda n: float(geneva.reversal_limits(n, internal)[0])
+    )
+    if fewest > MOST_SLOTS:
         raise InvalidValue(
             f"inertia_ratio must be below the limit of any wheel, of {MOST_SLOTS:,} slots at "
             f"most, got {ratio!r}; lower the speed or the inertia, or brake the follower"
         )
-    jammed, enough = 2, 3
-    while not free(enough):
-        jammed, enough = enough, 2 * enough
-    while enough - jammed > 1:
-        middle = (jammed + enough) // 2
-        jammed, enough = (jammed, middle) if free(middle) else (middle, enough)
-    return enough
+    return fewest
 
 
 def _constant(load_torque: float) -> float:

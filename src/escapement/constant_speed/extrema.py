@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from escapement.chebyshev import Function, Series, extremes, fit
 from escapement.constant_speed import geneva
-from escapement.constant_speed._chebyshev import Function, Piece, extremes, interpolate
 from escapement.constant_speed.case import checked
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import transmission
@@ -79,17 +79,16 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
 
     Source: Filemon (1960), eqs. 2 to 5 and Table I.
     """
-    checked(mechanism)
-    bent = _extrema(lambda x: jerk_function(mechanism, x), _jerk_pieces(mechanism))
+    points = edges(checked(mechanism))
+    known: Function | None = getattr(mechanism, "jerk", None)
+    jerk = fit(known, points) if known else _rate(mechanism).derivative()
+    bent = _extrema(known or jerk, jerk)
     if isinstance(mechanism, Geneva):
         return TransmissionExtrema(*_closed_forms(mechanism), *bent)
-    points = edges(mechanism)
-    speed, rate = _reader(mechanism, "g"), _reader(mechanism, "dg")
-    ratio, _ = _extrema(speed, interpolate(speed, points))
-    start, exit_ = (float(value) for value in rate(np.array([points[0], points[-1]])))
-    return TransmissionExtrema(
-        ratio, start, exit_, *_extrema(rate, interpolate(rate, points)), *bent
-    )
+    start, exit_ = transmission(mechanism.path, points[[0, -1]]).dg.tolist()
+    ratio, _ = _extrema(_reader(mechanism, "g"), fit(_reader(mechanism, "g"), points))
+    rates = _extrema(_reader(mechanism, "dg"), _rate(mechanism))
+    return TransmissionExtrema(ratio, start, exit_, *rates, *bent)
 
 
 def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
@@ -99,29 +98,13 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
     eq. 5, whose 1 - c^2 must read 1 + c^2), for a gear-driven one and for a planetary
     drive, else the derivative of an interpolant of g'.
     """
-    angles = np.asarray(theta, dtype=float)
-    known = _known_jerk(mechanism)
-    if known is not None:
-        return known(angles)
-    flat = np.ascontiguousarray(angles).reshape(-1)
-    out = np.empty_like(flat)
-    slopes = [piece.derivative() for piece in _rate_pieces(mechanism)]
-    inside = np.array([piece.low for piece in slopes[1:]])
-    place = np.searchsorted(inside, flat, side="right")
-    for k in np.unique(place):
-        out[place == k] = slopes[k].values(flat[place == k])
-    return out.reshape(angles.shape)
+    known: Function | None = getattr(mechanism, "jerk", None)
+    return (known or _rate(mechanism).derivative())(np.asarray(theta, dtype=float))
 
 
-def edges(mechanism: Mechanism) -> list[float]:
+def edges(mechanism: Mechanism) -> FloatArray:
     """Driver angles between which the transmission is analytic [rad]: of a table, its knots."""
-    result: list[float] = smooth_intervals(mechanism.path, mechanism.breaks).tolist()
-    return result
-
-
-def _known_jerk(mechanism: Mechanism) -> Function | None:
-    """g'' in closed form, of a mechanism that has one."""
-    return getattr(mechanism, "jerk", None)
+    return smooth_intervals(mechanism.path, mechanism.breaks)
 
 
 def _closed_forms(wheel: Geneva) -> tuple[Extremum, float, float, Extremum, Extremum]:
@@ -143,17 +126,10 @@ def _reader(mechanism: Mechanism, name: str) -> Function:
     return lambda theta: getattr(transmission(path, theta), name)
 
 
-def _rate_pieces(mechanism: Mechanism) -> list[Piece]:
-    return interpolate(_reader(mechanism, "dg"), edges(mechanism))
+def _rate(mechanism: Mechanism) -> Series:
+    return fit(_reader(mechanism, "dg"), edges(mechanism))
 
 
-def _jerk_pieces(mechanism: Mechanism) -> list[Piece]:
-    known = _known_jerk(mechanism)
-    if known is not None:
-        return interpolate(known, edges(mechanism))
-    return [piece.derivative() for piece in _rate_pieces(mechanism)]
-
-
-def _extrema(function: Function, pieces: list[Piece]) -> tuple[Extremum, Extremum]:
-    top, top_at, bottom, bottom_at = extremes(function, pieces)
+def _extrema(function: Function | Series, series: Series) -> tuple[Extremum, Extremum]:
+    top, top_at, bottom, bottom_at = extremes(function, series)
     return Extremum(top, top_at), Extremum(bottom, bottom_at)

@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from escapement import validate
 from escapement.constant_speed import geneva
 from escapement.constant_speed.kernels import study
-from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
 
@@ -67,7 +66,9 @@ def reversal_study(
     Raises
     ------
     InvalidValue
-        When a number of slots or an F breaks its rule, or shapes do not fit.
+        When a number of slots or an F breaks its rule.
+    ValueError
+        When the shapes of both do not fit.
 
     Source: Filemon (1960), eqs. 7 to 11.
     """
@@ -83,21 +84,8 @@ def reversal_study(
     zone = np.empty(flat.size, dtype=np.uint8)
     reversals = np.empty((flat.size, 2))
     top, place = np.empty(flat.size), np.empty(flat.size)
-    corners = np.empty(0)
-    study(
-        paths,
-        corners,
-        entry,
-        steepest,
-        limit_12,
-        limit_23,
-        which,
-        flat,
-        zone,
-        reversals,
-        top,
-        place,
-    )
+    wheel_numbers = (paths, np.empty(0), entry, steepest, limit_12, limit_23)
+    study(*wheel_numbers, which, flat, zone, reversals, top, place)
     shape = n.shape
     mean = d[which] * (1.0 + flat * a[which])
     return ReversalStudy(
@@ -107,25 +95,13 @@ def reversal_study(
 
 
 def _checked(slots: ArrayLike, inertia_ratio: ArrayLike) -> tuple[np.ndarray, FloatArray]:
-    n, ratio = np.asarray(slots), np.asarray(inertia_ratio)
-    rules = (
-        ("slots", n, "iu", 3, "whole numbers of at least 3", "a Geneva wheel needs 3 or more"),
-        (
-            "inertia_ratio", ratio, "iuf", 0, "finite numbers of at least 0",
-            "give F = I_f omega^2/M_load",
-        ),
-    )  # fmt: skip
-    for name, values, kinds, least, rule, remedy in rules:
-        if values.dtype.kind not in kinds:
-            raise validate.fail(name, rule, values.flat[0] if values.size else None, remedy)
-        wrong = ~(np.isfinite(values) & (values >= least))
+    ratio = validate.numbers("inertia_ratio", inertia_ratio, "give F = I_f omega^2/M_load")
+    n = validate.numbers("slots", slots, "give numbers of slots")
+    for name, values, wrong, rule in (
+        ("slots", n, (n < 3) | (n != np.rint(n)), "whole numbers of at least 3"),
+        ("inertia_ratio", ratio, ratio < 0.0, "at least 0"),
+    ):
         if wrong.any():
-            raise validate.fail(name, rule, values[wrong].flat[0].item(), remedy)
-    try:
-        n, ratio = np.broadcast_arrays(n, ratio.astype(float))
-    except ValueError:
-        raise InvalidValue(
-            f"slots and inertia_ratio must have shapes that fit, got {n.shape} and {ratio.shape}; "
-            "give one of each for every case, or one for all"
-        ) from None
+            raise validate.fail(name, rule, values[wrong][0].item(), "correct it")
+    n, ratio = np.broadcast_arrays(n.astype(int), ratio)
     return n, ratio

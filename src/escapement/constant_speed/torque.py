@@ -8,6 +8,7 @@ changes sign the pin changes sides of its slot.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -17,15 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.constant_speed._chebyshev import extremes, interpolate, zeros
+from escapement.chebyshev import extremes, fit, zeros
 from escapement.constant_speed.case import Case
-from escapement.constant_speed.contact import finite, table, within_cell
+from escapement.constant_speed.contact import table, within_cell
 from escapement.constant_speed.extrema import (
     edges,
     rounding_of_acceleration,
     transmission_extrema,
 )
-from escapement.constant_speed.kernels import tabulate_ratio
+from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ class DriveTorque(Case):
         InvalidValue
             Where an angle is not finite or lies outside the cell.
         """
-        angles, exit_ = finite("theta", theta), self.mechanism.breaks[-1]
+        angles, exit_ = validate.numbers("theta", theta, "give angles"), self.mechanism.breaks[-1]
         flat = within_cell(self.mechanism, angles).reshape(-1)
         phi, load, values = table(self, np.minimum(flat, exit_))
         values[1:, flat > exit_] = 0.0
@@ -217,13 +218,7 @@ def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> f
     load = validate.positive(
         "load_torque", load_torque, "without a load there is no inertia ratio F"
     )
-    ratio = follower_inertia * speed * speed / load
-    if not ratio < math.inf:
-        raise validate.fail(
-            "load_torque", "great enough for an inertia ratio F a double can hold", load,
-            "give 0 for no load",
-        )  # fmt: skip
-    return ratio
+    return follower_inertia * speed * speed / load
 
 
 def _find_reversals(case: Case) -> tuple[FloatArray, int]:
@@ -242,16 +237,12 @@ def _find_reversals(case: Case) -> tuple[FloatArray, int]:
     return np.array(reversals), 3 if side < 0.0 else 2
 
 
-def _places(case: Case, points: list[float]) -> list[float]:
+def _places(case: Case, points: Iterable[float]) -> FloatArray:
     """`points`, and between them more where a load may hide something narrow."""
+    places = np.unique(np.fromiter(points, dtype=float))
     if not case.load_varies:
-        return points
-    width = (points[-1] - points[0]) / _PIECES
-    spans = [
-        np.linspace(low, high, math.ceil((high - low) / width), endpoint=False)
-        for low, high in pairwise(points)
-    ]
-    return [*np.concatenate(spans).tolist(), points[-1]]
+        return places
+    return np.unique(np.concatenate([places, np.linspace(places[0], places[-1], _PIECES + 1)]))
 
 
 def _side(case: Case, low: float, high: float) -> float:
@@ -265,34 +256,28 @@ def _side(case: Case, low: float, high: float) -> float:
 def _torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
     """Extremes and mean of the torque, between the points where it has kinks."""
     points, half = edges(case.mechanism), case.half
-    kinks = {*points, half, *reversals.tolist(), *_idle(case, reversals)}
+    kinks = np.concatenate([points, [half], reversals, _idle(case, reversals)])
 
     def torque(theta: FloatArray) -> FloatArray:
-        result: FloatArray = table(case, theta)[2][2]
-        return result
+        values: FloatArray = table(case, theta)[2][2]
+        return values
 
-    pieces = interpolate(torque, _places(case, sorted(kinks)))
-    first = [piece for piece in pieces if piece.high <= half]
-    mean = sum(piece.integral() for piece in first) / (half - points[0])
-    top, top_at, bottom, bottom_at = extremes(torque, pieces)
-    return {
-        "torque_max": top,
-        "torque_max_angle": top_at,
-        "torque_min": bottom,
-        "torque_min_angle": bottom_at,
-        "torque_mean": float(mean),
-    }
+    series = fit(torque, _places(case, kinks))
+    first_half = series.edges[1:] <= half
+    names = ("torque_max", "torque_max_angle", "torque_min", "torque_min_angle")
+    figures = dict(zip(names, extremes(torque, series), strict=True))
+    mean = series.integrals()[first_half].sum() / (half - points[0])
+    return figures | {"torque_mean": float(mean)}
 
 
-def _idle(case: Case, reversals: FloatArray) -> list[float]:
+def _idle(case: Case, reversals: FloatArray) -> FloatArray:
     """Where friction holds what the follower drives, p = 0: the power turns round there."""
     if case.friction == 0.0 or case.efficiency == 1.0 or len(reversals) == 0:
-        return []
+        return np.empty(0)
 
     def ratio(theta: FloatArray) -> FloatArray:
-        out = np.empty_like(theta)
-        tabulate_ratio(case.mechanism.path, theta, -1.0, case.friction, out)
-        return out
+        found = transmission(case.mechanism.path, theta)
+        result: FloatArray = found.g - case.friction * np.abs(found.u)
+        return result
 
-    result: list[float] = zeros(ratio, edges(case.mechanism)).tolist()
-    return result
+    return zeros(ratio, edges(case.mechanism))

@@ -1,12 +1,12 @@
 """Encoder readings against a mechanism's position function (Prikhodko 2020)."""
 
-from escapement.measurement.comparison import Measurement, measure
-from escapement.measurement.csv_files import read_readings, write_errors, write_readings
+from escapement.measurement.comparison import Measurement, measure, write_errors
 from escapement.measurement.encoder import (
     Encoder,
     SensorShare,
     sensor_share,
     sensor_uncertainty,
+    synthetic_readings,
 )
 from escapement.measurement.fit import Fit, position, slope
 from escapement.measurement.normality import (
@@ -19,10 +19,9 @@ from escapement.measurement.normality import (
     published_chi_squared,
     sturges,
 )
-from escapement.measurement.readings import Readings
+from escapement.measurement.readings import Readings, read_readings, write_readings
 from escapement.measurement.shafts import ShaftError
 from escapement.measurement.spectrum import Periodogram
-from escapement.measurement.synthetic import synthetic_readings
 
 __all__ = [
     "Encoder",

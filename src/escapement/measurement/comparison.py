@@ -1,6 +1,7 @@
 """Measured positions against a mechanism's position function."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -9,8 +10,6 @@ import numpy as np
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.measurement.cautions import cautions
-from escapement.measurement.csv_files import read_readings
 from escapement.measurement.encoder import (
     Encoder,
     SensorShare,
@@ -28,11 +27,17 @@ from escapement.measurement.normality import (
     histogram,
     published_chi_squared,
 )
-from escapement.measurement.readings import TURN, Readings, wraps
+from escapement.measurement.readings import TURN, Readings, read_readings, wraps, write_table
 from escapement.measurement.shafts import ShaftError, shaft_errors
 from escapement.measurement.spectrum import Periodogram, periodogram
 from escapement.model import FloatArray, Mechanism
 
+_SURE = 1e-3
+"""A p-value below it is told to the reader."""
+_ALIKE = 0.05  # a smaller correlation spoils no p-value
+_TELLING = 3.0  # an amplitude of fewer standard errors is all but hidden
+_LEAST = 5e-324  # it stands for a p-value that is too small for a double
+_CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 _EXPECTED = 5  # the chi-squared law needs so many errors in a class on average
 
 
@@ -159,7 +164,7 @@ class Measurement:
     @cached_property
     def message(self) -> str:
         """What a reader of these figures must know, "" where there is nothing."""
-        return "; ".join(cautions(self))
+        return "; ".join(_cautions(self))
 
 
 def measure(
@@ -244,3 +249,110 @@ def _checked_zeros(zeros: tuple[float, float]) -> tuple[float, float]:
             "zeros", "a phase and an offset in rad", zeros, "give both, or leave it out"
         ) from None
     return checked_zero("phase", phase), checked_zero("offset", offset)
+
+
+def write_errors(result: Measurement, path: str | PathLike[str], *, force: bool = False) -> None:
+    """Write input, output, theory and error of each complete sample.
+
+    Parameters
+    ----------
+    result : Measurement
+        What `escapement.measure` returns.
+    path, force :
+        As for `write_readings`.
+    """
+    columns = {
+        "input_deg": result.input,
+        "output_deg": result.output,
+        "theory_deg": result.fit.theory,
+        "error_deg": result.errors,
+    }
+    write_table(path, columns, result.readings.synthetic, "", force)
+
+
+def _cautions(result: Measurement) -> Iterator[str]:
+    """Sentences for the reader, the gravest first."""
+    if result.readings.synthetic:
+        yield "synthetic data, computed and not measured"
+    if result.readings.remark:
+        yield result.readings.remark
+    yield from _on_the_fit(result)
+    yield from _on_independence(result)
+    yield from _on_shafts(result)
+
+
+def _on_the_fit(result: Measurement) -> Iterator[str]:
+    rms = math.hypot(result.mean, result.standard_deviation)
+    if rms > 0.25 * abs(result.mechanism.follower_step):
+        yield (
+            f"errors of {math.degrees(rms):.3g} degrees are large against a step of "
+            f"{math.degrees(abs(result.mechanism.follower_step)):.3g}: check the mechanism, "
+            "which column is the input, and the unit of the angles"
+        )
+    if not math.isfinite(result.published_test.statistic):
+        far = int(np.argmax(np.abs(result.errors - result.mean)))
+        away = abs(result.errors[far] - result.mean) / result.standard_deviation
+        yield (
+            f"an error of {math.degrees(result.errors[far]):.3g} degrees is {away:.0f} standard "
+            "deviations out, where a normal law expects nothing: chi_squared_published is infinite"
+        )
+    if math.isnan(result.fit.phase_error):
+        yield "the output turns evenly over these samples, so the phase cannot be told"
+    readings = result.readings
+    known = np.flatnonzero(np.isfinite(readings.input))
+    if wraps(readings.input[known]):
+        steps = np.abs(np.diff(readings.counted_input[known]))
+        far = int(np.argmax(steps))
+        if steps[far] > _CLOSE_TO_HALF_A_TURN:
+            line = readings.line[known[far + 1]]  # type: ignore[index]
+            yield (
+                f"the input goes on by {math.degrees(steps[far]):.0f} degrees at line {line}: "
+                "its turns may be miscounted, measure closer"
+            )
+
+
+def _on_independence(result: Measurement) -> Iterator[str]:
+    least = max(3.3 / math.sqrt(result.errors.size), _ALIKE)
+    alike, rest = result.autocorrelation, result.rest_autocorrelation
+    # a wave that is found makes neighbours alike, but spoils no test for waves
+    if rest > least:
+        spoilt = "all tests, false alarms, standard errors and intervals of the mean"
+    else:
+        spoilt = "tests of normality, errors of phase and offset and intervals of the mean"
+    if max(alike, rest) > least:
+        yield (
+            f"neighbouring errors are alike (correlation {max(alike, rest):.2f}), while {spoilt} "
+            "take them for independent: do not trust those"
+        )
+
+
+def _on_shafts(result: Measurement) -> Iterator[str]:
+    for error in result.shaft_errors:
+        if error.p_value < _SURE:
+            yield _on_shaft(error, result.rest_autocorrelation)
+    unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
+    if unknown:
+        yield (
+            f"errors that come back with {' and '.join(unknown)} are not judged: not measured all "
+            "round, or not to be told from others"
+        )
+    if result.periodogram.samples < result.errors.size:
+        yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"
+
+
+def _on_shaft(error: ShaftError, correlation: float) -> str:
+    """What comes back, with reserve where correlated noise may look the same."""
+    # To a slow wave n errors of correlation r are worth n (1 - r)/(1 + r) independent ones.
+    # In an F test with two degrees of freedom p is then raised to that share.
+    worth = (1.0 - correlation) / (1.0 + correlation) if correlation > 0.0 else 1.0
+    sure = max(error.p_value, _LEAST) ** worth < _SURE
+    where = "cell" if error.shaft == "cell" else f"turn of the {error.shaft}"
+    when = f"{'comes' if sure else 'may come'} back {'once' if error.order == 1 else 'twice'}"
+    amplitude, doubt = math.degrees(error.amplitude), math.degrees(error.standard_error)
+    size = f"{amplitude:.3g} +- {doubt:.2g} degrees"
+    if _TELLING * doubt < amplitude:
+        text = f"an error of {size} {when} a {where}"
+    else:
+        hidden = "its size all but hidden by phase, offset and others"
+        text = f"an error {when} a {where}, {hidden} ({size})"
+    return text if sure else f"{text}, or is noise whose neighbours are alike"

@@ -5,29 +5,32 @@ offset of  sense * phi(input + phase) + offset,  the model of the output's readi
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement.readings import TURN, spread_samples
+from escapement.measurement.readings import TURN, blocks
 from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
-BLOCK = 1 << 17
-"""Samples worked on at once, so that temporary arrays stay small."""
 _START_SAMPLES = 1000
 _START_PHASES = 120
 _ROUNDS = 60
 _HALVINGS = 40
+_GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
-def blocks(count: int) -> Iterator[slice]:
-    """Slices of `BLOCK` samples that cover `count`."""
-    for start in range(0, count, BLOCK):
-        yield slice(start, start + BLOCK)
+def spread_samples(count: int, most: int) -> np.ndarray:
+    """Indices of at most `most` of `count` samples, in step with no period of theirs.
+
+    Every tenth sample of an even motion could always meet the same pin; steps of the
+    golden ratio cannot.
+    """
+    if count <= most:
+        return np.arange(count)
+    return np.unique((count * np.mod(np.arange(1, most + 1) * _GOLDEN, 1.0)).astype(int))
 
 
 def position(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
@@ -45,7 +48,9 @@ def position(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
     phi = np.empty_like(theta)
     for part in blocks(theta.size):
         cell, local = _split(mechanism, theta[part])
-        phi[part] = _within(mechanism, local) + cell * mechanism.follower_step
+        # rounding may have moved the angle out of the cell by a hair
+        local = np.clip(local, mechanism.breaks[0], mechanism.breaks[-1])
+        phi[part] = mechanism.follower_angle(local) + cell * mechanism.follower_step
     return phi
 
 
@@ -67,12 +72,6 @@ def _split(mechanism: Mechanism, theta: FloatArray) -> tuple[FloatArray, FloatAr
     """Number of the cell, and the driver angle in it."""
     cell = np.floor((theta - mechanism.breaks[0]) / mechanism.cell_angle)
     return cell, theta - cell * mechanism.cell_angle
-
-
-def _within(mechanism: Mechanism, local: FloatArray) -> FloatArray:
-    """Follower angle within the cell; rounding may have left it by a hair."""
-    entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
-    return np.asarray(mechanism.follower_angle(np.clip(local, entry, exit_)), dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,12 +161,11 @@ def fit(
         best = _reduced(task, _improved(task, task.centred(*start[1:])))
     else:
         best = min(task.at(sense, *zeros) for sense in (1, -1))
-    errors = task.residual(*best[1:])
-    g = best.sense * slope(mechanism, angle + best.phase)
+    _, sense, phase, offset = best
+    errors = task.residual(sense, phase, offset)
+    g = sense * slope(mechanism, angle + phase)
     uncertain = (0.0, 0.0) if zeros is not None else _standard_errors(g, errors)
-    return Fit(
-        best.phase, best.offset, *uncertain, best.sense, output - errors, errors, g,
-    )  # fmt: skip
+    return Fit(phase, offset, *uncertain, sense, output - errors, errors, g)
 
 
 def _starts(task: _FitTask) -> list[_Zeros]:
@@ -191,31 +189,33 @@ def _improved(task: _FitTask, zeros: _Zeros) -> _Zeros:
     """Gauss-Newton on the phase; the offset follows from it in closed form."""
     longest = task.mechanism.cell_angle / 20.0
     for _ in range(_ROUNDS):
-        g = zeros.sense * slope(task.mechanism, task.input + zeros.phase)
-        g, steady = _varying(g)
-        if steady:
-            break
-        spread = float(g @ g)
+        g, spread = _varying(zeros.sense * slope(task.mechanism, task.input + zeros.phase))
+        if spread == 0.0:
+            return zeros
         step = float(g @ task.residual(*zeros[1:])) / spread
         step = math.copysign(min(abs(step), longest), step)
         # a step below a thousandth of the standard error changes nothing that matters
         if abs(step) < max(1e-3 * math.sqrt(zeros.squares / spread / g.size), 1e-14):
-            break
+            return zeros
         for _ in range(_HALVINGS):
             new = task.centred(zeros.sense, zeros.phase + step, zeros.offset)
             if new.squares < zeros.squares:
                 break
             step *= 0.5
         else:
-            break
+            return zeros
         zeros = new
     return zeros
 
 
-def _varying(g: FloatArray) -> tuple[FloatArray, bool]:
-    """Slope less its mean, and whether nothing is left: then no phase can be told."""
+def _varying(g: FloatArray) -> tuple[FloatArray, float]:
+    """Slope less its mean, and the sum of its squares: 0 where that is rounding alone.
+
+    Then the output turns evenly, and no phase can be told.
+    """
     rest = g - g.mean()
-    return rest, bool(rest @ rest <= 1e-12 * (g @ g))
+    spread = float(rest @ rest)
+    return rest, 0.0 if spread <= 1e-12 * float(g @ g) else spread
 
 
 def _reduced(task: _FitTask, zeros: _Zeros) -> _Zeros:
@@ -230,13 +230,9 @@ def _reduced(task: _FitTask, zeros: _Zeros) -> _Zeros:
 
 def _standard_errors(g: FloatArray, errors: FloatArray) -> tuple[float, float]:
     """Standard errors of phase and offset, from the inverse of the normal equations."""
-    rest, steady = _varying(g)
-    n = g.size
-    variance = float(errors @ errors) / (n - 2)
-    if steady:
+    _, spread = _varying(g)
+    if spread == 0.0:
         return math.nan, math.nan
-    spread = float(rest @ rest)
-    return (
-        math.sqrt(variance / spread),
-        math.sqrt(variance * (1.0 / n + float(g.mean()) ** 2 / spread)),
-    )
+    variance = float(errors @ errors) / (g.size - 2)
+    of_offset = 1.0 / g.size + float(g.mean()) ** 2 / spread
+    return math.sqrt(variance / spread), math.sqrt(variance * of_offset)

@@ -14,7 +14,7 @@ from escapement import validate
 from escapement.model import FloatArray
 
 RULES = ("sturges", "scott", "freedman-diaconis", "square-root")
-MOST_CLASSES = 1000
+_MOST_CLASSES = 1000
 
 
 class Histogram(NamedTuple):
@@ -60,22 +60,19 @@ def class_count(errors: FloatArray, bins: int | str = "sturges") -> int:
         leave such a test no degree of freedom.
     """
     if not isinstance(bins, str):
-        count = validate.integer("bins", bins, 4, "a chi-squared test needs 4 classes or more")
-        if count > MOST_CLASSES:
-            raise validate.fail("bins", f"at most {MOST_CLASSES}", count, "give fewer classes")
-        return count
+        remedy = "a chi-squared test needs 4 classes or more"
+        return validate.integer("bins", bins, 4, remedy, _MOST_CLASSES)
     rule = validate.choice("bins", bins, RULES)
-    n, spread = errors.size, float(np.ptp(errors))
+    n = errors.size
     if rule == "sturges":
-        return max(4, math.ceil(sturges(n)))
-    if rule == "square-root":
-        return min(max(4, math.ceil(math.sqrt(n))), MOST_CLASSES)
-    if rule == "scott":
-        width = 3.49 * float(errors.std(ddof=1)) / n ** (1 / 3)
+        count = sturges(n)
+    elif rule == "square-root":
+        count = math.sqrt(n)
     else:
-        quarter = np.percentile(errors, [25.0, 75.0])
-        width = 2.0 * float(np.diff(quarter)[0]) / n ** (1 / 3)
-    return max(4, min(math.ceil(spread / width), MOST_CLASSES)) if width > 0.0 else MOST_CLASSES
+        low, high = np.percentile(errors, [25.0, 75.0])
+        width = 3.49 * errors.std(ddof=1) if rule == "scott" else 2.0 * (high - low)
+        count = float(np.ptp(errors) / (width / n ** (1 / 3))) if width > 0.0 else math.inf
+    return math.ceil(min(max(4.0, count), _MOST_CLASSES))
 
 
 def histogram(errors: ArrayLike, bins: int) -> Histogram:
@@ -226,10 +223,9 @@ def _anderson_darling_p(statistic: FloatArray, n: int) -> FloatArray:
 
 
 def _compared(statistic: FloatArray, degrees_of_freedom: int) -> NormalityTest:
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
-    p_value = chi2.sf(statistic, degrees_of_freedom)
-    return NormalityTest(statistic, degrees_of_freedom, p_value)
+    return NormalityTest(statistic, degrees_of_freedom, chdtrc(degrees_of_freedom, statistic))
 
 
 def _standardised(values: FloatArray, ddof: int) -> FloatArray:

@@ -1,23 +1,28 @@
-"""What two encoders read: angles of input and output, sample by sample."""
+"""What two encoders read: angles of input and output, sample by sample, and their files."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import chain
+from os import PathLike
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.errors import InvalidValue
+from escapement.columns import read_columns
+from escapement.errors import InputFileError, InvalidValue
+from escapement.files import write_file
 from escapement.model import FloatArray
 
 TURN = 2.0 * np.pi
-_GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 FARTHEST = 1e10 * TURN
 """Angle beyond which a double soon no longer tells a thousandth of a degree [rad]."""
 WITHIN = "within 1e10 turns of zero, where a double tells a thousandth of a degree"
 LEAST_SAMPLES = 20
 """Fewer leave nothing to test once a fit and the classes have taken their share."""
+_SYNTHETIC = "# synthetic"
+_BLOCK = 1 << 17  # so many samples are worked on at once, which keeps temporary arrays small
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,16 +56,17 @@ class Readings:
     remark: str = ""
 
     def __post_init__(self) -> None:
-        columns = {name: _column(name, getattr(self, name)) for name in ("input", "output")}
-        size = columns["input"].size
+        size, where = len(self.input), "sample" if self.line is None else "line"
         lines = np.arange(1, size + 1) if self.line is None else np.asarray(self.line)
-        if columns["output"].size != size or lines.shape != (size,):
+        if not size == len(self.output) == len(lines):
             raise InvalidValue(
-                f"input, output and line must be of one length, got {size}, "
-                f"{columns['output'].size} and {lines.size}; give NaN for a missing reading"
+                f"input, output and line must be of one length, got {size}, {len(self.output)} "
+                f"and {len(lines)}; give NaN for a missing reading"
             )
-        for name, values in (*columns.items(), ("line", lines)):
-            object.__setattr__(self, name, values)
+        columns = {
+            name: _column(name, getattr(self, name), lines, where) for name in ("input", "output")
+        }
+        vars(self).update(columns, line=lines)
         if self.samples < LEAST_SAMPLES:
             raise InvalidValue(
                 f"readings must have at least {LEAST_SAMPLES} complete samples, "
@@ -99,45 +105,25 @@ class Readings:
         return self.input.size - self.samples
 
 
-def _column(name: str, values: ArrayLike) -> FloatArray:
-    array: np.ma.MaskedArray[Any, Any] = np.ma.asanyarray(values)
-    if array.dtype.kind not in "iuf" or array.ndim != 1:
-        raise validate.fail(
-            name, "a row of real numbers", _shape(array), "give the angles in rad, one a sample"
+def _column(name: str, values: ArrayLike, lines: np.ndarray, where: str) -> FloatArray:
+    remedy = "give a row of angles in rad, NaN for a missing reading"
+    try:
+        angles: FloatArray = np.ma.filled(
+            np.ma.asanyarray(values).astype(float, copy=False), np.nan
         )
-    angles: FloatArray = np.ma.filled(array.astype(float, copy=False), np.nan)
-    if np.isinf(angles).any():
-        place = int(np.flatnonzero(np.isinf(angles))[0])
-        raise InvalidValue(
-            f"{name} must be finite, got {float(angles[place])!r} in sample {place + 1}; "
-            "give NaN for a missing reading"
-        )
+    except (TypeError, ValueError):
+        raise validate.fail(name, "a row of real numbers", values, remedy) from None
+    if angles.ndim != 1:
+        raise validate.fail(name, "a row of real numbers", angles.shape, remedy)
     far = np.flatnonzero(np.abs(angles) > FARTHEST)
     if far.size:
-        raise InvalidValue(
-            f"{name} must be {WITHIN}, got {float(angles[far[0]])!r} rad in sample {far[0] + 1}; "
-            "give NaN for a reading that is none"
-        )
+        got = f"{float(angles[far[0]])!r} rad in {where} {lines[far[0]]}"
+        raise InvalidValue(f"{name} must be {WITHIN}, got {got}; {remedy}")
     return angles
 
 
-def _shape(array: np.ndarray) -> str:
-    return f"{array.dtype} of shape {array.shape}"
-
-
-def spread_samples(count: int, most: int) -> np.ndarray:
-    """Indices of at most `most` of `count` samples, in step with no period of theirs.
-
-    Every tenth sample of an even motion could always meet the same pin; steps of the
-    golden ratio cannot.
-    """
-    if count <= most:
-        return np.arange(count)
-    return np.unique((count * np.mod(np.arange(1, most + 1) * _GOLDEN, 1.0)).astype(int))
-
-
 def wraps(angle: FloatArray) -> bool:
-    """Whether angles [rad] stay within a turn: an encoder that starts again at zero."""
+    """Whether angles [rad] stay within a turn, as of an encoder that starts again at zero."""
     return bool(np.ptp(angle) <= TURN * (1.0 + 1e-9))
 
 
@@ -165,3 +151,103 @@ def unwrapped(angle: FloatArray, place: np.ndarray) -> FloatArray:
     first = -np.round(angle[0] / TURN)
     counted: FloatArray = angle + TURN * (first + np.concatenate([[0.0], np.cumsum(turns)]))
     return counted
+
+
+def blocks(count: int) -> Iterator[slice]:
+    """Slices of bounded length that cover `count` samples."""
+    for start in range(0, count, _BLOCK):
+        yield slice(start, start + _BLOCK)
+
+
+def read_readings(
+    path: str | PathLike[str],
+    *,
+    input: str | None = None,
+    output: str | None = None,
+    angle_unit: str | None = None,
+) -> Readings:
+    """Read the angles of two encoders from a CSV file.
+
+    Parameters
+    ----------
+    path : path
+        Text in UTF-8, columns apart by comma, semicolon, tab or blanks; lines that
+        begin with # are comments. Where commas do not part columns they may stand
+        for decimal points. An empty field, NaN or NA is a missing reading.
+    input, output : str, optional
+        Names of the columns in the header, with or without their unit. Default:
+        those called input or driver and output or follower, or without a header
+        the first and the second of two columns.
+    angle_unit : str, optional
+        "deg" or "rad". Default: the unit in a column's name, as in input_rad or
+        "input (rad)", else degrees.
+
+    Returns
+    -------
+    Readings
+        Marked as synthetic where a comment begins with "# synthetic".
+
+    Raises
+    ------
+    MissingInput
+        When there is no such file.
+    InputFileError
+        When it cannot be read as such; the message has the line.
+    InvalidValue
+        When there is no column of the name given, or the unit is unknown.
+    """
+    found = read_columns(path, "measurement", (input, output), angle_unit)
+    synthetic = any(comment.startswith(_SYNTHETIC) for comment in found.comments)
+    remark = "angles without a unit are taken for degrees" if None in found.units else ""
+    try:
+        return Readings(*found.angles, found.line, synthetic, remark)
+    except InvalidValue as error:
+        raise InputFileError(f"{path}: {error}") from None
+
+
+def write_readings(
+    readings: Readings, path: str | PathLike[str], *, note: str = "", force: bool = False
+) -> None:
+    """Write readings as `read_readings` reads them.
+
+    Parameters
+    ----------
+    readings : Readings
+        What to write; synthetic ones say so in the first line.
+    path : path
+        Where.
+    note : str
+        A comment for the head of the file.
+    force : bool
+        Whether an existing file may be replaced.
+
+    Raises
+    ------
+    CannotCreate, StorageError
+        When it cannot be created, or writing fails half-way.
+    """
+    columns = {"input_deg": readings.input, "output_deg": readings.output}
+    write_table(path, columns, readings.synthetic, note, force)
+
+
+def write_table(
+    path: str | PathLike[str],
+    columns: dict[str, FloatArray],
+    synthetic: bool,
+    note: str,
+    force: bool,
+) -> None:
+    """Write columns of angles [rad] as CSV in degrees, with comments at its head."""
+    label = f"{_SYNTHETIC} data: computed by escapement, not measured\n" if synthetic else ""
+    comments = "".join(f"# {line}\n" for line in note.splitlines())
+    text = chain([label + comments + ",".join(columns) + "\n"], _rows(list(columns.values())))
+    write_file(path, map(str.encode, text), force)
+
+
+def _rows(columns: list[FloatArray]) -> Iterator[str]:
+    """Lines, a block of samples at a time; an empty field for what is missing."""
+    # six decimals of a degree are ten times finer than an encoder of 26 bits
+    row = ",".join(["%.6f"] * len(columns)) + "\n"
+    for part in blocks(columns[0].size):
+        table = np.degrees([column[part] for column in columns]).T + 0.0
+        yield (row * len(table) % tuple(table.ravel())).replace("nan", "")

@@ -5,14 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement.fit import blocks
-from escapement.measurement.readings import TURN
+from escapement.measurement.readings import TURN, blocks
 from escapement.model import FloatArray
 
-ORDERS = (1, 2)
-"""Cycles a turn: 1 an eccentric disc, 2 a tilted or an oval one."""
-_SURE = 1e-3
-"""Chance of taking any wave for real that is none."""
+_ORDERS = (1, 2)  # cycles a turn: of an eccentric disc, and of a tilted or an oval one
+_SURE = 1e-3  # chance of taking any wave for real that is none
 _COLLINEAR = 1e-9  # a wave of which others leave less is not told from them; rounding is far below
 _UNKNOWN = (math.nan, math.nan, math.nan)
 
@@ -38,23 +35,6 @@ class ShaftError(NamedTuple):
     turns: float
 
 
-class _Shaft(NamedTuple):
-    """A shaft's angle at each sample, and what an error of it does to the output."""
-
-    name: str
-    angle: FloatArray
-    effect: FloatArray | float
-
-    @property
-    def turns(self) -> float:
-        return float(np.ptp(self.angle)) / TURN
-
-    @property
-    def all_round(self) -> bool:
-        """Whether it was measured all round, one mean step after the last sample counted."""
-        return self.turns * self.angle.size >= (1.0 - 1e-9) * (self.angle.size - 1)
-
-
 def shaft_errors(
     driver: FloatArray, follower: FloatArray, slope: FloatArray, cell: float, errors: FloatArray
 ) -> tuple[tuple[ShaftError, ...], float]:
@@ -77,25 +57,24 @@ def shaft_errors(
     errors : ndarray, shape (n,)
         Measured less theory [rad].
     """
-    shafts = [
-        _Shaft("input", driver, slope),
-        _Shaft("output", follower, 1.0),
-        _Shaft("cell", driver * (TURN / cell), 1.0),
-    ]
-    seen = [shaft for shaft in shafts if shaft.all_round]
+    angles = {"input": driver, "output": follower, "cell": driver * (TURN / cell)}
+    turns = {name: float(np.ptp(angle)) / TURN for name, angle in angles.items()}
+    # a shaft was measured all round if one mean step after the last sample completes its turn
+    least = (1.0 - 1e-9) * (errors.size - 1) / errors.size
+    seen = {name: angle for name, angle in angles.items() if turns[name] >= least}
     sums = _normal_equations(seen, slope, errors)
     sure = _significant(sums)
-    names = [(shaft.name, order) for shaft in seen for order in ORDERS]
+    waves = [(name, order) for name in seen for order in _ORDERS]
     found = {
-        name: sums.test(pair, _columns([other for other in sure if other != pair]))
-        for name, pair in zip(names, sums.pairs, strict=True)
+        wave: sums.test(pair, [other for other in sure if other != pair])
+        for wave, pair in zip(waves, sums.pairs, strict=True)
     }
     errors_of_shafts = tuple(
-        ShaftError(shaft.name, order, *found.get((shaft.name, order), _UNKNOWN), shaft.turns)
-        for shaft in shafts
-        for order in ORDERS
+        ShaftError(name, order, *found.get((name, order), _UNKNOWN), turns[name])
+        for name in angles
+        for order in _ORDERS
     )
-    return errors_of_shafts, sums.correlation(_columns(sure))
+    return errors_of_shafts, sums.correlation(sure)
 
 
 class _NormalEquations(NamedTuple):
@@ -116,15 +95,21 @@ class _NormalEquations(NamedTuple):
         """First column of each wave."""
         return range(2, len(self.products), 2)
 
+    def base(self, pairs: list[int]) -> tuple[list[int], FloatArray]:
+        """Columns of offset, phase and some waves, and the inverse of their equations."""
+        base = [0, 1, *(column for pair in pairs for column in (pair, pair + 1))]
+        gram = self.gram[np.ix_(base, base)]
+        return base, np.asarray(np.linalg.pinv(gram, rcond=1e-12, hermitian=True), dtype=float)
+
     def test(self, pair: int, others: list[int]) -> tuple[float, float, float]:
-        """Amplitude of a wave, its standard error and p-value, beside other columns.
+        """Amplitude of a wave, its standard error and p-value, beside other waves.
 
         NaN where it cannot be told from those.
         """
         from scipy.stats import f
 
-        base, two = [0, 1, *others], [pair, pair + 1]
-        inverse = np.linalg.pinv(self.gram[np.ix_(base, base)], rcond=1e-12, hermitian=True)
+        base, inverse = self.base(others)
+        two = [pair, pair + 1]
         across = self.gram[np.ix_(two, base)] @ inverse
         own = self.gram[np.ix_(two, two)]
         left = own - across @ self.gram[np.ix_(base, two)]
@@ -143,9 +128,8 @@ class _NormalEquations(NamedTuple):
         return amplitude, error, float(f.sf(explained / (2.0 * variance), 2, freedom))
 
     def correlation(self, others: list[int]) -> float:
-        """Correlation of neighbours in what offset, phase and other columns leave."""
-        base = [0, 1, *others]
-        inverse = np.linalg.pinv(self.gram[np.ix_(base, base)], rcond=1e-12, hermitian=True)
+        """Correlation of neighbours in what offset, phase and other waves leave."""
+        base, inverse = self.base(others)
         fitted = inverse @ self.products[base]
         left = self.total - float(self.products[base] @ fitted)
         if left <= _COLLINEAR * self.total:
@@ -158,33 +142,28 @@ class _NormalEquations(NamedTuple):
 def _significant(sums: _NormalEquations) -> list[int]:
     """Significant waves, the most significant first, each tested beside those before."""
     found: list[int] = []
-    while len(found) < len(sums.pairs):
-        tests = {
-            pair: sums.test(pair, _columns(found))[2] for pair in sums.pairs if pair not in found
-        }
-        best = min(tests, key=lambda pair: math.inf if math.isnan(tests[pair]) else tests[pair])
+    while rest := [pair for pair in sums.pairs if pair not in found]:
+        tests = np.array([sums.test(pair, found)[2] for pair in rest])
+        best = int(np.argmin(np.where(np.isnan(tests), np.inf, tests)))
         if not tests[best] < _SURE / len(sums.pairs):
             break
-        found.append(best)
+        found.append(rest[best])
     return found
 
 
-def _columns(pairs: list[int]) -> list[int]:
-    return [column for pair in pairs for column in (pair, pair + 1)]
-
-
 def _normal_equations(
-    shafts: list[_Shaft], slope: FloatArray, errors: FloatArray
+    angles: dict[str, FloatArray], slope: FloatArray, errors: FloatArray
 ) -> _NormalEquations:
     """Sums over all samples, a block of them at a time."""
-    size = 2 + 2 * len(ORDERS) * len(shafts)
-    gram, following = (np.zeros((size + 1, size + 1)) for _ in range(2))
+    size = 3 + 2 * len(_ORDERS) * len(angles)
+    gram, following = np.zeros((size, size)), np.zeros((size, size))
     for part in blocks(errors.size):
         columns = [np.ones_like(errors[part]), slope[part]]
-        for shaft in shafts:
-            effect = shaft.effect if isinstance(shaft.effect, float) else shaft.effect[part]
-            for order in ORDERS:
-                wave = np.exp(1j * order * shaft.angle[part])
+        for name, angle in angles.items():
+            # an error of the input reaches the output through the transmission
+            effect = slope[part] if name == "input" else 1.0
+            for order in _ORDERS:
+                wave = np.exp(1j * order * angle[part])
                 columns += [effect * wave.real, effect * wave.imag]
         table = np.array([*columns, errors[part]])
         gram += table @ table.T

@@ -11,14 +11,20 @@ Source: P. Craven and G. Wahba, Numer. Math. 31 (1979) 377-403; for the standard
 deviations G. Wahba, J. R. Stat. Soc. B 45 (1983) 133-150.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 DEGREE = 5
 MOST_KNOTS = 120
@@ -26,7 +32,6 @@ _ROWS_A_KNOT = 2
 _LEAST_GAP = 0.01  # of the mean one: knots nearer each other spoil the least squares
 _GRID = np.geomspace(1e-14, 1e6, 161)  # of lambda, in units that make both sums alike
 _RIDGE = 1e-13
-_BLOCK = 20_000  # points at a time: what they need of memory does not grow with the table
 
 
 @dataclass(frozen=True)
@@ -57,18 +62,16 @@ class PeriodicSpline:
         """The spline or one of its derivatives, at any x."""
         from scipy.interpolate import BSpline
 
-        coefficients = np.concatenate([self.coefficients, self.coefficients[:DEGREE]])
-        spline = BSpline(_extended(self.knots), coefficients, DEGREE)
+        knots, places = _extended(self.knots)
+        spline = BSpline(knots, self.coefficients[places], DEGREE)
         # a spline of its own: from the splines' slopes rounding would make steps at the knots
         return np.asarray(spline.derivative(order)(self._folded(x)), dtype=float)
 
     def deviation(self, x: ArrayLike, order: int = 0) -> FloatArray:
         """Standard deviation of the spline or of a derivative at 1-D x."""
-        rows = _design(self.knots, self._folded(x), order)
-        result: FloatArray = np.sqrt(
-            np.maximum(np.einsum("ij,jk,ik->i", rows, self.spread, rows), 0.0)
-        )
-        return result
+        rows = _basis(self.knots)(self._folded(x), nu=order)
+        variances: FloatArray = ((rows @ self.spread) * rows).sum(axis=1)
+        return np.sqrt(np.maximum(variances, 0.0))
 
     def _folded(self, x: ArrayLike) -> FloatArray:
         values = np.asarray(x, dtype=float)
@@ -87,11 +90,16 @@ def interpolating(x: FloatArray, y: FloatArray) -> PeriodicSpline:
     y : ndarray, shape (n + 1,)
         The last equals the first.
     """
-    from scipy.linalg import solve
+    from scipy.interpolate import make_interp_spline
 
-    rows = _design(x, x[:-1], 0)
-    coefficients = y[0] + solve(rows, y[:-1] - y[0])
-    return PeriodicSpline(x, coefficients, 0.0, np.zeros((x.size - 1, x.size - 1)))
+    size, change = x.size - 1, y - y[0]
+    spline = make_interp_spline(x, change, k=DEGREE, bc_type="periodic")
+    # rounding of the coefficients is divided by the square of the spacing in g', so what the
+    # spline misses of the points is put right once
+    missed = change - spline(x)
+    missed[-1] = missed[0]
+    spline.c += make_interp_spline(x, missed, k=DEGREE, bc_type="periodic").c
+    return PeriodicSpline(x, y[0] + spline.c[:size], 0.0, np.zeros((size, size)))
 
 
 def smoothing(x: FloatArray, y: FloatArray, period: float) -> PeriodicSpline:
@@ -182,7 +190,8 @@ def _modes(
     back : ndarray, shape (m, m)
         Modes to coefficients.
     """
-    from scipy.linalg import cholesky, solve_triangular
+    from scipy.interpolate import BSpline
+    from scipy.linalg import eigh
 
     count = min(MOST_KNOTS, x.size // _ROWS_A_KNOT)
     places = x[np.linspace(0, x.size, count, endpoint=False).astype(int)]
@@ -192,17 +201,16 @@ def _modes(
             f"theta must be spread over the cell, got rows at {knots.size - 1} places of it; "
             f"measure at {DEGREE} at least"
         )
-    folded = np.where(x < knots[0], x + period, x)
-    normal, right = _normal(knots, folded, y)
+    # a row of this sparse matrix has six numbers, however many knots there are
+    rows = BSpline.design_matrix(x, _extended(knots)[0], DEGREE)
+    fold = _basis(knots).c
+    normal = fold.T @ (rows.T @ rows).toarray() @ fold
     rough = _roughness(knots)
-    scale = np.trace(normal) / np.trace(rough)
+    rough *= np.trace(normal) / np.trace(rough)
     normal += _RIDGE * np.trace(normal) / knots.size * np.eye(knots.size - 1)
-    lower = cholesky(normal, lower=True)
-    whitened = solve_triangular(lower, rough * scale, lower=True)
-    sizes, axes = np.linalg.eigh(solve_triangular(lower, whitened.T, lower=True))
-    along = axes.T @ solve_triangular(lower, right, lower=True)
-    back = solve_triangular(lower, axes, lower=True, trans="T")
-    return knots, np.maximum(sizes, 0.0), along, back
+    # each mode is of size 1 over the points, and its roughness is the eigenvalue
+    sizes, back = eigh(rough, normal)
+    return knots, np.maximum(sizes, 0.0), back.T @ (fold.T @ (rows.T @ y)), back
 
 
 def _apart(knots: FloatArray, gap: float) -> FloatArray:
@@ -214,39 +222,22 @@ def _apart(knots: FloatArray, gap: float) -> FloatArray:
     return np.array([*kept, knots[-1]])
 
 
-def _extended(knots: FloatArray) -> FloatArray:
-    """Knots continued beyond both ends, as the periodic B-splines need them."""
-    period = knots[-1] - knots[0]
-    repeats = -(-DEGREE // (knots.size - 1))
-    whole = np.concatenate([knots[:-1] + k * period for k in range(-repeats, repeats + 1)])
-    whole = np.append(whole, knots[-1] + repeats * period)
-    first = repeats * (knots.size - 1)
-    return whole[first - DEGREE : first + knots.size + DEGREE]
+def _extended(knots: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Knots continued beyond both ends, and which coefficient each of the B-splines has."""
+    size = knots.size - 1
+    places = np.arange(-DEGREE, size + DEGREE + 1)
+    turns, first = np.divmod(places, size)
+    continued = knots[first] + turns * (knots[-1] - knots[0])
+    continued[places == size] = knots[-1]
+    return continued, np.arange(size + DEGREE) % size
 
 
-def _design(knots: FloatArray, x: FloatArray, order: int) -> FloatArray:
-    """Values of the periodic B-splines, or of their derivatives; a row each x."""
+def _basis(knots: FloatArray) -> BSpline:
+    """The periodic B-splines, a column each."""
     from scipy.interpolate import BSpline
 
-    size = knots.size - 1
-    splines = BSpline(_extended(knots), np.eye(size + DEGREE), DEGREE)
-    values = splines(x, nu=order)
-    rows = np.array(values[:, :size])
-    for k in range(DEGREE):
-        rows[:, k % size] += values[:, size + k]
-    return rows
-
-
-def _normal(knots: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Matrix and right-hand sides of the least squares, block after block of points."""
-    size = knots.size - 1
-    normal, right = np.zeros((size, size)), np.zeros((size, y.shape[1]))
-    for start in range(0, x.size, _BLOCK):
-        block = slice(start, start + _BLOCK)
-        rows = _design(knots, x[block], 0)
-        normal += rows.T @ rows
-        right += rows.T @ y[block]
-    return normal, right
+    continued, places = _extended(knots)
+    return BSpline(continued, np.eye(knots.size - 1)[places], DEGREE)
 
 
 def _roughness(knots: FloatArray) -> FloatArray:
@@ -254,5 +245,5 @@ def _roughness(knots: FloatArray) -> FloatArray:
     points, weights = np.polynomial.legendre.leggauss(3)
     half = 0.5 * np.diff(knots)
     x = knots[:-1, None] + half[:, None] * (1.0 + points)
-    rows = _design(knots, x.ravel(), 3)
+    rows = _basis(knots)(x.ravel(), nu=3)
     return np.asarray(rows.T @ ((half[:, None] * weights).ravel()[:, None] * rows))

@@ -4,13 +4,15 @@ import math
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from escapement import validate
-from escapement.errors import InvalidValue
+from escapement.columns import read_columns
+from escapement.errors import InputFileError, InvalidValue
 from escapement.mechanisms._periodic_spline import PeriodicSpline, interpolating, smoothing
 from escapement.model import FloatArray
 
@@ -27,6 +29,22 @@ _MANY = {False: 5.0, True: 15.0}  # usual distances of exact, measured rows: no 
 _OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
 
 
+def read_angles(path: str | PathLike[str]) -> tuple[FloatArray, FloatArray]:
+    """Driver and follower angles of a table in a text file; see `Tabulated.from_csv` [rad]."""
+    found = read_columns(path, "table", by_order=True)
+    if set(found.units) == {"rad", None}:
+        raise InputFileError(
+            f"table {path} must name the units of both columns or of neither, got radians for one; "
+            "write for example theta_deg,phi_deg"
+        )
+    bad = np.flatnonzero(~np.isfinite(np.sum(found.angles, axis=0)))
+    if bad.size:
+        raise InputFileError(
+            f"{path}, line {found.line[bad[0]]} must have two finite numbers; leave out the row"
+        )
+    return found.angles
+
+
 def column(name: str, values: Any) -> FloatArray:
     """A 1-D array of finite numbers, long enough for a spline."""
     try:
@@ -36,9 +54,8 @@ def column(name: str, values: Any) -> FloatArray:
     if given.ndim != 1:
         raise validate.fail(name, "one-dimensional", given.shape, "give a list of angles")
     if given.size < FEWEST:
-        raise validate.fail(
-            name, f"at least {FEWEST} rows long", given.size, "give more of the position function"
-        )
+        rule = f"at least {FEWEST} rows long"
+        raise validate.fail(name, rule, given.size, "give more of the position function")
     if not np.isfinite(given).all():
         bad = float(given[~np.isfinite(given)][0])
         raise validate.fail(name, "finite throughout", bad, "leave out the row")

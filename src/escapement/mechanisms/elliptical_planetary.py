@@ -16,36 +16,40 @@ the sense reversed: the output turns against the carrier, phi_3 = -phi.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from escapement import validate
 from escapement.lazy import Lazy
-from escapement.mechanisms._elliptical_gears import EllipticalGears
+from escapement.mechanisms.kind import CELL, Kind
+from escapement.model import FloatArray
+from escapement.quantity import quantity
+from escapement.scene import Path
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike
 
+    from escapement.mechanisms import elliptical_teeth as teeth
     from escapement.mechanisms import slotted
-    from escapement.model import FloatArray
-    from escapement.scene import Path
 else:
     np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
+    teeth = Lazy("escapement.mechanisms.elliptical_teeth")
 
 TOLERANCES = (0.01, 0.1, 1.0)
 """Deviations of the output that the report takes for standing still [degrees]."""
 
 _LENGTHS = ("centre_distance", "semi_major_axis", "semi_minor_axis", "focal_distance")
+_GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
 _MOST_STATIONS = 1000
 _SHRINKING = 20  # halvings of the pieces towards a stop: to a millionth of a cell
 _OUTSIDE = 8.0  # last digits of an angle
 
 
 @dataclass(frozen=True)
-class EllipticalPlanetary(EllipticalGears):
+class EllipticalPlanetary(Kind):
     """Planetary drive with a pair of elliptical gears.
 
     Parameters
@@ -73,6 +77,156 @@ class EllipticalPlanetary(EllipticalGears):
     summary = "planetary drive with a pair of elliptical gears, always in mesh"
     meshed = True
     report_units: ClassVar[dict[str, str]] = dict.fromkeys(_LENGTHS, "length")
+    reported = ("stations", *CELL)
+
+    sun_radius: float = field(metadata=quantity(
+        "pitch radius of the fixed sun gear", "length", exclusive=True,
+        note=", a + c of the ellipses", remedy="give the radius R1"
+    ))  # fmt: skip
+    planet_radius: float = field(metadata=quantity(
+        "pitch radius of the spur planet", "length", exclusive=True, note=", a - c of the ellipses",
+        remedy="give the radius R2, less than the sun's"
+    ))  # fmt: skip
+
+    def __post_init__(self) -> None:
+        self.check_fields()
+        sun, planet = self.sun_radius, self.planet_radius
+        if not sun > planet:
+            raise validate.fail(
+                "sun_radius", f"greater than the planet_radius, {planet!r}", sun,
+                "R1 = a + c and R2 = a - c, so the sun is the greater",
+            )  # fmt: skip
+        if sun > _GREATEST_RATIO * planet:
+            raise validate.fail(
+                "sun_radius / planet_radius", f"at most {_GREATEST_RATIO:g}", sun / planet,
+                "give a greater planet",
+            )  # fmt: skip
+
+    @classmethod
+    def from_ellipse(cls, semi_major_axis: float, eccentricity: float) -> Self:
+        """The drive of a pair of ellipses, R1 = a (1 + e) and R2 = a (1 - e).
+
+        Parameters
+        ----------
+        semi_major_axis : float
+            a [m], > 0: half the centre distance.
+        eccentricity : float
+            e [-], between 0 and 1.
+        """
+        a = validate.positive("semi_major_axis", semi_major_axis, "give half the centre distance")
+        e = between_0_and(1.0, "eccentricity", eccentricity, "a circle never stops the output")
+        return cls(a * (1.0 + e), a * (1.0 - e))
+
+    @classmethod
+    def from_stop_interval(cls, stop_interval: float, centre_distance: float) -> Self:
+        """The drive that stops its output once in an angle of the input.
+
+        Parameters
+        ----------
+        stop_interval : float
+            Input angle from one stop to the next, 2 pi R2/R1 [rad]; less than a turn.
+        centre_distance : float
+            Of carrier axis and planet shaft, R1 + R2 [m].
+        """
+        remedy = "give the input angle between stops in rad, less than 2 pi"
+        interval = between_0_and(2.0 * math.pi, "stop_interval", stop_interval, remedy)
+        distance = validate.positive("centre_distance", centre_distance, "give R1 + R2 in m")
+        planet = distance * interval / (2.0 * math.pi + interval)
+        return cls(distance - planet, planet)
+
+    @classmethod
+    def from_teeth(cls, sun_teeth: int, planet_teeth: int, module: float) -> Self:
+        """The drive of a pair of spur gears, R = module teeth/2.
+
+        Parameters
+        ----------
+        sun_teeth, planet_teeth : int
+            Teeth of the sun and, fewer, of the planet.
+        module : float
+            Of both [m], > 0.
+        """
+        sun = validate.integer("sun_teeth", sun_teeth, 1, "give the teeth of the sun")
+        planet = validate.integer("planet_teeth", planet_teeth, 1, "give those of the planet")
+        size = validate.positive("module", module, "give the spur gears' module in m")
+        return cls(0.5 * size * sun, 0.5 * size * planet)
+
+    @property
+    def ratio(self) -> float:
+        """k = R1/R2, turns of the planet on its carrier per turn of the input [-]."""
+        return self.sun_radius / self.planet_radius
+
+    @property
+    def centre_distance(self) -> float:
+        """Carrier axis to planet shaft, R1 + R2 = 2a [m]."""
+        return self.sun_radius + self.planet_radius
+
+    @property
+    def semi_major_axis(self) -> float:
+        """a = (R1 + R2)/2 of the ellipses [m]."""
+        return 0.5 * self.centre_distance
+
+    @property
+    def focal_distance(self) -> float:
+        """c = (R1 - R2)/2, centre to focus of the ellipses [m]."""
+        return 0.5 * (self.sun_radius - self.planet_radius)
+
+    @property
+    def semi_minor_axis(self) -> float:
+        """b = sqrt(R1 R2) of the ellipses [m]."""
+        return math.sqrt(self.sun_radius) * math.sqrt(self.planet_radius)
+
+    @property
+    def eccentricity(self) -> float:
+        """e = c/a of the ellipses [-]."""
+        return self.focal_distance / self.semi_major_axis
+
+    def planet_inertia(
+        self, mass: float, moment: float, offset: float = 0.0
+    ) -> tuple[float, float]:
+        """What planet, satellite shaft and driving ellipse add to the driver's inertia.
+
+        Their kinetic energy is that of a driver inertia mean - swing cos(k theta):
+        the planet turns 1 + k times as fast as the carrier, and a centre of mass
+        beside the shaft is now before, now behind the carrier's motion.
+
+        Parameters
+        ----------
+        mass : float
+            Of all that turns with the satellite shaft [kg], >= 0.
+        moment : float
+            Its moment of inertia about that shaft [kg m^2], >= 0.
+        offset : float
+            Distance of its centre of mass from the shaft, towards the ellipse's
+            centre [m]; the focal distance for the bare ellipse, 0 with a
+            counterweight.
+
+        Returns
+        -------
+        mean, swing : float
+            [kg m^2]. `Inertia.driver` takes the mean. It is constant: a swing
+            that is not small against it is beyond the equation of motion.
+        """
+        weight = validate.non_negative("mass", mass, "give the planet's mass in kg")
+        about = validate.non_negative("moment", moment, "give it about the satellite shaft")
+        away = validate.number("offset", offset, "give the distance from the shaft in m")
+        if weight * away * away > about * (1.0 + 1e-12):
+            raise validate.fail(
+                "moment", f"at least mass offset^2 = {weight * away * away:g}", about,
+                "give it about the satellite shaft, not about the centre of mass",
+            )  # fmt: skip
+        faster = 1.0 + self.ratio
+        arm = self.centre_distance
+        return weight * arm * arm + about * faster * faster, 2.0 * weight * arm * away * faster
+
+    @property
+    def pitch_ellipses(self) -> tuple[teeth.PitchEllipse, teeth.PitchEllipse]:
+        """Pitch curves of the driving (on the planet's shaft) and the driven ellipse.
+
+        At driver angle theta the driving one has turned k theta on the carrier, the
+        driven one theta + phi: the angles at which both touch.
+        """
+        a, e = self.semi_major_axis, self.eccentricity
+        return teeth.PitchEllipse(a, e), teeth.PitchEllipse(a, -e)
 
     @property
     def cell_angle(self) -> float:
@@ -93,11 +247,6 @@ class EllipticalPlanetary(EllipticalGears):
         share = 1.0 / self.ratio
         whole = Fraction(share).limit_denominator(_MOST_STATIONS)
         return whole.denominator if whole < 1 and abs(share - whole) < 1e-12 else None
-
-    @property
-    def motion_ratio(self) -> float:
-        """Moving share of the cell, 1: the output stands still for an instant only."""
-        return 1.0
 
     @property
     def breaks(self) -> tuple[float, float]:
@@ -176,12 +325,7 @@ class EllipticalPlanetary(EllipticalGears):
         Counted against the input's sense: the paper's phi_3 is its negative.
         """
         angles = np.asarray(theta, dtype=float)
-        half = 0.5 * self.ratio * angles
-        turns = np.rint(half / math.pi)
-        near = half - math.pi * turns
-        within = np.arctan2(self.ratio * np.sin(near), np.cos(near))
-        result: FloatArray = 2.0 * (within + math.pi * turns) - angles
-        return result
+        return np.asarray(teeth.stretched(self.ratio * angles, self.ratio) - angles)
 
     def dwell_below(self, ratio: float) -> float:
         """Driver angle about a stop within which g is at most `ratio` [rad].
@@ -244,20 +388,17 @@ class EllipticalPlanetary(EllipticalGears):
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI."""
-        from escapement.mechanisms.elliptical_teeth import fewest_teeth
-
-        turned = self.cell_report()
+        record = super().report()
         rests = [(deg, self.dwell_within(math.radians(deg))) for deg in TOLERANCES]
         return {
-            "stations": self.stations,
-            **turned,
-            "stop_interval_deg": turned["cell_angle_deg"],
-            "output_per_stop_deg": -turned["follower_step_deg"],
+            **record,
+            "stop_interval_deg": record["cell_angle_deg"],
+            "output_per_stop_deg": -record["follower_step_deg"],
             "eccentricity": self.eccentricity,
             "transmission_max": self.ratio_max,
             "acceleration_function_max": self.acceleration_max[0],
             **{name: getattr(self, name) for name in _LENGTHS},
-            "fewest_teeth": fewest_teeth(self),
+            "fewest_teeth": teeth.fewest_teeth(self),
             "dwell_within": [
                 {
                     "tolerance_deg": deg,
@@ -271,3 +412,11 @@ class EllipticalPlanetary(EllipticalGears):
     def _half_turn(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
         half = 0.5 * self.ratio * np.asarray(theta, dtype=float)
         return np.sin(half), np.cos(half)
+
+
+def between_0_and(limit: float, name: str, value: float, remedy: str) -> float:
+    """`value` as a finite number above 0 and below the limit."""
+    number = validate.positive(name, value, remedy)
+    if not number < limit:
+        raise validate.fail(name, f"below {limit:.6g}", value, remedy)
+    return number

@@ -1,4 +1,14 @@
-"""Teeth of the elliptical gears: their module, and how few there may be.
+"""Elliptical gears: pitch curves, the module of their teeth, and how few there may be.
+
+The two equal ellipses turn about a focus each, one at the origin, the driver's at the
+other end of the line of centres, 2a away. With E the eccentric anomaly, counted from where
+the driving ellipse has its far vertex on the line of centres,
+
+    driving ellipse  radius a (1 + e cos E),  tan(alpha/2) = sqrt((1-e)/(1+e)) tan(E/2)
+    driven ellipse   radius a (1 - e cos E),  tan(beta/2)  = sqrt((1+e)/(1-e)) tan(E/2)
+
+alpha and beta being their turns from there. Both touch at one E: the radii make up
+2a and the arcs from the vertices are equal, so the curves roll without slip.
 
 Teeth have one pitch all along the curve, so a whole number of them fixes the module.
 A rack of pressure angle alpha and addendum h m cuts into flanks that it has made where
@@ -10,12 +20,86 @@ Source: F. L. Litvin and A. Fuentes, Gear Geometry and Applied Theory (2004), ch
 """
 
 import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
+from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary, between_0_and
+from escapement.model import FloatArray
 
 PRESSURE_ANGLE = math.radians(20.0)
 ADDENDUM = 1.0
+
+
+def stretched(angle: ArrayLike, stretch: float) -> FloatArray:
+    """2 atan(stretch tan(angle/2)), continued over any number of turns [rad]."""
+    angles = np.asarray(angle, dtype=float)
+    turns = np.rint(angles / (2.0 * math.pi))
+    half = 0.5 * angles - math.pi * turns
+    return 2.0 * (np.arctan2(stretch * np.sin(half), np.cos(half)) + math.pi * turns)
+
+
+@dataclass(frozen=True)
+class PitchEllipse:
+    """An ellipse that turns about one of its focuses.
+
+    Parameters
+    ----------
+    semi_major_axis : float
+        a [m].
+    eccentricity : float
+        e [-], between -1 and 1: positive where angles are counted from the far vertex, as on
+        the driving gear, negative where they are counted from the near one.
+    """
+
+    semi_major_axis: float
+    eccentricity: float
+
+    @property
+    def semi_minor_axis(self) -> float:
+        """b = a sqrt(1 - e^2) [m]."""
+        e = self.eccentricity
+        return self.semi_major_axis * math.sqrt((1.0 - e) * (1.0 + e))
+
+    def radius(self, angle: ArrayLike) -> FloatArray:
+        """Distance of the curve from the pivot at angles from the vertex [m] (eq. 6)."""
+        e = self.eccentricity
+        return self.semi_major_axis * (1.0 - e * e) / (1.0 - e * np.cos(angle))
+
+    def eccentric_anomaly(self, angle: ArrayLike) -> FloatArray:
+        """Angle seen from the ellipse's auxiliary circle, E [rad]; any number of turns."""
+        e = self.eccentricity
+        return stretched(angle, math.sqrt((1.0 + e) / (1.0 - e)))
+
+    def arc(self, angle: ArrayLike) -> FloatArray:
+        """Length of the curve from the vertex to `angle` [m], an elliptic integral."""
+        from scipy.special import ellipe, ellipeinc
+
+        anomaly = self.eccentric_anomaly(angle)
+        m = self.eccentricity**2
+        # ellipeinc counts from the minor axis, the vertex is on the major one
+        quarter = ellipe(m)
+        result: FloatArray = self.semi_major_axis * (
+            quarter - ellipeinc(0.5 * math.pi - anomaly, m)
+        )
+        return result
+
+    def curvature(self, angle: ArrayLike) -> FloatArray:
+        """Curvature of the curve at angles from the vertex [1/m]; b/a^2 at its least."""
+        anomaly = self.eccentric_anomaly(angle)
+        a, b = self.semi_major_axis, self.semi_minor_axis
+        return a * b / ((a * np.sin(anomaly)) ** 2 + (b * np.cos(anomaly)) ** 2) ** 1.5
+
+    def tangent_angle(self, angle: ArrayLike) -> FloatArray:
+        """Angle from the radius to the tangent, pi/2 on a circle [rad]."""
+        angles = np.asarray(angle, dtype=float)
+        e = self.eccentricity
+        result: FloatArray = 0.5 * math.pi + np.arctan2(
+            e * np.sin(angles), 1.0 - e * np.cos(angles)
+        )
+        return result
 
 
 def perimeter(mechanism: EllipticalPlanetary) -> float:
@@ -59,9 +143,8 @@ def fewest_teeth(
     int
         18 for a circle, pressure angle 20 degrees and addendum 1; more for an ellipse.
     """
-    angle = validate.positive("pressure_angle", pressure_angle, "0.349 rad are 20 degrees")
-    if not angle < 0.25 * math.pi:
-        raise validate.fail("pressure_angle", "below pi/4", angle, "0.349 rad are 20 degrees")
+    remedy = "give less than pi/4, 0.349 rad are 20 degrees"
+    angle = between_0_and(0.25 * math.pi, "pressure_angle", pressure_angle, remedy)
     reach = validate.positive("addendum", addendum, "1 is usual")
     from scipy.special import ellipe
 

@@ -3,23 +3,32 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.lazy import Lazy
-from escapement.mechanisms._gear_train import GearTrain
-from escapement.mechanisms.gear_equation import lobe_ratios
-from escapement.units import degrees
+from escapement.mechanisms.gear_equation import (
+    COGNATES,
+    CURVES,
+    MOST_LOBES,
+    arm_length,
+    gear_ratio,
+    lobe_ratios,
+)
+from escapement.mechanisms.kind import WHEEL, Arms, Wheel
+from escapement.model import FloatArray
+from escapement.quantity import Choice, quantity, setting
+from escapement.scene import Path
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike
 
     from escapement.mechanisms import slotted
-    from escapement.model import FloatArray
-    from escapement.scene import Path
 else:
     np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
 
@@ -27,7 +36,7 @@ _LENGTHS = ("carrier", "arm", "entry_radius", "closest_radius")
 
 
 @dataclass(frozen=True)
-class GearDriven(GearTrain):
+class GearDriven(Wheel):
     """Geneva wheel driven by pins on a planet that rolls in or on a fixed gear.
 
     Parameters
@@ -70,6 +79,182 @@ class GearDriven(GearTrain):
     kind = "gear-driven"
     summary = "such a wheel, pins on a planet gear (Dijksman)"
     report_units: ClassVar[dict[str, str]] = dict.fromkeys(("planet_radius", *_LENGTHS), "length")
+    reported = (
+        *("stations", *WHEEL, "gear_ratio", "alpha_deg"),
+        *(f"{name}_over_fixed" for name in _LENGTHS),
+        "turns_with_driver",
+    )
+
+    stations: int = field(metadata=quantity(
+        "stations of the follower", whole=True, minimum=3, metavar="N",
+        remedy="the wheel needs 3 stations or more"
+    ))  # fmt: skip
+    lobes: Any = field(metadata=quantity(
+        "unreal lobes between two lobes of the pin's path", fraction=True, metavar="M",
+        maximum=MOST_LOBES, note=", a whole number or a fraction",
+        remedy="give a whole number or a fraction such as '1/2'"
+    ))  # fmt: skip
+    curve: str = field(default=CURVES[0], metadata=setting(
+        Choice(long_name=f"pin's path: {', '.join(CURVES)}", allowed=CURVES, metavar="NAME",
+        required=True)
+    ))  # fmt: skip
+    pins: int = field(default=1, metadata=quantity(
+        "pins on the planet", whole=True, minimum=1, metavar="P", remedy="give the number of pins"
+    ))  # fmt: skip
+    unused_lobes: int = field(default=0, metadata=quantity(
+        "lobes without a slot between two that have one", whole=True, maximum=MOST_LOBES,
+        metavar="J", remedy="give 0 to use every lobe"
+    ))  # fmt: skip
+    solution: int = field(default=1, metadata=quantity(
+        "place of the mechanism in order of alpha", whole=True, minimum=1, metavar="I",
+        note=", where there are several", remedy="they count from 1"
+    ))  # fmt: skip
+    fixed_radius: float | None = field(default=None, metadata=quantity(
+        "radius of the fixed gear", "length", exclusive=True, axis=False,
+        remedy="give the radius of the fixed gear"
+    ))  # fmt: skip
+
+    def __post_init__(self) -> None:
+        self.check_fields()
+        count = len(lobe_ratios(self.stations, self.lobes, self.curve))
+        if not count:
+            raise InvalidValue(
+                f"no mechanism corresponds to stations {self.stations}, lobes {self.lobes} and "
+                f"curve {self.curve!r}: equation (8) has no root with alpha <= pi - gamma and "
+                "V0 <= 1; choose another number of lobes"
+            )
+        if self.solution > count:
+            raise validate.fail("solution", f"at most {count} here", self.solution, "leave it out")
+        self._check_pins()
+
+    def _check_pins(self) -> None:
+        most = math.floor(1.0 / self.lobe_ratio * (1.0 + 1e-12))
+        if self.pins > most:
+            rule = f"at most {most} for a ratio of times of {self.lobe_ratio:.6g} a pin"
+            remedy = f"give {most}{' or fewer' if most > 1 else ''}: two would be engaged at once"
+            raise validate.fail("pins", rule, self.pins, remedy)
+        if self.through_centre and self.unused_lobes:
+            rule = "0 for a path through the wheel's centre"
+            remedy = "the wheel turns uniformly and would start and stop with a jump"
+            raise validate.fail("unused_lobes", rule, self.unused_lobes, remedy)
+        # in the locked wheel's frame an unused lobe sweeps the angle of one station
+        slots = self.slots
+        for lobe in range(1, self.unused_lobes + 1):
+            first, last = sorted((self._lobe_turn(lobe), self._slot_turn(lobe)))
+            if math.floor(last * slots) >= math.ceil(first * slots):
+                raise InvalidValue(
+                    "unused_lobes must leave the pin without a slot until it is wanted, got "
+                    f"{self.unused_lobes}: of the {slots} slots it then needs, one stands where "
+                    f"lobe {lobe} passes; choose another number"
+                )
+
+    def _lobe_turn(self, lobes: int) -> Fraction:
+        """Turns of the carrier until a pin passes in the same way this many lobes later."""
+        return lobes / (self.pins * abs(self.gear_ratio))
+
+    def _slot_turn(self, lobes: int) -> Fraction:
+        """Turns of the wheel's frame from one slot to where a pin enters this many lobes later."""
+        return self._lobe_turn(lobes) - self._step_turn
+
+    @property
+    def _step_turn(self) -> Fraction:
+        """Turns of the wheel at a step, positive with the carrier.
+
+        A wheel that turns by 1 - 1/n through its centre is left in the same position.
+        """
+        return Fraction(1 if self.curve == "contracted-hypocycloid" else -1, self.stations)
+
+    @property
+    def gear_ratio(self) -> Fraction:
+        """k = R0/R, fixed gear over planet, negative on the outside (12a-d) [-]."""
+        return gear_ratio(self.stations, self.lobes, self.curve)
+
+    @cached_property
+    def lobe_ratio(self) -> float:
+        """Ratio of times V0 with one pin and every lobe used (9) [-]."""
+        return lobe_ratios(self.stations, self.lobes, self.curve)[self.solution - 1]
+
+    @property
+    def alpha(self) -> float:
+        """Driver angle over which one pin moves the wheel (8) [rad]."""
+        return 2.0 * math.pi * self.lobe_ratio / abs(float(self.gear_ratio))
+
+    @property
+    def through_centre(self) -> bool:
+        """Whether the pin passes through the wheel's centre: V0 = 1, wheel in uniform motion."""
+        return self.lobe_ratio == 1.0
+
+    @cached_property
+    def arms(self) -> Arms:
+        """Carrier and the planet's arm, in radii of the fixed gear."""
+        source = self.curve if self.curve in CURVES[:2] else COGNATES[self.curve]
+        k, gamma = (
+            float(gear_ratio(self.stations, self.lobes, source)),
+            2.0 * math.pi / self.stations,
+        )
+        alpha = 2.0 * math.pi * self.lobe_ratio / abs(k)
+        carrier = 1.0 - 1.0 / k
+        arm = carrier if self.through_centre else arm_length(k, alpha, gamma)
+        if source == self.curve:
+            return Arms(carrier, 1.0, arm, 1.0 - k)
+        # the cognate's carrier is the other vector; its fixed gear has the radius k MC
+        return Arms(1.0 / k, 1.0, carrier / (k * arm), 1.0 - float(self.gear_ratio))
+
+    @property
+    def carrier_over_fixed(self) -> float:
+        """Length of the carrier, |R0 - R|/R0 [-]."""
+        return abs(self.arms.first)
+
+    @property
+    def arm_over_fixed(self) -> float:
+        """Distance of the pins from the planet's axis, |MC|/R0 [-]."""
+        return abs(self.arms.second)
+
+    @property
+    def entry_radius_over_fixed(self) -> float:
+        """Distance M0C of a pin from the wheel's axis at entry, over R0 [-]."""
+        return 0.0 if self.through_centre else float(self.radius(self.alpha / 2.0))
+
+    @property
+    def closest_radius_over_fixed(self) -> float:
+        """Least distance of the whole pin path from the wheel's axis, over R0 [-]."""
+        return abs(abs(self.arms.first) - abs(self.arms.second))
+
+    @property
+    def reach_over_fixed(self) -> float:
+        """Radius of the circle that holds both gears and the pin path, over R0 [-]."""
+        planet = abs(1.0 / float(self.gear_ratio))
+        longest = self.carrier_over_fixed + max(self.arm_over_fixed, planet)
+        return max(1.0, longest)
+
+    @property
+    def slots(self) -> int:
+        """Slots g the wheel needs (16) [-]; unused lobes and more pins change it.
+
+        They stand where pins enter, every (j + 1)/(p |k|) turns of the carrier less the
+        wheel's step: n/gcd(n, m + 2) for one pin that uses every lobe.
+        """
+        return self._slot_turn(self.unused_lobes + 1).denominator
+
+    @property
+    def cognate(self) -> Self:
+        """The other mechanism with the same pin path; its carrier turns 1 - k times as far.
+
+        Without its size: its fixed gear is k MC as large as this one's R0. The paths of
+        several pins are the same curve turned by 1/(p |k|) of a turn from pin to pin,
+        which the cognate's k changes: it can need another number of slots.
+
+        Raises
+        ------
+        InvalidValue
+            Where one of the cognate's slots stands in the way of an unused lobe.
+        """
+        return replace(self, curve=COGNATES[self.curve], fixed_radius=None)
+
+    @property
+    def crank_radius(self) -> float | None:
+        """Unit of the arms [m], which contact forces need; None where it is unknown."""
+        return self.fixed_radius
 
     @property
     def engagement_angle(self) -> float:
@@ -91,12 +276,6 @@ class GearDriven(GearTrain):
         """Driver angle from one engagement's entry to the next one's [rad]."""
         lobe = 2.0 * math.pi / abs(float(self.gear_ratio))
         return lobe * (self.unused_lobes + 1) / self.pins
-
-    @property
-    def breaks(self) -> tuple[float, float, float]:
-        """Pin entry, dead centre and pin exit [rad]."""
-        half = self.alpha / 2.0
-        return -half, 0.0, half
 
     @property
     def turns_with_driver(self) -> bool:
@@ -141,10 +320,7 @@ class GearDriven(GearTrain):
                 f"the wheel turns uniformly, g = {self._uniform:.6g}, and has no dynamics here; "
                 "choose another number of lobes"
             )
-        first, rate_1, second, rate_2 = self.arms
-        return slotted.two_vector_path(
-            first, rate_1, second, rate_2, self._forward, self.breaks[-1]
-        )
+        return slotted.two_vector_path(*self.arms, self._forward, self.breaks[-1])
 
     def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles from dead centre [rad], pin engaged.
@@ -152,37 +328,25 @@ class GearDriven(GearTrain):
         Through the wheel's centre g is constant and u infinite at the ends.
         """
         if not self.through_centre:
-            return slotted.transmission(self.path, theta)
+            return super().transmission(theta)
         angles = np.asarray(theta, dtype=float)
         half = 0.5 * (self.arms.rate_1 - self.arms.rate_2)
-        with np.errstate(divide="ignore"):
-            slide = np.where(
-                np.abs(angles) >= self.alpha / 2.0,
-                -np.copysign(np.inf, half * angles),
-                -half * np.tan(half * angles),
-            )
+        ends = -np.copysign(np.inf, half * angles)
+        inside = np.abs(angles) < self.alpha / 2.0
+        slide = np.where(inside, -half * np.tan(half * angles), ends)
         return slotted.Transmission(
             np.full_like(angles, self._uniform), slide, np.zeros_like(angles)
         )
 
     def jerk(self, theta: ArrayLike) -> FloatArray:
         """g'' at driver angles from dead centre [rad], pin engaged [-]."""
-        found = self.transmission(theta)
-        return np.zeros_like(found.g) if self.through_centre else slotted.jerk(self.path, found)
+        return np.zeros(np.shape(theta)) if self.through_centre else super().jerk(theta)
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle [rad], zero at dead centre."""
-        angles = np.asarray(theta, dtype=float)
         if self.through_centre:
-            return self._uniform * angles
-        first, rate_1, second, rate_2 = self.arms
-        if abs(first) < abs(second):  # about the longer vector nothing winds
-            first, rate_1, second, rate_2 = second, rate_2, first, rate_1
-        if first < 0.0:
-            first, second = -first, -second
-        turned = (rate_2 - rate_1) * angles
-        aside = np.arctan2(second * np.sin(turned), first + second * np.cos(turned))
-        return self._forward * (rate_1 * angles + aside)
+            return self._uniform * np.asarray(theta, dtype=float)
+        return super().follower_angle(theta)
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI, and that of every other solution."""
@@ -198,14 +362,7 @@ class GearDriven(GearTrain):
             return replace(self, solution=place, pins=1, unused_lobes=0)
 
     def _geometry(self) -> dict[str, Any]:
-        return {
-            "stations": self.stations,
-            **self.wheel_report(),
-            "gear_ratio": float(self.gear_ratio),
-            "alpha_deg": degrees(self.alpha),
-            **{f"{name}_over_fixed": getattr(self, f"{name}_over_fixed") for name in _LENGTHS},
-            "turns_with_driver": self.turns_with_driver,
-        }
+        return super().report() | {"gear_ratio": float(self.gear_ratio)}
 
     def _lengths(self) -> dict[str, float]:
         """Its lengths [m], where the size of the fixed gear is known."""

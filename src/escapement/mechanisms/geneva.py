@@ -4,23 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from escapement import validate
-from escapement.lazy import Lazy
-from escapement.mechanisms.kind import Wheel
+from escapement.mechanisms.kind import WHEEL, Arms, Wheel
 from escapement.quantity import Truth, quantity, setting
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike
-
-    from escapement.mechanisms import slotted
-    from escapement.model import FloatArray
-    from escapement.scene import Path
-else:
-    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
 
 MOST_SLOTS = 1_000_000
 
@@ -54,6 +42,7 @@ class Geneva(Wheel):
     kind = "geneva"
     summary = "wheel with radial slots, pins on a crank"
     report_units: ClassVar[dict[str, str]] = {"centre_distance": "length"}
+    reported = ("stations", *WHEEL)
 
     slots: int = field(metadata=quantity(
         "slots of the follower", whole=True, minimum=3, maximum=MOST_SLOTS, metavar="N",
@@ -116,53 +105,24 @@ class Geneva(Wheel):
         return self.engagement_angle / self.cell_angle
 
     @property
-    def breaks(self) -> tuple[float, float, float]:
-        """Pin entry, dead centre and pin exit [rad]."""
-        half = self.engagement_angle / 2.0
-        return -half, 0.0, half
+    def stations(self) -> int:
+        """Stops in a turn of the follower, one a slot."""
+        return self.slots
 
     @property
     def follower_step(self) -> float:
         """Follower angle per cell, 2 pi/n [rad]."""
         return 2.0 * math.pi / self.slots
 
-    @cached_property
-    def path(self) -> Path:
-        """The pin path, as kernels evaluate it."""
+    @property
+    def arms(self) -> Arms:
+        """Line of centres and crank, in crank radii: the follower turns about the origin."""
         crank = 1.0 if self.internal else -1.0
-        exit_ = self.breaks[-1]
-        return slotted.two_vector_path(
-            self.centre_distance, 0.0, crank, crank, forward=1.0, rest=exit_
-        )
-
-    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
-        """Transmission at driver angles from dead centre [rad], pin engaged."""
-        return slotted.transmission(self.path, theta)
-
-    def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle [rad], zero at dead centre (Meyer 1-6)."""
-        angles = np.asarray(theta, dtype=float)
-        sign = 1.0 if self.internal else -1.0
-        result: FloatArray = np.arctan2(
-            np.sin(angles), self.centre_distance + sign * np.cos(angles)
-        )
-        return result
-
-    def radius(self, theta: ArrayLike) -> FloatArray:
-        """Distance of the pin from the follower's axis, in crank radii."""
-        return slotted.radius(self.path, theta)
-
-    def jerk(self, theta: ArrayLike) -> FloatArray:
-        """g'' at driver angles from dead centre [rad], pin engaged [-]."""
-        return slotted.jerk(self.path, self.transmission(theta))
+        return Arms(self.centre_distance, 0.0, crank, crank)
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI."""
-        record = {
-            "stations": self.slots,
-            **self.wheel_report(),
-            "centre_distance_over_crank_radius": self.centre_distance,
-        }
+        record = super().report() | {"centre_distance_over_crank_radius": self.centre_distance}
         if self.crank_radius is not None:
             record["centre_distance"] = self.centre_distance * self.crank_radius
         return record

@@ -1,10 +1,29 @@
 """What every kind of mechanism tells files, the command line and reports of itself."""
 
-from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+
+from escapement.lazy import Lazy
+from escapement.model import FloatArray
 from escapement.quantity import Declared, Setting, declared
+from escapement.scene import Path
 from escapement.units import degrees
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike
+
+    from escapement.mechanisms import slotted
+else:
+    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
+
+CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
+"""What every kind reports of how far driver and follower turn in a cell."""
+WHEEL = (*CELL, "slots", "pins", "continuous", "dwell_deg", "transmission_max")
+"""What every wheel reports beside its stations."""
 
 
 class Kind(Declared):
@@ -25,13 +44,17 @@ class Kind(Declared):
     report_units: ClassVar[Mapping[str, str]] = {}
     """Kind of unit of those numbers of the report that have another than their name says."""
 
+    reported: ClassVar[tuple[str, ...]] = CELL
+    """Keys of the report: names of attributes, with "_deg" at the end for angles in degrees."""
+    motion_ratio: Any = 1.0
+    """Moving share of the cell: a drive that never lets go has no dwell."""
+
     # of subclasses, as fields or properties
     path: Any
     breaks: Any
     follower_angle: Any
     cell_angle: Any
     follower_step: Any
-    motion_ratio: Any
 
     @classmethod
     def options(cls) -> dict[str, Setting]:
@@ -45,33 +68,82 @@ class Kind(Declared):
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI; angles in degrees where the key says so."""
-        raise NotImplementedError
+        return {key: self._figure(key) for key in self.reported}
 
-    def cell_report(self) -> dict[str, Any]:
-        """How far driver and follower turn in a cell, by JSON key."""
-        return {
-            "motion_ratio": self.motion_ratio,
-            "cell_angle_deg": degrees(self.cell_angle),
-            "follower_step_deg": degrees(self.follower_step),
-        }
+    def _figure(self, key: str) -> Any:
+        name = key.removesuffix("_deg")
+        return getattr(self, key) if name == key else degrees(getattr(self, name))
+
+
+class Arms(NamedTuple):
+    """Pin path C = first exp(i rate_1 theta) + second exp(i rate_2 theta).
+
+    The origin is the follower's axis, and theta is counted from dead centre. The vectors
+    are in the mechanism's unit of length, with the sign that they have at dead centre.
+    """
+
+    first: float
+    rate_1: float
+    second: float
+    rate_2: float
 
 
 class Wheel(Kind):
-    """Base of the wheels with slots that pins drive."""
+    """Base of the wheels with slots that pins drive: the motion follows from the pin's path."""
 
     slots: Any
     pins: Any
-    continuous: Any
-    transmission: Any
+    arms: Any
+    engagement_angle: Any
+    _forward: Any = 1.0
+    """Sign with which the follower's angle grows along the path."""
 
-    def wheel_report(self) -> dict[str, Any]:
-        """The cell, slots, pins and dwell of a wheel, by JSON key."""
-        turned = self.cell_report()
-        return {
-            **turned,
-            "slots": self.slots,
-            "pins": self.pins,
-            "continuous": self.continuous,
-            "dwell_deg": turned["cell_angle_deg"] * (1.0 - self.motion_ratio),
-            "transmission_max": float(self.transmission(0.0).g),
-        }
+    @property
+    def breaks(self) -> tuple[float, float, float]:
+        """Pin entry, dead centre and pin exit [rad]."""
+        half = self.engagement_angle / 2.0
+        return -half, 0.0, half
+
+    @property
+    def dwell(self) -> float:
+        """Driver angle of the cell in which the follower is locked [rad]."""
+        return self.cell_angle * (1.0 - self.motion_ratio)  # type: ignore[no-any-return]
+
+    @property
+    def transmission_max(self) -> float:
+        """Greatest transmission, at dead centre [-]."""
+        return float(self.transmission(0.0).g)
+
+    @cached_property
+    def path(self) -> Path:
+        """The pin path, as kernels evaluate it."""
+        arms: Arms = self.arms
+        return slotted.two_vector_path(*arms, self._forward, self.breaks[-1])
+
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
+        """Transmission at driver angles from dead centre [rad], pin engaged."""
+        return slotted.transmission(self.path, theta)
+
+    def jerk(self, theta: ArrayLike) -> FloatArray:
+        """g'' at driver angles from dead centre [rad], pin engaged [-]."""
+        return slotted.jerk(self.path, self.transmission(theta))
+
+    def radius(self, theta: ArrayLike) -> FloatArray:
+        """Distance of the pin from the follower's axis, in the unit of the arms [-]."""
+        first, rate_1, second, rate_2 = self.arms
+        half = 0.5 * (rate_1 - rate_2) * np.asarray(theta, dtype=float)
+        # hypot of the sum along and across the bisector keeps accuracy near the centre
+        along, across = (first + second) * np.cos(half), (first - second) * np.sin(half)
+        return np.asarray(np.hypot(along, across))
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Follower angle [rad], zero at dead centre (Meyer 1-6)."""
+        angles = np.asarray(theta, dtype=float)
+        first, rate_1, second, rate_2 = self.arms
+        if abs(first) < abs(second):  # the sum does not wind about the longer vector
+            first, rate_1, second, rate_2 = second, rate_2, first, rate_1
+        if first < 0.0:
+            first, second = -first, -second
+        turned = (rate_2 - rate_1) * angles
+        aside = np.arctan2(second * np.sin(turned), first + second * np.cos(turned))
+        return np.asarray(self._forward * (rate_1 * angles + aside))

@@ -6,18 +6,17 @@ the power that passes the mesh. The numbers of the path are
     [pieces, order, edges..., coefficients of g, piece after piece]
 """
 
-import itertools
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from escapement.chebyshev import Series, fit, interpolate
 from escapement.jit import inner_jit
 from escapement.model import FloatArray
 from escapement.scene import Path
 
 ORDER = 17
-_RESOLVED = 1e-15  # last coefficients over the largest: rounding
-_MOST = 4096
+_DECAYED = 1e-15  # of the largest g: what rounding leaves of the last two coefficients
 
 
 @inner_jit
@@ -67,16 +66,11 @@ def read_table(path: Path) -> tuple[FloatArray, FloatArray]:
 def _corners(edges: FloatArray, series: FloatArray) -> FloatArray:
     """Driver angles at which a table is not smooth [rad].
 
-    The knots of a spline; series of full order are cut for accuracy alone. And where
-    the follower turns back, g changing its sign: the loss goes with its size.
+    They are the knots of a spline; series of full order are cut for accuracy alone. Besides, the
+    loss goes with the size of g, so it bends where the follower turns back and g changes its sign.
     """
-    found = [edges[1:-1]] if series.shape[1] < ORDER else []
-    # the values of a series lie within the sum of its coefficients about the first
-    for k in np.nonzero(series[:, 0] <= np.abs(series[:, 1:]).sum(axis=1))[0]:
-        x = np.polynomial.chebyshev.chebroots(np.trim_zeros(series[k], "b"))
-        x = x.real[(np.abs(x.imag) < 1e-6) & (np.abs(x.real) < 1.0)]
-        found.append(edges[k] + 0.5 * (edges[k + 1] - edges[k]) * (1.0 + x))
-    return np.concatenate(found) if found else edges[:0]
+    knots = edges[1:-1] if series.shape[1] < ORDER else edges[:0]
+    return np.concatenate([knots, Series(edges, series).roots()[0]])
 
 
 def chebyshev_table(
@@ -91,8 +85,8 @@ def chebyshev_table(
     edges : sequence of float
         First and last driver angle, and every corner between them, ascending.
     order : int
-        Coefficients of a piece; a piece is halved until they suffice. A spline of
-        degree k needs k of them.
+        Coefficients of a piece. With fewer than `ORDER` the function is a spline with a knot at
+        each edge, whose degree k needs k of them; otherwise a piece is halved until they suffice.
 
     Returns
     -------
@@ -101,34 +95,16 @@ def chebyshev_table(
 
     Raises
     ------
-    ValueError
+    InvalidValue
         Where the function is not smooth enough between two edges.
     """
-    angles = np.pi * (np.arange(order) + 0.5) / order
-    points = np.cos(angles)
-    transform = np.cos(np.outer(np.arange(order), angles)) * (2.0 / order)
-    transform[0] /= 2.0
-    done: list[tuple[float, FloatArray]] = []
-    waiting = [(float(a), float(b)) for a, b in itertools.pairwise(edges)][::-1]
-    largest = max(
-        float(np.abs(function(0.5 * (a + b + (b - a) * points))).max()) for a, b in waiting
-    )
-    while waiting:
-        left, right = waiting.pop()
-        half = 0.5 * (right - left)
-        values = np.asarray(function(left + half * (1.0 + points)), dtype=float)
-        # a spline's many pieces are all but even: rounding of their sums would be a slope of
-        # one sign, and add up to a step over the cell
-        even = values[order // 2] if order < ORDER else 0.0
-        series = transform @ (values - even)
-        series[0] += even
-        rough = np.abs(series[-2:]).max() > _RESOLVED * largest
-        if rough and order >= ORDER:
-            if half < 1e-9 or len(done) + len(waiting) >= _MOST:
-                raise ValueError(f"the transmission is not smooth near {left:.9g} rad")
-            middle = left + half
-            waiting += [(middle, right), (left, middle)]
-            continue
-        done.append((left, series))
-    starts = [left for left, _ in done]
-    return table_path(np.array([*starts, float(edges[-1])]), np.array([row for _, row in done]))
+    if order >= ORDER:
+        return table_path(*fit(function, edges, order, tail=2, decayed=_DECAYED, kinks=0))
+    knots = np.array(edges, dtype=float)
+    low, high = knots[:-1], knots[1:]
+    # The pieces of a spline are all but even. Rounding of their sums would be a slope of one
+    # sign, and add up to a step over the cell, so each is fitted to what differs from its middle.
+    middle = function(0.5 * (low + high))
+    series, _ = interpolate(lambda x: function(x) - np.repeat(middle, order), low, high, order)
+    series[:, 0] += middle
+    return table_path(knots, series)

@@ -14,7 +14,9 @@ from escapement import validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.lazy import Lazy
 from escapement.mechanisms.kind import Kind
+from escapement.model import FloatArray
 from escapement.quantity import InputFile, Numbers, Setting, Truth, declared, quantity, setting
+from escapement.scene import Path
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,8 +25,6 @@ if TYPE_CHECKING:
     from escapement.mechanisms import _periodic_spline as splines
     from escapement.mechanisms import _rows as rows
     from escapement.mechanisms import slotted
-    from escapement.model import FloatArray
-    from escapement.scene import Path
 else:
     np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
     rows = Lazy("escapement.mechanisms._rows")
@@ -150,11 +150,9 @@ class Tabulated(Kind):
         InvalidValue
             When an option breaks a rule.
         """
-        from escapement.mechanisms._angle_table import read_angles
-
-        angles = read_angles(path)
+        theta, phi = rows.read_angles(path)
         try:
-            table = cls(*angles, **options)
+            table = cls(theta, phi, **options)  # type: ignore[arg-type]
             _ = table.spline
         except InvalidValue as error:
             if str(error).startswith(("theta ", "phi ")):
@@ -212,11 +210,6 @@ class Tabulated(Kind):
         slowest = float(theta[np.argmin(self.transmission(theta).g)])
         start = slowest - self.cell_angle * math.ceil(slowest / self.cell_angle)
         return start, start + self.cell_angle
-
-    @property
-    def motion_ratio(self) -> float:
-        """Moving share of the cell, 1: the table knows no locked follower."""
-        return 1.0
 
     @property
     def noise(self) -> float:
@@ -278,7 +271,7 @@ class Tabulated(Kind):
         found, doubt = self.transmission(theta), self.deviation(theta)
         return {
             "rows": len(self.theta),
-            **self.cell_report(),
+            **super().report(),
             "noise_deg": math.degrees(self.noise),
             "transmission_max": float(found.g.max()),
             "transmission_min": float(found.g.min()),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement.mechanisms import GearDriven, Geneva
+from escapement.mechanisms.kind import Wheel
 
 ComplexArray = NDArray[np.complex128]
 
@@ -51,7 +51,7 @@ def circle_edge(radius: float) -> ComplexArray:
     return edge
 
 
-def locked_angle(mechanism: Geneva | GearDriven, theta: float) -> float:
+def locked_angle(mechanism: Wheel, theta: float) -> float:
     """Follower angle [rad] at any driver angle from a pin's dead centre.
 
     It counts on through engagements, and stands still between the exit of one pin and the
@@ -60,4 +60,5 @@ def locked_angle(mechanism: Geneva | GearDriven, theta: float) -> float:
     entry, leaving = mechanism.breaks[0], mechanism.breaks[-1]
     engagement = math.floor((theta - entry) / mechanism.cell_angle)
     local = min(theta - engagement * mechanism.cell_angle, leaving)
-    return engagement * mechanism.follower_step + float(mechanism.follower_angle(local))
+    turned = engagement * mechanism.follower_step + mechanism.follower_angle(local)
+    return float(turned)

@@ -32,16 +32,6 @@ class EllipticalOutline:
 
     mechanism: EllipticalPlanetary
 
-    @property
-    def sun_radius(self) -> float:
-        """Pitch radius of the fixed spur gear."""
-        return 1e3 * self.mechanism.sun_radius
-
-    @property
-    def planet_radius(self) -> float:
-        """Pitch radius of the spur gear that rolls on it."""
-        return 1e3 * self.mechanism.planet_radius
-
     def bodies(self, theta: float, carrier: float | None = None) -> tuple[Disc, Disc, Body, Body]:
         """The two spur gears and the two ellipses.
 
@@ -62,18 +52,19 @@ class EllipticalOutline:
         shaft = complex(self.line_of_centres(theta).shaft * np.exp(1j * along))
         driven, driving = self._ellipses(theta)
         return (
-            Disc("sun", 0.0, self.sun_radius),
-            Disc("planet", shaft, self.planet_radius),
+            Disc("sun", 0.0, 1e3 * self.mechanism.sun_radius),
+            Disc("planet", shaft, 1e3 * self.mechanism.planet_radius),
             Body("driven", (driven,)).turned(along),
             Body("driving", (driving,)).turned(along, shaft),
         )
 
     def line_of_centres(self, theta: float) -> LineOfCentres:
         """Points of the carrier's line at a driver angle."""
-        distance = self.sun_radius + self.planet_radius
+        sun, planet = 1e3 * self.mechanism.sun_radius, 1e3 * self.mechanism.planet_radius
+        distance = sun + planet
         turned = self.mechanism.ratio * theta
         rho = 1e3 * float(self.mechanism.pitch_ellipses[0].radius(turned))
-        return LineOfCentres(0.0, self.sun_radius, distance, distance - rho)
+        return LineOfCentres(0.0, sun, distance, distance - rho)
 
     def _ellipses(self, theta: float) -> tuple[ComplexArray, ComplexArray]:
         """Edges of the driven and the driving ellipse, each about its own pivot.

@@ -4,16 +4,10 @@ Functions named after one panel draw into the axes they are given, or into a new
 figure of their own; nothing is shown on a screen. `save` writes a figure.
 """
 
-from collections.abc import Callable
-from typing import Any
-
-from matplotlib.axes import Axes
-
 from escapement.plots.animation import animate as animate
 from escapement.plots.drive_torque import plot_drive_torque as plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven as plot_gear_driven
 from escapement.plots.geneva import plot_configurations as plot_configurations
-from escapement.plots.geneva import plot_mechanism as plot_mechanism
 from escapement.plots.measurement import plot_error_histogram as plot_error_histogram
 from escapement.plots.measurement import plot_errors as plot_errors
 from escapement.plots.measurement import plot_frequencies as plot_frequencies
@@ -25,19 +19,12 @@ from escapement.plots.motion import plot_phase_portrait as plot_phase_portrait
 from escapement.plots.motion import plot_velocities as plot_velocities
 from escapement.plots.planetary import plot_planetary as plot_planetary
 from escapement.plots.sample import plot_sample as plot_sample
+from escapement.plots.sample import plot_spread as plot_spread
 from escapement.plots.saving import save as save
-from escapement.plots.spread import plot_spread as plot_spread
 from escapement.plots.study import plot_lines as plot_lines
 from escapement.plots.study import plot_map as plot_map
 from escapement.plots.study import plot_rise_and_terminal as plot_rise_and_terminal
 from escapement.plots.study import plot_study as plot_study
 from escapement.plots.style import new_axes as new_axes
+from escapement.plots.tabulated import plot_mechanism as plot_mechanism
 from escapement.plots.tabulated import plot_table as plot_table
-
-DRAWINGS: dict[str, Callable[[Any, float], Axes]] = {
-    "geneva": plot_mechanism,
-    "gear-driven": plot_gear_driven,
-    "elliptical-planetary": plot_planetary,
-    "tabulated": lambda mechanism, _: plot_table(mechanism),
-}
-"""What draws each kind of mechanism at a driver angle [rad], which plays no part for a table."""

@@ -12,11 +12,10 @@ from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.model import FloatArray, Mechanism
 from escapement.motion import Motion
 from escapement.plots import style
-from escapement.plots.gear_driven import plot_gear_driven
-from escapement.plots.geneva import plot_mechanism
 from escapement.plots.motion import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
 from escapement.plots.style import scaled
+from escapement.plots.tabulated import plot_mechanism
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
@@ -104,11 +103,8 @@ def animate(
 
 def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Callable[[float], object]:
     """What draws the mechanism at a driver angle, with limits that do not change."""
-    if isinstance(mechanism, Geneva):
+    if not isinstance(mechanism, EllipticalPlanetary):
         return lambda theta: plot_mechanism(mechanism, theta, ax)
-    if isinstance(mechanism, GearDriven):
-        return lambda theta: plot_gear_driven(mechanism, theta, ax)
-    assert isinstance(mechanism, EllipticalPlanetary)
     # the carrier turns, so the limits must have room for every picture
     left, right, bottom, top = np.array([extent(mechanism, theta) for theta in angles]).T
     limits = {"xlim": (left.min(), right.max()), "ylim": (bottom.min(), top.max())}

@@ -12,11 +12,13 @@ from escapement.mechanisms import GearDriven
 from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.plots import style
 from escapement.plots.bodies import draw_body
+from escapement.plots.tabulated import plot_mechanism
 
 _FOLLOWER, _PLANET, _PIN = "#F5D7A9", "#DCE9F7", "#00446B"
 _CHAIN = (0, (8, 2, 1.5, 2))
 
 
+@plot_mechanism.register
 def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None = None) -> Axes:
     """Gear-driven Geneva wheel to scale: fixed gear, planet, pin path and wheel.
 
@@ -40,13 +42,9 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     Raises
     ------
     InvalidValue
-        For another mechanism, more than 200 slots, a path of more than 200 lobes or turns,
+        For more than 200 slots, a path of more than 200 lobes or turns,
         or an angle that is not finite.
     """
-    if not isinstance(mechanism, GearDriven):
-        raise validate.fail(
-            "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
-        )
     angle = validate.number("theta", theta, "give the carrier angle in rad")
     style.check_drawn("slots", mechanism.slots)
     ratio = mechanism.gear_ratio

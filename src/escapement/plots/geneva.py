@@ -13,6 +13,7 @@ from escapement.outlines.body import locked_angle
 from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import style
 from escapement.plots.bodies import draw_arrow, draw_body, draw_length
+from escapement.plots.tabulated import plot_mechanism
 
 # The crank disc lies behind the follower, the locking disc in its plane, pins lie in front.
 _LOOKS: dict[str, dict[str, Any]] = {
@@ -29,7 +30,8 @@ _LARGE = 5.0  # around a larger follower the room grows, and its lines get thinn
 _CONTINUOUS = (3, 4, 6)
 
 
-def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -> Axes:
+@plot_mechanism.register
+def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -> Axes:
     """Geneva drive to scale, driver on the right.
 
     Parameters
@@ -53,8 +55,7 @@ def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None
     Raises
     ------
     InvalidValue
-        For any but a Geneva drive, with the function that draws it, for more than 200 slots,
-        or an angle that is not finite.
+        For more than 200 slots, or an angle that is not finite.
 
     Notes
     -----
@@ -62,12 +63,6 @@ def plot_mechanism(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None
     at the origin a pin stands at c - exp(-i theta), for an internal wheel at
     c + exp(i theta).
     """
-    if not isinstance(mechanism, Geneva):
-        remedy = (
-            "give Geneva(slots=4), or draw a planetary drive with plot_planetary, a gear-driven "
-            "wheel with plot_gear_driven, a table with plot_table"
-        )
-        raise validate.fail("mechanism", "a Geneva drive", mechanism, remedy)
     angle = validate.number("theta", theta, "give the driver angle in rad")
     style.check_drawn("slots", mechanism.slots)
     outline = GenevaOutline(mechanism)

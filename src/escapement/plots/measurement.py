@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from escapement import validate
 from escapement.measurement import Measurement, position
 from escapement.measurement.encoder import sensor_uncertainty
-from escapement.measurement.readings import spread_samples
+from escapement.measurement.fit import spread_samples
 from escapement.model import FloatArray
 from escapement.plots import style
 from escapement.plots.style import label
@@ -46,9 +46,8 @@ def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
         np.degrees(driver[some]), np.degrees(found), "o", ms=2.5, mfc="none", mew=0.7,
         color=style.VERMILLION, label="measured",
     )  # fmt: skip
-    ax.set(xlabel=label("driver angle from dead centre", "°"), ylabel=label("follower angle", "°"))
-    style.legend_above(ax, 2, _title(result))
-    return ax
+    names = label("driver angle from dead centre", "°"), label("follower angle", "°")
+    return _labelled(ax, result, *names)
 
 
 def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
@@ -89,10 +88,8 @@ def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
             ls=style.LOOKS[1].linestyle, label=name,
         )  # fmt: skip
         name = "_"
-    ax.set(xlabel=label("input angle", "°"), ylabel=label("error", "°"))
     ax.margins(x=0.01)
-    style.legend_above(ax, 3, _title(result))
-    return ax
+    return _labelled(ax, result, label("input angle", "°"), label("error", "°"), columns=3)
 
 
 def plot_error_histogram(result: Measurement, ax: Axes | None = None) -> Axes:
@@ -124,9 +121,8 @@ def plot_error_histogram(result: Measurement, ax: Axes | None = None) -> Axes:
     x = mean + np.linspace(-reach, reach, _CURVE)
     bell = np.exp(-0.5 * ((x - mean) / deviation) ** 2) / (deviation * np.sqrt(2.0 * np.pi))
     ax.plot(x, bell, color=style.VERMILLION, lw=1.4, label="normal law")
-    ax.set(xlabel=label("error", "°"), ylabel=label("density", "1/°"), ylim=(0.0, None))
-    style.legend_above(ax, 2, _title(result))
-    return ax
+    ax.set_ylim(0.0, None)
+    return _labelled(ax, result, label("error", "°"), label("density", "1/°"))
 
 
 def plot_frequencies(result: Measurement, ax: Axes | None = None) -> Axes:
@@ -158,9 +154,7 @@ def plot_frequencies(result: Measurement, ax: Axes | None = None) -> Axes:
         middle + 0.5 * width, classes.expected, width, fc="white", ec=style.VERMILLION, lw=0.9,
         hatch="////", label="theoretical",
     )  # fmt: skip
-    ax.set(xlabel=label("middle of the class", "°"), ylabel="Number of errors")
-    style.legend_above(ax, 2, _title(result))
-    return ax
+    return _labelled(ax, result, label("middle of the class", "°"), "Number of errors")
 
 
 def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
@@ -199,12 +193,8 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
     for name, (place, look) in marks.items():
         if place <= found.frequency[-1]:
             ax.axvline(place, color=look.color, lw=0.9, ls=look.linestyle, label=name, zorder=0)
-    ax.set(
-        xlabel="Cycles a turn of the input", ylabel="Share of variance (%)",
-        xlim=(0.0, found.frequency[-1]), ylim=(0.0, None),
-    )  # fmt: skip
-    style.legend_above(ax, 2, _title(result))
-    return ax
+    ax.set(xlim=(0.0, found.frequency[-1]), ylim=(0.0, None))
+    return _labelled(ax, result, "Cycles a turn of the input", "Share of variance (%)")
 
 
 def plot_measurement(result: Measurement) -> Figure:
@@ -227,8 +217,11 @@ def _ready(result: Measurement, ax: Axes | None) -> Axes:
     return ax or style.new_axes(5.0, 3.4)
 
 
-def _title(result: Measurement) -> str | None:
-    return "synthetic data" if result.readings.synthetic else None
+def _labelled(ax: Axes, result: Measurement, x: str, y: str, columns: int = 2) -> Axes:
+    """The same axes with the names of both, and a legend that says what is synthetic."""
+    ax.set(xlabel=x, ylabel=y)
+    style.legend_above(ax, columns, "synthetic data" if result.readings.synthetic else None)
+    return ax
 
 
 def _outline(count: int, values: FloatArray) -> np.ndarray:

@@ -10,6 +10,7 @@ from escapement.mechanisms import EllipticalPlanetary
 from escapement.outlines.elliptical import EllipticalOutline
 from escapement.plots import style
 from escapement.plots.bodies import draw_arrow, draw_body, draw_length
+from escapement.plots.tabulated import plot_mechanism
 
 _SPUR: dict[str, Any] = {"facecolor": "#e4e4e4", "linewidth": 0.8, "zorder": 1}
 _DRIVEN: dict[str, Any] = {"facecolor": "#f6d9a8", "linewidth": 0.9, "zorder": 2.0, "alpha": 0.85}
@@ -17,6 +18,7 @@ _DRIVING: dict[str, Any] = {"facecolor": "#9cc7e8", "linewidth": 0.9, "zorder": 
 _MARGIN = 0.12  # the room around the gears is this share of the centre distance
 
 
+@plot_mechanism.register
 def plot_planetary(
     mechanism: EllipticalPlanetary, theta: float = 0.0, ax: Axes | None = None
 ) -> Axes:
@@ -40,13 +42,8 @@ def plot_planetary(
     Raises
     ------
     InvalidValue
-        For another mechanism, or an angle that is not finite.
+        For an angle that is not finite.
     """
-    if not isinstance(mechanism, EllipticalPlanetary):
-        raise validate.fail(
-            "mechanism", "a planetary drive with elliptical gears", mechanism,
-            "give EllipticalPlanetary(16e-3, 9e-3)",
-        )  # fmt: skip
     angle = validate.number("theta", theta, "give the driver angle in rad")
     left, right, bottom, top = box = extent(mechanism, angle)
     if ax is None:

@@ -1,7 +1,11 @@
-"""Figures of a sample: what scatters, by how much, and which parameter it comes from."""
+"""Figures of a sample: what scatters, by how much, and which parameter it comes from.
+
+Some cases of a sample have an answer but no time, because it is longer than an engine
+follows: quantiles count such a time as longer than any.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,10 +18,21 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.spread import QUANTILES, counted, missing, quantile, ran
-from escapement.plots.study_table import NoResult, StudyData, printed_name, single_case
+from escapement.plots.study_panels import draw_lines, is_whole, legend, lines_drawn
+from escapement.plots.study_table import (
+    NoResult,
+    StudyTable,
+    available,
+    printed_name,
+    single_case,
+    tabulate_study,
+)
 from escapement.plots.style import label, number_text, print_unit, scaled, superscript
+from escapement.study.result import Study
+from escapement.study.varied import CASE
 
+QUANTILES = (0.05, 0.5, 0.95)
+_SPREAD = ("rise_time", "velocity_mean")
 _RESULTS = ("period", "velocity_max", "rise_time")
 _MOST_PANELS = 3  # so many parameters have room beside one another
 _FEW, _MANY = 30, 300  # up to the one points are drawn large, beyond the other small
@@ -30,7 +45,7 @@ _LONGER: dict[str, Any] = {"marker": "^", "color": style.PURPLE, "ms": 3.5, "mew
 _APART = 0.06  # numbers closer than this share of a panel's height would overlap
 
 
-def plot_sample(study: StudyData, results: Sequence[str] = _RESULTS) -> Figure:
+def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
     """Results against each sampled parameter, and how they are distributed.
 
     Parameters
@@ -70,6 +85,7 @@ def plot_sample(study: StudyData, results: Sequence[str] = _RESULTS) -> Figure:
     if not names:
         raise single_case()
     figure = style.new_figure(style.TWO_COLUMN, 0.9 + 1.75 * len(rows))
+    # the last column is narrower: it holds the histogram
     widths = [1.0] * len(names) + [0.75]
     panels = figure.subplots(
         len(rows), len(widths), sharex="col", sharey="row", squeeze=False, width_ratios=widths
@@ -80,7 +96,7 @@ def plot_sample(study: StudyData, results: Sequence[str] = _RESULTS) -> Figure:
         values = flat.results[name] * factor
         for ax, parameter in zip(line, names, strict=False):
             _scatter(style.dress(ax), flat.parameters[parameter], values, flat.failed, shown)
-        line[0].set_ylabel(_wrapped(printed_name(study, name), unit))
+        line[0].set_ylabel(label(printed_name(study, name), unit, _LINE))
         _distribution(style.dress(line[-1]), values[np.isfinite(values)])
         _quantile_lines(line, [float(quantile(values, share)) for share in QUANTILES])
         if lack := missing(study, name):
@@ -108,7 +124,7 @@ class _FlatSample:
     failed: np.ndarray
 
 
-def _flat(study: StudyData) -> _FlatSample:
+def _flat(study: Study) -> _FlatSample:
     varied = [name for name, values in study.axes.items() if np.size(values) > 1]
     if not study.sampled or len(varied) > 1:
         raise InvalidValue(
@@ -166,6 +182,7 @@ def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray, rows: n
 
 def _distribution(ax: Axes, values: FloatArray) -> None:
     """A histogram on its side."""
+    # Rice's rule: twice the cube root of the number of cases
     bins = int(np.clip(2.0 * values.size ** (1.0 / 3.0), *_BINS))
     look: dict[str, Any] = {"color": style.SKY, "edgecolor": "white", "lw": 0.3}
     ax.hist(values, bins=bins, orientation="horizontal", **look)
@@ -189,25 +206,18 @@ def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
             )  # fmt: skip
 
 
-def _dress_parameter(ax: Axes, study: StudyData, name: str) -> None:
+def _dress_parameter(ax: Axes, study: Study, name: str) -> None:
     """Ticks and label of a narrow panel: a power of ten goes into the unit."""
     values = np.abs(np.asarray(study.sampled[name], dtype=float))
+    # the power of ten is a multiple of three, as in engineering notation
     power = 3 * int(np.floor(np.log10(values.max()) / 3.0)) if values.max() > 0.0 else 0
     power = 0 if -3 <= power <= 3 else power
-    ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], integer=_whole(values)))
+    whole = (values % 1 == 0).all()
+    ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], integer=bool(whole)))
     ax.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
     unit = print_unit(study.units.get(name, ""))
     tens = f"10{superscript(power)}" if power else ""
-    ax.set_xlabel(_wrapped(printed_name(study, name), f"{tens} {unit}".strip()))
-
-
-def _whole(values: FloatArray) -> bool:
-    return bool((values == np.rint(values)).all())
-
-
-def _wrapped(name: str, unit: str) -> str:
-    """A label of a narrow panel, in two lines where it is long."""
-    return label(name, unit, _LINE)
+    ax.set_xlabel(label(printed_name(study, name), f"{tens} {unit}".strip(), _LINE))
 
 
 def _explain(figure: Figure, flat: _FlatSample, names: Sequence[str], rows: Sequence[str]) -> None:
@@ -232,3 +242,125 @@ def _explain(figure: Figure, flat: _FlatSample, names: Sequence[str], rows: Sequ
         fontsize=style.SMALL_SIZE, title_fontsize=style.SMALL_SIZE,
         title=title if len(names) < count else None, columnspacing=1.4,
     )  # fmt: skip
+
+
+def ran(study: Study) -> np.ndarray:
+    """Which cases have an answer, shape of the results."""
+    answered: np.ndarray = np.isfinite(np.asarray(study.results["velocity_mean"], dtype=float))
+    return answered
+
+
+def counted(study: Study, result: str) -> FloatArray:
+    """A result as quantiles and ranks count it, of the shape of the results.
+
+    NaN where a case has no answer. A case that has one lacks a rise or settling time
+    only where that is beyond what an engine follows: infinity. Left out, the longest
+    would be missing, and every quantile too short.
+    """
+    values = np.asarray(study.results[result], dtype=float)
+    return np.where(ran(study), np.where(np.isfinite(values), values, np.inf), np.nan)
+
+
+def quantile(values: FloatArray, share: float) -> FloatArray:
+    """Quantile along the last axis, NaN where it falls on infinity or nothing counts.
+
+    Values are joined by straight lines, as `numpy.quantile` does, which makes NaN of the
+    last number before infinity too.
+
+    values : shape (..., n), NaN where a case does not count.
+    """
+    # NaN is sorted to the end, behind infinity
+    ordered = np.sort(values, axis=-1)
+    last = np.count_nonzero(~np.isnan(values), axis=-1, keepdims=True) - 1
+    place = share * np.maximum(last, 0)
+    below, above = (
+        np.take_along_axis(ordered, end(place).astype(int), axis=-1) for end in (np.floor, np.ceil)
+    )
+    with np.errstate(invalid="ignore"):  # two infinities have no difference
+        between = below + (above - below) * (place - np.floor(place))
+    return np.where(np.isfinite(above), between, np.nan)[..., 0]
+
+
+def missing(study: Study, result: str) -> str:
+    """How many of the cases with an answer lack a result: "no rise time in 3 of 20 cases"."""
+    lost, name = int(np.isinf(counted(study, result)).sum()), result.replace("_", " ")
+    return f"no {name} in {lost} of {int(ran(study).sum())} cases" if lost else ""
+
+
+def plot_spread(study: Study) -> Figure:
+    """How far a sample scatters at each point of a grid.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result over a sample at each point of a grid.
+
+    Returns
+    -------
+    Figure
+        Rise time and mean velocity against a swept parameter: the median over the
+        sample, in a band from its 5 % to its 95 % quantile; a line for each value of
+        a second one. A rise time that a case lacks although it has an answer is longer
+        than any: the median is not drawn where half of the cases lack it, nor is the
+        band where one in twenty does.
+
+    Raises
+    ------
+    InvalidValue
+        When the study is no sample, or varies no axis beside it.
+    """
+    low, middle, high = (_at_quantile(study, share) for share in QUANTILES)
+    names = available(middle, _SPREAD)
+    figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(names))
+    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
+    for ax, name in zip(panels, names, strict=True):
+        table = tabulate_study(middle, name)
+        lines = draw_lines(style.dress(ax), middle, name, table)
+        factor, _ = scaled(study.units.get(name, ""), table.values)
+        ends = [_values(side, name, table) * factor for side in (low, high)]
+        for line, column in zip(lines, lines_drawn(table.values.shape[1]), strict=True):
+            below, above = (end[:, column] for end in ends)
+            look: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "lw": 0.0}
+            if is_whole(study, table.x):
+                ax.vlines(table.x_values, below, above, **(look | {"lw": 4.0}))
+            else:
+                ax.fill_between(table.x_values, below, above, **look)
+        ax.label_outer()
+    note = _note(study, names)
+    legend(panels[0], study, table, lines, note)
+    if table.lines is None:
+        panels[0].set_title(note, fontsize=style.SMALL_SIZE)
+    if table.note:
+        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
+    return figure
+
+
+def _present(study: Study) -> list[str]:
+    return [name for name in _SPREAD if name in study.results]
+
+
+def _values(side: Study, name: str, middle: StudyTable) -> FloatArray:
+    """A quantile beside the median, NaN all over where it falls on no number anywhere."""
+    try:
+        return tabulate_study(side, name).values
+    except NoResult:
+        return np.full_like(middle.values, np.nan)
+
+
+def _note(study: Study, drawn: list[str]) -> str:
+    """Which cases the quantiles are of, and which of them have no number."""
+    answered = ran(study)
+    lines = [f"Median and 5 % to 95 % of {answered.shape[-1]} cases"]
+    if lost := int((~answered).sum()):
+        lines.append(f"but for {lost} of {answered.size} in all, without result")
+    for name in _present(study):
+        if lack := missing(study, name):
+            lines.append(f"{lack}: {'counted as longest' if name in drawn else 'too many to draw'}")
+    return "\n".join(lines)
+
+
+def _at_quantile(study: Study, share: float) -> Study:
+    """A quantile of the results drawn, over the cases that have an answer, as a study."""
+    axes = {name: values for name, values in study.axes.items() if name != CASE}
+    results = {name: quantile(counted(study, name), share) for name in _present(study)}
+    return replace(study, axes=axes, results=results, sampled={})

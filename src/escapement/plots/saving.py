@@ -9,8 +9,13 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 from matplotlib.axes import Axes
 
-from escapement.files.atomic import check_replaceable, replace_file, storage_error
-from escapement.files.names import FILMS, picture_format
+from escapement.files import (
+    FILMS,
+    check_replaceable,
+    picture_format,
+    replace_file,
+    storage_error,
+)
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation

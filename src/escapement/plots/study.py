@@ -8,8 +8,7 @@ from matplotlib.lines import Line2D
 
 from escapement.errors import InvalidValue
 from escapement.plots import style
-from escapement.plots.sample import plot_sample
-from escapement.plots.spread import plot_spread
+from escapement.plots.sample import plot_sample, plot_spread
 from escapement.plots.study_panels import (
     draw_line,
     draw_lines,
@@ -19,8 +18,9 @@ from escapement.plots.study_panels import (
     legend,
     legend_title,
 )
-from escapement.plots.study_table import NoResult, StudyData, StudyTable, available, tabulate_study
+from escapement.plots.study_table import NoResult, StudyTable, available, tabulate_study
 from escapement.plots.style import label, scaled
+from escapement.study.result import Study
 
 _ENOUGH = 5  # a contour map needs so many points on either axis
 _TIMES = ("rise_time", "settling_time")
@@ -28,7 +28,7 @@ _VELOCITIES = ("velocity_max", "velocity_mean", "velocity_min")
 _MAPS = ("period", "velocity_mean", "rise_time")
 
 
-def plot_lines(study: StudyData, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
+def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
     """One result against one parameter, a line for each value of another.
 
     Parameters
@@ -66,7 +66,7 @@ def plot_lines(study: StudyData, result: str, x: str | None = None, ax: Axes | N
     return ax
 
 
-def plot_rise_and_terminal(study: StudyData) -> Figure:
+def plot_rise_and_terminal(study: Study) -> Figure:
     """Rise time above mean terminal velocity, against one parameter.
 
     Parameters
@@ -86,7 +86,7 @@ def plot_rise_and_terminal(study: StudyData) -> Figure:
     return figure
 
 
-def plot_map(study: StudyData, result: str, ax: Axes | None = None) -> Axes:
+def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
     Contours, but cells of one colour each for times that jump by an engagement, and
@@ -122,7 +122,7 @@ def plot_map(study: StudyData, result: str, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_study(study: StudyData) -> Figure:
+def plot_study(study: Study) -> Figure:
     """The figure that suits a study.
 
     Parameters
@@ -152,12 +152,13 @@ def plot_study(study: StudyData) -> Figure:
     table = tabulate_study(study, names[0])
     if table.lines is None:
         return _plot_single(study, table)
+    # a contour map of fewer points would invent what lies between them
     if min(table.values.shape) < _ENOUGH:
         return plot_rise_and_terminal(study)
     return _plot_double(study, names, table)
 
 
-def _plot_double(study: StudyData, names: Sequence[str], table: StudyTable) -> Figure:
+def _plot_double(study: Study, names: Sequence[str], table: StudyTable) -> Figure:
     """Lines above maps."""
     figure = style.new_figure(style.TWO_COLUMN, 6.3)
     rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
@@ -180,7 +181,7 @@ def _plot_double(study: StudyData, names: Sequence[str], table: StudyTable) -> F
     return figure
 
 
-def _plot_single(study: StudyData, table: StudyTable) -> Figure:
+def _plot_single(study: Study, table: StudyTable) -> Figure:
     """Times above velocities, against the only varied parameter."""
     groups = {"time": _present(study, _TIMES), "driver velocity": _present(study, _VELOCITIES)}
     groups = {name: members for name, members in groups.items() if members}
@@ -201,7 +202,7 @@ def _plot_single(study: StudyData, table: StudyTable) -> Figure:
     return figure
 
 
-def _present(study: StudyData, names: Sequence[str]) -> list[str]:
+def _present(study: Study, names: Sequence[str]) -> list[str]:
     try:
         return available(study, names)
     except NoResult:
@@ -215,7 +216,7 @@ def _panels(figure: Figure | SubFigure, rows: int, columns: int) -> list[Axes]:
 
 
 def _fill(
-    panels: list[Axes], study: StudyData, names: Sequence[str]
+    panels: list[Axes], study: Study, names: Sequence[str]
 ) -> tuple[list[Line2D], StudyTable]:
     """Lines of one result in each panel; returns those of the last."""
     for ax, name in zip(panels, names, strict=True):

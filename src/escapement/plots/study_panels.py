@@ -21,8 +21,9 @@ from matplotlib.ticker import (
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.study_table import StudyData, StudyTable, printed_name
+from escapement.plots.study_table import StudyTable, printed_name
 from escapement.plots.style import label, number_text, print_unit, scaled
+from escapement.study.result import Study
 
 _FEW = 15  # a line of at most so many points has each of them marked
 _LEVELS = 7  # a map has about so many contours
@@ -36,7 +37,7 @@ _POWER = 8  # a power of ten beside the label takes so many of them
 _STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so have no contours
 
 
-def draw_lines(ax: Axes, study: StudyData, result: str, table: StudyTable) -> list[Line2D]:
+def draw_lines(ax: Axes, study: Study, result: str, table: StudyTable) -> list[Line2D]:
     """A line for each value of the second axis, six at most; returns them."""
     x, joined = table.x_values, not is_whole(study, table.x)
     factor, unit = scaled(study.units.get(result, ""), table.values)
@@ -53,6 +54,7 @@ def draw_line(
     ax: Axes, x: FloatArray, y: FloatArray, look: style.Look, name: str, joined: bool = True
 ) -> Line2D:
     """One line, its points marked where they are few or stand alone; or all, and not joined."""
+    # a point between two gaps would be invisible without a marker
     finite = np.concatenate([[False], np.isfinite(y), [False]])
     alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
     marked = alone if joined and x.size > _FEW else np.ones(x.size, bool)
@@ -64,9 +66,7 @@ def draw_line(
     return line
 
 
-def legend(
-    ax: Axes, study: StudyData, table: StudyTable, lines: list[Line2D], note: str = ""
-) -> None:
+def legend(ax: Axes, study: Study, table: StudyTable, lines: list[Line2D], note: str = "") -> None:
     """What the lines stand for, over a panel in one column."""
     if table.lines is not None:
         title = "\n".join(text for text in (note, legend_title(study, table)) if text)
@@ -74,7 +74,7 @@ def legend(
         style.legend_above(ax, columns, title, handles=lines, handlelength=style.HANDLE)
 
 
-def legend_title(study: StudyData, table: StudyTable) -> str:
+def legend_title(study: Study, table: StudyTable) -> str:
     """What the lines are: "Driving torque (in·lbf)"; "" for a single line."""
     if table.lines is None:
         return ""
@@ -85,7 +85,7 @@ def legend_title(study: StudyData, table: StudyTable) -> str:
 
 
 def draw_map(
-    ax: Axes, study: StudyData, result: str, table: StudyTable, bar: Literal["right", "top"]
+    ax: Axes, study: Study, result: str, table: StudyTable, bar: Literal["right", "top"]
 ) -> list[Patch]:
     """Colours over both axes, named by a bar; hatched where there is no result.
 
@@ -96,6 +96,7 @@ def draw_map(
     """
     x, y = table.x_values, table.line_values
     factor, unit = scaled(study.units.get(result, ""), table.values)
+    # contours and cells have the first axis along the columns
     z = np.ma.masked_invalid(table.values.T * factor)
     cells = result in _STEPPED or is_whole(study, table.x) or is_whole(study, str(table.lines))
     count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black can be read on 0.6
@@ -141,6 +142,7 @@ def _label_contours(ax: Axes, lines: ContourSet) -> None:
         clear = all(np.hypot(x - x0, y - y0) > _APART for x0, y0 in placed)
         if clear and _EDGE < x < 1.0 - _EDGE and _EDGE < y < 1.0 - _EDGE:
             placed.append((x, y))
+    # clabel takes places in the coordinates of the data
     middles = [to_axes.inverted().transform(point) for point in placed]
     for text in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False, manual=middles) or ():
         text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
@@ -163,13 +165,13 @@ def _edges(values: FloatArray) -> FloatArray:
     return edges
 
 
-def is_whole(study: StudyData, name: str) -> bool:
+def is_whole(study: Study, name: str) -> bool:
     """Whether a parameter takes whole numbers only, with nothing between them."""
     return bool(np.issubdtype(np.asarray(study.axes[name]).dtype, np.integer))
 
 
 def dress_axis(
-    ax: Axes, which: Literal["x", "y"], study: StudyData, name: str, *, narrow: bool = False
+    ax: Axes, which: Literal["x", "y"], study: Study, name: str, *, narrow: bool = False
 ) -> None:
     """Label, scale and ticks of an axis that a parameter runs along.
 
@@ -211,6 +213,7 @@ def lines_drawn(count: int) -> list[int]:
     most = len(style.LOOKS)
     if count <= most:
         return list(range(count))
+    # equal steps between the lines drawn are preferred to one line more
     even = [n for n in range(most, 3, -1) if (count - 1) % (n - 1) == 0]
     chosen = np.linspace(0, count - 1, even[0] if even else most)
     return [round(i) for i in chosen.tolist()]

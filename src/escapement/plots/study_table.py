@@ -1,18 +1,18 @@
 """What of a study goes into a figure: one result over one or two axes."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots.style import parameter_text
 from escapement.status import Status
+from escapement.study.result import Study
 
 _SHORT = {
     "friction": "coefficient of friction",
@@ -30,34 +30,6 @@ _REASONS = {
 _WIDEST = 56  # so many characters of a note fit over one column
 _HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # a longer name makes no axis label
-
-
-class StudyData(Protocol):
-    """What a figure needs of a study: a grid of results over named axes.
-
-    `axes` in the order of the results' dimensions; `units` (UDUNITS spelling)
-    and `long_names` for axes and results alike; NaN where there is no result.
-    """
-
-    @property
-    def axes(self) -> Mapping[str, NDArray[Any]]:
-        """Values along each dimension; shape (n,)."""
-
-    @property
-    def sampled(self) -> Mapping[str, NDArray[Any]]:
-        """Parameters of a sample, along the last axis; empty on a grid."""
-
-    @property
-    def results(self) -> Mapping[str, NDArray[Any]]:
-        """Arrays over the axes in order."""
-
-    @property
-    def units(self) -> Mapping[str, str]:
-        """Unit of every axis and result."""
-
-    @property
-    def long_names(self) -> Mapping[str, str]:
-        """Description of every axis and result."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +51,7 @@ class StudyTable:
     note: str
 
 
-def tabulate_study(study: StudyData, result: str, x: str | None = None) -> StudyTable:
+def tabulate_study(study: Study, result: str, x: str | None = None) -> StudyTable:
     """Choose the axes of a figure, and fix every other one at its middle.
 
     Parameters
@@ -126,6 +98,7 @@ def tabulate_study(study: StudyData, result: str, x: str | None = None) -> Study
         values = values.T
     x_values = np.asarray(study.axes[x], dtype=float)
     line_values = np.zeros(1) if lines is None else np.asarray(study.axes[lines], dtype=float)
+    # the axes of a study may descend or be in any order
     rows, columns = np.argsort(x_values), np.argsort(line_values)
     fixed = [_fixed(study, name, i) for name, i in middle.items()]
     where = ", ".join(fixed)
@@ -140,7 +113,7 @@ def tabulate_study(study: StudyData, result: str, x: str | None = None) -> Study
     )
 
 
-def available(study: StudyData, names: Sequence[str]) -> list[str]:
+def available(study: Study, names: Sequence[str]) -> list[str]:
     """Those of the named results that a figure can show.
 
     Raises
@@ -165,14 +138,14 @@ class NoResult(InvalidValue):
     """Every case that would be drawn lacks the result."""
 
 
-def printed_name(study: StudyData, name: str) -> str:
+def printed_name(study: Study, name: str) -> str:
     """Name of an axis or result, short enough for a label."""
     words = name.replace("_", " ")
     long = study.long_names.get(name) or words
     return _SHORT.get(name) or (long if len(long) <= _LONGEST else words)
 
 
-def _unanswered(study: StudyData, index: tuple[Any, ...]) -> str:
+def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
     """How many of the cases shown have no number, and why; "" for none."""
     status = np.asarray(study.results.get("status", 0))
     shown = status[index] if status.ndim else status
@@ -185,7 +158,7 @@ def _unanswered(study: StudyData, index: tuple[Any, ...]) -> str:
     return f"{lost} of {shown.size} cases {gaps}: {', '.join(reasons)}"
 
 
-def _fixed(study: StudyData, name: str, index: int) -> str:
+def _fixed(study: Study, name: str, index: int) -> str:
     values = study.axes[name]
     text = parameter_text(printed_name(study, name), values[index], study.units.get(name, ""))
     return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)})"

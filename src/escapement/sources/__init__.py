@@ -1,1 +1,1 @@
-"""What the sources printed, recomputed side by side with what is true."""
+"""What four papers printed, recomputed side by side with what is true."""

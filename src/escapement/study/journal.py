@@ -1,289 +1,445 @@
-"""Finished blocks beside the file to come: appended once, checked, never rewritten.
+"""Finished blocks beside the file to come: rows of a SQLite database, each with a checksum.
 
-Layout: a line that says who is writing, a head that says which study this is, then one
-record for each block in the order of their completion. A record carries a checksum over
-itself and the study it belongs to, so that a torn, damaged or foreign one is never
-taken for good and costs only itself.
+Row -1 says which study this is, the others are blocks by their numbers. The checksum of a row
+also covers the study, so that a damaged or foreign row is never taken for good.
 """
 
 import errno
+import hashlib
 import json
 import os
+import sqlite3
 import struct
-import threading
 import time
+import warnings
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-import numpy as np
-
-from escapement.files.atomic import new_token, sync_folder, temporary_path
+from escapement.errors import CannotCreate
+from escapement.files import sync_folder
 from escapement.study.block import Block, Tiling
-from escapement.study.owned_file import OWNER, SIGNATURE, is_named, open_owned, owner_line, token_of
-from escapement.study.result import RESULTS
+from escapement.study.result import RESULTS, Study
 
 SYNC_EVERY = 1.0
 """Seconds of finished work that a crash of the machine may cost; of the process, none."""
 
-_RECENT = 16  # blocks that are kept in memory for the file to come: 10 MB
-_MARK = b"\x89ESCblk\n"
-_HEAD_MARK = b"\x89EShead\n"
-_HEAD = struct.Struct("<8sII")
-_RECORD = struct.Struct(f"<8sIqII{len(RESULTS)}I")
-_SEARCH = 1 << 20
+_PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet
+_OLD = b"escapement partial results, "  # how the partial results of version 0.1 begin
+_TABLE = "escapement_partial_results"
+_APPLICATION = 0x45534370  # at byte 68 of our databases
+_HEAD = -1  # number of the row that says which study this is
+_SIZES = struct.Struct(f"<{len(RESULTS)}I")
+_COLUMNS = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
+# Errors of the machine. All others mean damage: a wrong byte can make SQLite say almost anything.
+_MACHINE = (
+    *(sqlite3.SQLITE_BUSY, sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN),
+    *(sqlite3.SQLITE_NOMEM, sqlite3.SQLITE_READONLY),
+)
+_FIXED_AT_START = ("created", "package_version")
+"""Attributes that a resumed study takes over, so that its file is that of one run."""
+_ROOT = Path(__file__).parents[1]
+
+T = TypeVar("T")
 
 
 class Journal:
-    """The journal at `path`, locked; created where there is none.
+    """The partial results at `path`, for this process alone; created where there are none.
+
+    Parameters
+    ----------
+    path : Path
+        Of the database.
+    named : path
+        The output as the user named it, for messages.
+    force, resume : bool
+        As for `StudyWriter`.
 
     Raises
     ------
     CannotCreate
-        When another process is writing it.
+        When another process writes it, or it holds something else.
     OSError
-        When it cannot be opened or locked.
-
-    Attributes
-    ----------
-    head : dict or None
-        What `start` wrote; None where there is none or it is damaged.
-    ours : bool
-        Whether the file is new or begins like a journal.
-    temporary : Path
-        Where its owners make the file to come: what a killed one left, the next removes.
+        When it cannot be opened.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self._access = threading.Lock()  # one place in the file, two threads
-        self._file = open_owned(path)
-        try:
-            self._size = os.fstat(self._file.fileno()).st_size
-            line = self._read(0, OWNER)
-            self.ours = self._size == 0 or line.startswith(SIGNATURE)
-            self._token = token_of(line) or new_token()
-            self.head, self._first = self._read_head()
-        except BaseException:
-            self._file.close()
-            raise
-        # a copy of this journal has the same token and another name
-        unique = f"{self._token}-{zlib.crc32(os.fsencode(path.name)):08x}"
-        self.temporary = temporary_path(path.parent, unique)
-        self._key = self._end = 0
-        self._places = self._failed = np.empty(0, dtype=np.int64)
-        self._recent: dict[int, Block] = {}
-        self._next_sync, self._dropped = 0.0, 0
+    def __init__(self, path: Path, named: Any, *, force: bool, resume: bool) -> None:
+        self.path, self._named, self._force, self._resume = path, named, force, resume
+        self.failed: dict[int, int] = {}
+        self._begun = not path.exists()  # what is new, and gets no block, does not stay
+        self._next_sync = 0.0
+        self._open()
 
-    def sign(self) -> None:
-        """Say who is writing it, for whoever comes second; clean up after who was first."""
-        if self.ours:
-            self.temporary.unlink(missing_ok=True)
-            self._write(0, owner_line(self._token))
+    def begin(self, head: dict[str, Any], cut: Tiling) -> dict[str, Any]:
+        """Find the blocks that are here, or start anew; returns the attributes of the start.
 
-    def start(self, head: Mapping[str, Any], cut: Tiling) -> None:
-        """Begin anew, whatever was there."""
-        text = json.dumps(head, allow_nan=False).encode()
-        self._file.truncate(0)
-        self._size = 0
-        lead = _HEAD.pack(_HEAD_MARK, len(text), zlib.crc32(text))
-        self._write(0, owner_line(self._token) + lead + text)
-        self._prepare(head, cut, OWNER + _HEAD.size + len(text))
-        self.sync()
+        Raises
+        ------
+        CannotCreate
+            When there are results of another study, or the user has to say what becomes
+            of those that are here.
+        """
+        self._cut, self._key = cut, zlib.crc32(json.dumps(head["study"]).encode())
+        there = self._read_head()
+        if self._resume:
+            if there is not None:
+                check_same(self._named, there, head)
+            self._find()
+            head = there or head
+        elif not self._force and self._tried(self._any_rows) is not False:
+            raise self._exists()
+        self._begun = True
+        if not self.failed:
+            self._start_anew()
+        if there is None or not self.failed:
+            text = json.dumps(head, allow_nan=False).encode()
+            _guarded(lambda: self._put(_HEAD, 0, text, 0))
         sync_folder(self.path.parent)
-
-    def find(self, head: Mapping[str, Any], cut: Tiling) -> None:
-        """Find every block of the study that is whole."""
-        self._prepare(head, cut, self._first)
-        position = self._end
-        while position < self._size:
-            block = self._block_at(position)
-            if block is None:
-                position = self._search(position + 1)
-                continue
-            self._note(block, position)
-            position = self._end = position + _record_size(block)
-
-    def carry_on(self) -> None:
-        """Continue after the last block found."""
-        self._file.truncate(self._end)
-        self.sync()
-
-    def _prepare(self, head: Mapping[str, Any], cut: Tiling, end: int) -> None:
-        self._key = zlib.crc32(json.dumps(head["study"], allow_nan=False).encode())
-        self._cut, self._end = cut, end
-        self._places = np.full(len(cut), -1, dtype=np.int64)
-        self._failed = np.zeros(len(cut), dtype=np.int64)
+        fixed: dict[str, Any] = head["fixed"]
+        return fixed
 
     def append(self, block: Block) -> None:
-        """Keep a finished block; on an error the journal is as before."""
-        sizes = [len(chunk) for chunk in block.chunks]
-        check = self._checksum(block.number, block.cases, block.failed, sizes, *block.chunks)
-        head = (_MARK, check, block.number, block.cases, block.failed, *sizes)
-        try:
-            self._write(self._end, _RECORD.pack(*head), *block.chunks)
-        except OSError:
-            with suppress(OSError):
-                self._file.truncate(self._end)
-            raise
-        self._remember(block)
-        self._note(block, self._end)
-        self._end += _record_size(block)
+        """Keep a finished block; on an error the others are as before."""
+        data = b"".join((_SIZES.pack(*map(len, block.chunks)), *block.chunks))
+        _guarded(lambda: self._put(block.number, block.failed, data, self._key))
+        self.failed[block.number] = block.failed
         if time.monotonic() >= self._next_sync:
             self.sync()
 
     def sync(self) -> None:
         """Make what was appended outlast the machine; notice a vanished folder."""
-        os.fsync(self._file.fileno())
-        self._leave_memory()
-        if not is_named(self._file.fileno(), self.path):
-            raise FileNotFoundError(
-                errno.ENOENT, "the partial results were removed", str(self.path)
-            )
+        _guarded(lambda: self._database.execute("PRAGMA wal_checkpoint").fetchall())
+        if not self.path.exists() or self.path.stat().st_ino != self._inode:
+            message = "the partial results were removed"
+            raise FileNotFoundError(errno.ENOENT, message, str(self.path))
         self._next_sync = time.monotonic() + SYNC_EVERY
 
-    def _leave_memory(self) -> None:
-        """Give the system its memory back: what is on disk is hardly ever read again.
-
-        Writing the same pages of memory again and again takes a third of the time.
-        """
-        if hasattr(os, "posix_fadvise"):
-            begin, self._dropped = min(self._dropped, self._end), self._end
-            with suppress(OSError):  # nothing depends on it
-                os.posix_fadvise(
-                    self._file.fileno(), begin, self._end - begin, os.POSIX_FADV_DONTNEED
-                )
-
-    @property
-    def missing(self) -> np.ndarray:
-        """Numbers of the blocks that are not here."""
-        return np.nonzero(self._places < 0)[0]
-
-    @property
-    def blocks(self) -> int:
-        """How many are here."""
-        return int((self._places >= 0).sum())
-
-    @property
-    def failed(self) -> int:
-        """Cases without an answer in the blocks that are here."""
-        return int(self._failed.sum())
-
-    def block(self, number: int) -> Block | None:
-        """A block, None where it is not here; raises OSError where it was damaged since."""
-        with self._access:
-            recent = self._recent.pop(number, None)
-        if recent is not None:
-            return recent
-        place = int(self._places[number])
-        if place < 0:
-            return None
-        block = self._block_at(place)
-        if block is None or block.number != number:
+    def block(self, number: int) -> Block:
+        """A block that is here; raises OSError where it was damaged since."""
+        block = _guarded(lambda: self._block(number))
+        if block is None:
             raise OSError(errno.EIO, f"block {number} of {self.path} is damaged")
         return block
 
     @property
-    def holds_blocks(self) -> bool:
-        """Whether there is anything that starting anew would lose."""
-        return self._search(self._first) < self._size
+    def missing(self) -> list[int]:
+        """Numbers of the blocks that are not here."""
+        return [number for number in range(len(self._cut)) if number not in self.failed]
 
     def close(self) -> None:
         """Let others have it; one that never got a block goes."""
-        if self._file.closed:
-            return
-        if self._size == 0 and not self.blocks:
+        self._database.close()
+        if self._begun and not self.failed:
             self.remove()
-        self._file.close()
 
     def remove(self) -> None:
-        """Delete it: locked to the end, so that nobody can have begun to use it."""
-        try:
-            self.path.unlink()
-        except OSError:  # where an open file cannot be deleted
-            self._file.close()
+        """Delete it."""
+        self._database.close()
+        for path in _files(self.path):
             with suppress(OSError):
-                self.path.unlink()
-        self._file.close()
+                path.unlink()
 
-    def _remember(self, block: Block) -> None:
-        """Spare whoever asks for it soon to read it back."""
-        with self._access:
-            self._recent[block.number] = block
-            if len(self._recent) > _RECENT:
-                del self._recent[next(iter(self._recent))]
+    def _open(self) -> None:
+        until = time.monotonic() + _PATIENCE
+        while True:
+            try:
+                self._database = _connect(self.path, self._foreign)
+                # The owner before may have removed the file while this process waited for it.
+                self._inode = self.path.stat().st_ino
+                return
+            except FileNotFoundError:
+                self._database.close()
+            except sqlite3.Error as error:
+                code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+                # A damaged number of the format makes a file that may be written read-only.
+                odd = code == sqlite3.SQLITE_READONLY and os.access(self.path, os.W_OK)
+                if code not in _MACHINE or odd:
+                    self._replace_damaged()
+                elif code != sqlite3.SQLITE_BUSY:
+                    if self._begun:
+                        _remove_files(self.path)
+                    raise _os_error(error) from None
+                elif time.monotonic() > until:
+                    raise CannotCreate(
+                        f"output {self._named} must not be in use, and another process is writing "
+                        "it; wait, or name another output"
+                    ) from None
+            time.sleep(0.05)
 
-    def _note(self, block: Block, position: int) -> None:
-        self._places[block.number] = position
-        self._failed[block.number] = block.failed
+    def _replace_damaged(self) -> None:
+        """Remove a database that SQLite cannot open, where it is ours and may go."""
+        with open(self.path, "rb") as file:
+            head = file.read(1 << 17)
+        if head.startswith(_OLD):
+            if not self._force or self._resume:
+                raise CannotCreate(
+                    f"output {self._named} has partial results of an earlier version in "
+                    f"{self.path.name}, got a run of this version; finish them with that version, "
+                    "or start over with force=True (--force)"
+                )
+        elif _TABLE.encode() not in head and head[68:72] != _APPLICATION.to_bytes(4, "big"):
+            raise self._foreign()
+        elif not (self._force or self._resume):
+            raise self._exists()
+        else:
+            self._warn()
+        _remove_files(self.path)
 
-    def _read_head(self) -> tuple[dict[str, Any] | None, int]:
-        """The head, and where records begin; they are searched for where it is damaged."""
-        lead = self._read(OWNER, _HEAD.size)
-        if len(lead) == _HEAD.size:
-            mark, size, check = _HEAD.unpack(lead)
-            start = OWNER + _HEAD.size
-            if mark == _HEAD_MARK and size <= self._size - start:
-                text = self._read(start, size)
-                if zlib.crc32(text) == check:
-                    return json.loads(text), start + size
-        return None, min(OWNER, self._size)
+    def _start_anew(self) -> None:
+        """Nothing of what was there is kept, nor is space for it."""
+        if self._tried(self._any_rows) is False:
+            return
+        self._database.close()
+        _remove_files(self.path)
+        self._open()
 
-    def _block_at(self, position: int) -> Block | None:
-        """The block whose record starts here, None where there is no whole one."""
-        lead = self._read(position, _RECORD.size)
-        if len(lead) < _RECORD.size or not lead.startswith(_MARK):
+    def _find(self) -> None:
+        """Find every block of the study that is whole, and leave a damaged database behind."""
+
+        def check() -> bool:
+            return bool(self._database.execute("PRAGMA quick_check(1)").fetchone()[0] == "ok")
+
+        count, sound = 0, self._tried(check) is True
+        for number in range(_HEAD, len(self._cut)):
+            row = self._tried(lambda number=number: self._row(number))  # type: ignore[misc]
+            count += row is not None
+            if number != _HEAD and (block := self._tried(lambda row=row: self._decoded(row))):  # type: ignore[misc]
+                self.failed[number] = block.failed
+        if not sound or count > len(self.failed) + 1:
+            self._warn()
+            self._rescue()
+
+    def _rescue(self) -> None:
+        """Copy the blocks that are whole to a new database, which takes the place of this one."""
+        head = self._tried(self._read_head)
+        new = self.path.with_name(self.path.name + "-new")
+        _guarded(lambda: self._copy(new, head))
+        self._database.close()
+        # What waits in the log of the damaged database must not go into the new one.
+        for path in _files(self.path)[1:]:
+            path.unlink(missing_ok=True)
+        os.replace(new, self.path)
+        self._open()
+
+    def _copy(self, new: Path, head: dict[str, Any] | None) -> None:
+        _remove_files(new)
+        database = _connect(new, self._foreign)
+        try:
+            wanted = [*([_HEAD] if head is not None else []), *self.failed]
+            for number in wanted:
+                _insert(database, self._row(number) or ())
+        finally:
+            database.close()
+
+    def _tried(self, read: Callable[[], T]) -> T | None:
+        """What `read` gives, None where the database is damaged."""
+        try:
+            return read()
+        except sqlite3.Error as error:
+            if getattr(error, "sqlite_errorcode", 0) & 0xFF in _MACHINE:
+                raise _os_error(error) from None
+        except (ValueError, TypeError, OverflowError, struct.error):
+            pass  # a row whose values are of other types, or out of range
+        return None
+
+    def _any_rows(self) -> bool:
+        return self._database.execute(f"SELECT 1 FROM {_TABLE} LIMIT 1").fetchone() is not None
+
+    def _row(self, number: int) -> tuple[Any, ...] | None:
+        text = f"SELECT number, failed, checksum, data FROM {_TABLE} WHERE number = ?"
+        row: tuple[Any, ...] | None = self._database.execute(text, (number,)).fetchone()
+        return row
+
+    def _put(self, number: int, failed: int, data: bytes, key: int) -> None:
+        _insert(self._database, (number, failed, _checksum(number, failed, data, key), data))
+
+    def _read_head(self) -> dict[str, Any] | None:
+        row = self._tried(lambda: self._row(_HEAD))
+        if row is None:
             return None
-        _, check, number, cases, failed, *sizes = _RECORD.unpack(lead)
-        # nonsense that begins with the mark must not fill the memory
-        if not 0 <= number < len(self._places) or sum(sizes) > 64 * (self._cut.cells + 1000):
+        number, failed, checksum, data = row
+        if self._tried(lambda: _checksum(number, failed, data, 0)) != checksum:
             return None
-        body = self._read(position + _RECORD.size, sum(sizes))
-        if check != self._checksum(number, cases, failed, sizes, body):
+        head: dict[str, Any] = json.loads(data)
+        return head
+
+    def _block(self, number: int) -> Block | None:
+        return self._tried(lambda: self._decoded(self._row(number)))
+
+    def _decoded(self, row: tuple[Any, ...] | None) -> Block | None:
+        """The block of a row, None where it is damaged."""
+        if row is None:
             return None
-        ends = np.cumsum([0, *sizes]).tolist()
-        chunks = tuple(body[a:b] for a, b in pairwise(ends))
-        return Block(number, cases, failed, chunks)
+        number, failed, checksum, data = row
+        if _checksum(number, failed, data, self._key) != checksum:
+            return None
+        sizes = _SIZES.unpack_from(data)
+        ends = [_SIZES.size]
+        for size in sizes:
+            ends.append(ends[-1] + size)
+        start, stop = self._cut.span(number)
+        return Block(number, stop - start, failed, tuple(data[a:b] for a, b in pairwise(ends)))
 
-    def _checksum(
-        self, number: int, cases: int, failed: int, sizes: list[int], *parts: bytes
-    ) -> int:
-        check = zlib.crc32(_RECORD.pack(_MARK, self._key, number, cases, failed, *sizes))
-        for part in parts:
-            check = zlib.crc32(part, check)
-        return check
+    def _warn(self) -> None:
+        warnings.warn(f"{self.path.name} is damaged; what was lost is computed again", stacklevel=2)
 
-    def _search(self, position: int) -> int:
-        """Where the next record may start, from `position` on; else the end."""
-        while position < self._size:
-            window = self._read(position, _SEARCH)
-            found = window.find(_MARK)
-            if found >= 0:
-                return position + found
-            position += max(len(window) - len(_MARK) + 1, len(_MARK))
-        return self._size
+    def _exists(self) -> CannotCreate:
+        return CannotCreate(
+            f"output {self._named} must not have partial results yet, got {self.path.name}; "
+            "continue with resume=True (--resume) or start over with force=True (--force)"
+        )
 
-    def _read(self, position: int, size: int) -> bytes:
-        """Up to `size` bytes: fewer at the end of the file."""
-        parts = []
-        with self._access:
-            self._file.seek(position)
-            while size > 0 and (part := self._file.read(size)):
-                parts.append(part)
-                size -= len(part)
-        return parts[0] if len(parts) == 1 else b"".join(parts)
-
-    def _write(self, position: int, *parts: bytes) -> None:
-        with self._access:
-            self._file.seek(position)
-            for part in parts:
-                view = memoryview(part)
-                while view:
-                    view = view[self._file.write(view) :]
+    def _foreign(self) -> CannotCreate:
+        return CannotCreate(
+            f"output {self._named} must have {self.path.name} to itself, got a file that "
+            "is no partial result; move it away"
+        )
 
 
-def _record_size(block: Block) -> int:
-    return _RECORD.size + sum(len(chunk) for chunk in block.chunks)
+def _connect(path: Path, foreign: Callable[[], CannotCreate]) -> sqlite3.Connection:
+    """An open and locked database with our table; `foreign` makes the error for another one."""
+    database = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
+    try:
+        # The order counts: a lock held before the log is opened needs no shared memory, so that
+        # the log works on network mounts too.
+        database.execute("PRAGMA locking_mode = EXCLUSIVE").fetchone()
+        database.execute("BEGIN EXCLUSIVE")
+        tables = dict(database.execute("SELECT name, sql FROM sqlite_master").fetchall())
+        mark = database.execute("PRAGMA application_id").fetchone()[0]
+        database.execute("ROLLBACK")
+        if tables and _TABLE not in tables and mark != _APPLICATION:
+            raise foreign()
+        if tables and tables != {_TABLE: f"CREATE TABLE {_TABLE} ({_COLUMNS})"}:
+            raise sqlite3.DatabaseError("the table is damaged")
+        database.execute("PRAGMA journal_mode = WAL").fetchone()
+        database.execute("PRAGMA synchronous = NORMAL")
+        database.execute("PRAGMA wal_autocheckpoint = 0").fetchone()
+        if not tables:
+            database.execute(f"PRAGMA application_id = {_APPLICATION}")
+        database.execute(f"CREATE TABLE IF NOT EXISTS {_TABLE} ({_COLUMNS})")
+    except UnicodeDecodeError:  # SQLite complains in the words of a damaged schema
+        database.close()
+        raise sqlite3.DatabaseError("the table is damaged") from None
+    except BaseException:
+        database.close()
+        raise
+    return database
+
+
+def _insert(database: sqlite3.Connection, row: tuple[Any, ...]) -> None:
+    database.execute(f"INSERT OR REPLACE INTO {_TABLE} VALUES (?, ?, ?, ?)", row)
+
+
+def _checksum(number: int, failed: int, data: bytes, key: int) -> int:
+    return zlib.crc32(data, zlib.crc32(struct.pack("<qqI", number, failed, key)))
+
+
+def _files(path: Path) -> list[Path]:
+    return [path, *(path.with_name(path.name + end) for end in ("-wal", "-journal"))]
+
+
+def _remove_files(path: Path) -> None:
+    for file in _files(path):
+        file.unlink(missing_ok=True)
+
+
+def _guarded(use: Callable[[], T]) -> T:
+    """What `use` of the database gives, its errors as OSError."""
+    try:
+        return use()
+    except sqlite3.Error as error:
+        raise _os_error(error) from None
+
+
+def _os_error(error: sqlite3.Error) -> OSError:
+    full = getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_FULL
+    return OSError(errno.ENOSPC if full else errno.EIO, str(error))
+
+
+def journal_head(frame: Study, numerics: str) -> dict[str, Any]:
+    """What the partial results of a study say of themselves.
+
+    Parameters
+    ----------
+    frame : Study
+        Everything but the results.
+    numerics : str
+        Differs whenever a version of this package may compute other results.
+    """
+    attributes = dict(frame.attributes)
+    fixed = {name: attributes.pop(name) for name in _FIXED_AT_START if name in attributes}
+    study = {"attributes": attributes, "configuration": frame.configuration, "numerics": numerics}
+    head: dict[str, Any] = json.loads(json.dumps({"study": study, "fixed": fixed}))
+    return head
+
+
+def check_same(path: Any, there: Mapping[str, Any], here: Mapping[str, Any]) -> None:
+    """Raise CannotCreate, naming the first difference, unless both heads are of one study."""
+    old, new = there["study"], here["study"]
+    if json.dumps(old) == json.dumps(new):
+        return
+    if old["numerics"] != new["numerics"] and old | {"numerics": new["numerics"]} == new:
+        versions = [f"{head['fixed'].get('package_version')} ({head['study']['numerics']})"
+                    for head in (there, here)]  # fmt: skip
+        raise CannotCreate(
+            f"output {path} must be resumed by the version that began it, {versions[0]}, got "
+            f"{versions[1]}, whose results may differ; install that one, or start over with "
+            "force=True"
+        )
+    raise CannotCreate(
+        f"output {path} must be resumed with the configuration it was begun with, got another: "
+        f"{difference(old, new)}; use that one, name another output, or start over with force=True (--force)"
+    )
+
+
+def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
+    """Where configuration or attributes of two studies differ first, with both values."""
+    parts = ("configuration", "attributes")
+    texts = (_first_difference(there[part], here[part], "") for part in parts)
+    return next(filter(None, texts), "the order of the axes")
+
+
+def _first_difference(there: Any, here: Any, place: str) -> str:
+    if not (isinstance(there, dict) and isinstance(here, dict)):
+        return "" if there == here else f"{place} was {_short(there)} and is {_short(here)}"
+    for key in [*there, *(key for key in here if key not in there)]:
+        where = f"{place}.{key}" if place else str(key)
+        if key not in here or key not in there:
+            was, now = (_short(side[key]) if key in side else "not set" for side in (there, here))
+            return f"{where} was {was} and is {now}"
+        if text := _first_difference(there[key], here[key], where):
+            return text
+    if list(there) != list(here):
+        return f"{place or 'the keys'} had the order {', '.join(there)}"
+    return ""
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:40] + " ... " + text[-15:]
+
+
+def sources() -> list[Path]:
+    """The files that results may depend on, in order."""
+    rooms = (_ROOT.glob("*.py"), *((_ROOT / room).rglob("*.py") for room in _ROOMS))
+    return sorted(path for room in rooms for path in room)
+
+
+_ROOMS = ("mechanisms", "engines", "study")
+
+
+@cache
+def numerics() -> str:
+    """Digest of these sources; equal digests, equal results.
+
+    A change of a comment changes the digest too: it is better to begin a study again than
+    to mix two kinds of numbers in it.
+    """
+    digest = hashlib.sha256()
+    for path in sources():
+        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:12]

@@ -1,6 +1,5 @@
 """From a study file, or its content, to a plan."""
 
-import re
 import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import fields
@@ -9,18 +8,20 @@ from pathlib import Path
 from typing import Any
 
 from escapement import units, validate
-from escapement.errors import InputFileError, InvalidValue, MissingInput
-from escapement.mechanisms import DEFAULT_KIND, KINDS
+from escapement.errors import InputFileError, InvalidValue
+from escapement.files import check_input
+from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.model import Mechanism
-from escapement.quantity import Quantity
+from escapement.quantity import declared
 from escapement.solver import Solver
-from escapement.study.axes import axis_values
-from escapement.study.parameters import PlanKind, homes
-from escapement.study.plan import StudyPlan
-from escapement.study.sample import Sample, parse_sample
+from escapement.study.plan import PlanKind, StudyPlan, model_numbers
+from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
 from escapement.validate import known_keys
 
-_BARE_POINT = re.compile(r"(?<![\w.])[+-]?(\.\d+|\d+\.)(?![\w.])")
+MOST_CASES = 10**12
+
+_TOP = ("title", "units", "mechanism", "inertia", "sweep", "sample", "solver")
+_SOLVER = tuple(setting.name for setting in fields(Solver))
 
 
 def load_plan(path: str | PathLike[str]) -> StudyPlan:
@@ -35,51 +36,20 @@ def load_plan(path: str | PathLike[str]) -> StudyPlan:
     InvalidValue
         When a key is unknown, missing, or its value breaks a rule.
     """
-    content = _toml(Path(path))
+    check_input(path, "study file")
+    try:
+        # editors on Windows begin a file with a byte order mark
+        content = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise InputFileError(f"study file {path} must be readable, got: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputFileError(
+            f"study file {path} must be valid TOML, got: {error}; correct it there"
+        ) from None
     try:
         return parse_plan(content)
     except InvalidValue as error:
         raise InvalidValue(f"{path}: {error}") from None
-
-
-def _toml(path: Path) -> dict[str, Any]:
-    try:
-        data = path.read_bytes()
-    except (FileNotFoundError, NotADirectoryError):
-        raise MissingInput(f"study file {path} does not exist; check its name") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputFileError(
-            f"study file {path} must be a readable file, got: {reason}; name a TOML file"
-        ) from None
-    try:
-        return tomllib.loads(data.decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        reason = f"a byte that is not UTF-8 (at line {line})"
-    except RecursionError:
-        reason = "values nested too deeply"
-    except ValueError as error:
-        reason = str(error)
-    remedy = _bare_point(data, reason) or "correct that line"
-    raise InputFileError(f"study file {path} must be valid TOML, got: {reason}; {remedy}")
-
-
-def _bare_point(data: bytes, reason: str) -> str:
-    """What to write for a number with nothing before or after its point; empty for no such."""
-    line = re.search(r"at line (\d+)", reason)
-    if line is None:
-        return ""
-    text = data.splitlines()[int(line[1]) - 1].decode(errors="replace").partition("#")[0]
-    found = _BARE_POINT.search(text)
-    if found is None:
-        return ""
-    number = found[1]
-    return f"write {number + '0' if number.endswith('.') else '0' + number}, not {number}"
-
-
-MOST_CASES = 10**12
-_SECTIONS = ("mechanism", "inertia", "sweep", "sample", "solver")
 
 
 def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = None) -> StudyPlan:
@@ -98,40 +68,33 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     InvalidValue
         For an unknown key, a missing parameter or a value that breaks its rule.
     """
-    machine = dict(table(configuration, "mechanism"))
-    if mechanism is None:
-        machine.setdefault("kind", DEFAULT_KIND)
-        kind = PlanKind.named(validate.choice("mechanism.kind", machine["kind"], tuple(KINDS)))
-        _check_keys(configuration, kind)
-        machine = {"kind": machine["kind"]} | _options(machine, kind)
-    else:
-        kind = PlanKind.of(mechanism)
+    kind, machine = _kind(configuration, mechanism)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
-    parameters = kind.all_parameters
-    axes, forms = _axes(table(configuration, "sweep"), parameters, _homes(kind))
-    drawn = table(configuration, "sample")
-    if not axes and "sample" not in configuration:
-        raise InvalidValue(
-            "the study must sweep at least one parameter, got none; "
-            "add an axis (of a study file under [sweep]), for example friction = [0.2, 0.3]"
-        )
-    values = _values(configuration, parameters, {*axes, *drawn})
-    sample = _sample(drawn, parameters, axes, values) if "sample" in configuration else None
-    sampled = [*sample.values] if sample else []
-    replaced = {*axes, *sampled} - (sample.around if sample else set())
-    over = ", ".join(axes) + " and " * bool(axes and sampled)
-    over += "a sample of " * bool(sampled) + ", ".join(sampled)
-    title = configuration.get("title", f"{machine['kind']} escapement over {over}")
+    solver = _solver(_table(configuration, "solver"))
+    fixed = _fixed(configuration, kind, _names_varied(configuration, kind))
+    varied, forms, fingerprint = _varied(configuration, kind, fixed)
+    # of a parameter that lies around it, the nominal value is still part of the study
+    around = {name for name, form in forms.get("sample", {}).items() if _lies_around(form)}
+    # any other fixed value is replaced by its axis or its distribution
+    for name in {name for along in varied.values() for name in along} - around:
+        fixed.pop(name, None)
+    entries = kind.settings | kind.all_parameters
+    plain: dict[str, Any] = {
+        "title": _title(configuration, machine["kind"], varied),
+        "units": system,
+        "mechanism": machine,
+    }
+    for name, value in fixed.items():
+        section = entries[name].section
+        (plain.setdefault(section, {}) if section else plain)[entries[name].key] = value
+    si = {name: entries[name].to_si(value, system) for name, value in fixed.items()}
     plan = StudyPlan(
-        title=_title(title),
-        unit_system=system,
+        configuration=plain | forms | {"solver": solver.given},
         kind=kind,
-        machine=machine,
-        fixed={name: value for name, value in values.items() if name not in replaced},
-        axes=axes,
-        forms=forms,
-        solver=_solver(table(configuration, "solver")),
-        sample=sample,
+        fixed_si=dict.fromkeys(entries) | si,
+        varied=varied,
+        solver=solver,
+        fingerprint=fingerprint,
         own_mechanism=mechanism,
     )
     if plan.cases > MOST_CASES:
@@ -142,84 +105,65 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     return plan
 
 
-def _homes(kind: PlanKind) -> dict[str, str]:
-    """Where keys belong that are no parameters of the model."""
-    settings = dict.fromkeys((setting.name for setting in fields(Solver)), "[solver]")
-    return homes(kind) | settings | dict.fromkeys(["size", "seed"], "[sample]")
-
-
-def _check_keys(configuration: Mapping[str, Any], kind: PlanKind) -> None:
-    """Refuse keys that no part of a study has, naming where each would belong."""
-    known = _homes(kind)
-    keys: dict[str, list[str]] = {"": ["title", "units", *_SECTIONS], "inertia": []}
-    keys["mechanism"] = ["kind", *kind.options]
-    for name, parameter in kind.all_parameters.items():
-        keys[parameter.section].append(parameter.key)
-        where = f"[{parameter.section}]" if parameter.section else "the top level"
-        known[parameter.key] = where
-        if name != parameter.key:
-            known[name] = f"{where} as {parameter.key!r}"
-    known_keys(configuration, keys[""], "at the top level", known)
-    for section in ("mechanism", "inertia"):
-        known_keys(table(configuration, section), keys[section], f"in [{section}]", known)
-
-
-def table(configuration: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    """The sub-table `name`, empty where it is absent."""
-    value = configuration.get(name, {})
+def _table(configuration: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """The sub-table `name`, empty where it is absent; of "" the whole configuration."""
+    value = configuration.get(name, {}) if name else configuration
     if not isinstance(value, Mapping):
         raise validate.fail(name, "a table", value, f"write [{name}] on a line of its own")
     return value
 
 
-def _options(machine: Mapping[str, Any], kind: PlanKind) -> dict[str, Any]:
-    for name, option in kind.options.items():
-        if option.required and name not in machine:
-            raise InvalidValue(f"the study lacks mechanism.{name}; write it in [mechanism]")
-    return {
-        name: option.read(option.label, machine[name])
-        for name, option in kind.options.items()
-        if name in machine
-    }
+def _kind(
+    configuration: Mapping[str, Any], mechanism: Mechanism | None
+) -> tuple[PlanKind, dict[str, Any]]:
+    """Kind of the mechanism, and what its table begins with; the keys are checked."""
+    machine = {"kind": DEFAULT_KIND, **_table(configuration, "mechanism")}
+    if mechanism is not None:
+        return PlanKind(None, mechanism.path.table), machine
+    name = validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))
+    kind = PlanKind.named(name)
+    # a key in the wrong table is told where it belongs
+    homes, keys = _homes(kind), {"": [*_TOP], "mechanism": ["kind"], "inertia": []}
+    for name, entry in (kind.settings | kind.all_parameters).items():
+        keys[entry.section].append(entry.key)
+        place = f"[{entry.section}]" if entry.section else "the top level"
+        homes[entry.key] = place
+        if name != entry.key:
+            homes[name] = f"{place} as {entry.key!r}"
+    for section, known in keys.items():
+        place = f"in [{section}]" if section else "at the top level"
+        known_keys(_table(configuration, section), known, place, homes)
+    return kind, {"kind": machine["kind"]}
 
 
-def _axes(
-    forms: Mapping[str, Any], parameters: Mapping[str, Quantity], homes: Mapping[str, str]
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Values and JSON form of every axis, in order."""
-    known_keys(forms, parameters, "in [sweep]", homes)
-    parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
-    axes = {name: values for name, (values, _) in parsed.items()}
-    return axes, {name: form for name, (_, form) in parsed.items()}
+def _homes(kind: PlanKind) -> dict[str, str]:
+    """Where keys belong that are no parameters of the model, or of another kind of mechanism."""
+    owners: dict[str, list[str]] = {}
+    for name in KINDS:
+        for key in declared(kind_of(name)):
+            owners.setdefault(key, []).append(repr(name))
+    homes = {key: f"[mechanism] of kind {' or '.join(names)}" for key, names in owners.items()}
+    for name, entry in model_numbers().items():
+        if not entry.fits(kind.meshed):
+            slot = "with" if kind.meshed else "without"
+            homes[name] = f"a study of a mechanism {slot} a slot"
+    homes |= dict.fromkeys(["kind", *kind.settings], "[mechanism]")
+    return homes | dict.fromkeys(_SOLVER, "[solver]") | dict.fromkeys(["size", "seed"], "[sample]")
 
 
-def _sample(
-    drawn: Mapping[str, Any],
-    parameters: Mapping[str, Quantity],
-    axes: Mapping[str, Any],
-    nominal: Mapping[str, float],
-) -> Sample:
-    both = [name for name in drawn if name in axes]
-    if both:
-        raise InvalidValue(
-            f"{both[0]} must be in [sweep] or in [sample], got both; leave one of them out"
-        )
-    return parse_sample(drawn, parameters, nominal)
-
-
-def _values(
-    configuration: Mapping[str, Any], parameters: Mapping[str, Quantity], varied: Collection[str]
-) -> dict[str, float]:
-    """Fixed and nominal values, the default ones included; what varies needs none."""
+def _fixed(
+    configuration: Mapping[str, Any], kind: PlanKind, varied: Collection[str]
+) -> dict[str, Any]:
+    """Fixed and nominal values, default ones of numbers included; what varies needs none."""
     fixed, missing = {}, []
-    for name, parameter in parameters.items():
-        section = table(configuration, parameter.section) if parameter.section else configuration
-        if parameter.key in section:
-            fixed[name] = parameter.read(parameter.label, section[parameter.key])
-        elif parameter.default is not None:
-            fixed[name] = parameter.default
-        elif parameter.required and name not in varied:
-            missing.append(f"{parameter.label} ({parameter.long_name})")
+    for name, entry in (kind.settings | kind.all_parameters).items():
+        section = _table(configuration, entry.section)
+        if entry.key in section:
+            fixed[name] = entry.read(entry.label, section[entry.key])
+        elif entry.required and name not in varied:
+            missing.append(f"{entry.label} ({entry.long_name})")
+        elif entry.axis and entry.default is not None:
+            fixed[name] = entry.default
     if missing:
         raise InvalidValue(
             f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
@@ -227,12 +171,56 @@ def _values(
     return fixed
 
 
+def _names_varied(configuration: Mapping[str, Any], kind: PlanKind) -> set[str]:
+    """Keys of [sweep] and [sample], which must not share one."""
+    swept, drawn = _table(configuration, "sweep"), _table(configuration, "sample")
+    known_keys(swept, kind.all_parameters, "in [sweep]", _homes(kind))
+    if not swept and "sample" not in configuration:
+        raise InvalidValue(
+            "the study must sweep at least one parameter, got none; "
+            "add an axis (of a study file under [sweep]), for example friction = [0.2, 0.3]"
+        )
+    for name in drawn:
+        if name in swept:
+            raise InvalidValue(
+                f"{name} must be in [sweep] or in [sample], got both; leave one of them out"
+            )
+    return {*swept, *drawn}
+
+
+def _varied(
+    configuration: Mapping[str, Any], kind: PlanKind, nominal: Mapping[str, Any]
+) -> tuple[dict[str, dict[str, Any]], dict[str, Any], str]:
+    """Columns along each dimension, their tables as plain JSON, and the sample's fingerprint."""
+    parameters, fingerprint = kind.all_parameters, ""
+    varied, swept, forms = {}, {}, {}
+    for name, form in _table(configuration, "sweep").items():
+        values, swept[name] = axis_values(name, form, parameters[name])
+        varied[name] = {name: values}
+    if swept:
+        forms["sweep"] = swept
+    if "sample" in configuration:
+        drawn = _table(configuration, "sample")
+        varied[CASE], forms["sample"], fingerprint = sample_columns(drawn, parameters, nominal)
+    return varied, forms, fingerprint
+
+
+def _lies_around(form: Any) -> bool:
+    """Whether a sampled parameter lies around its nominal value, which then stays fixed."""
+    return isinstance(form, Mapping) and not WIDTHS.isdisjoint(form)
+
+
 def _solver(settings: Mapping[str, Any]) -> Solver:
-    known_keys(settings, tuple(field.name for field in fields(Solver)), "in [solver]")
+    known_keys(settings, _SOLVER, "in [solver]")
     return Solver(**settings)
 
 
-def _title(title: Any) -> str:
+def _title(configuration: Mapping[str, Any], kind: str, varied: Mapping[str, Any]) -> str:
+    """The title given, or one made from what varies."""
+    over = [", ".join(name for name in varied if name != CASE)]
+    over += ["a sample of " + ", ".join(varied[CASE])] if CASE in varied else []
+    default = f"{kind} escapement over {' and '.join(filter(None, over))}"
+    title = configuration.get("title", default)
     if not isinstance(title, str) or not title.isprintable():
         raise validate.fail("title", "one line of text", title, "put it in quotation marks")
     return title

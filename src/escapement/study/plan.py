@@ -1,4 +1,4 @@
-"""A study as a value: what is fixed, what varies, and how it is solved."""
+"""A study as a value: its configuration, what is fixed, what varies, and how it is solved."""
 
 import math
 from collections.abc import Mapping
@@ -10,11 +10,58 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement import units
-from escapement.model import Escapement, Inertia, Mechanism
-from escapement.quantity import Quantity, declared, quantities
+from escapement.mechanisms import kind_of
+from escapement.model import Escapement, Inertia, Mechanism, Run
+from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
-from escapement.study.parameters import PlanKind
-from escapement.study.sample import CASE, Sample
+from escapement.study.varied import CASE
+
+
+def model_numbers() -> dict[str, Quantity]:
+    """Numbers of an escapement beside its mechanism that may be axes, by name."""
+    every = {**quantities(Escapement), **quantities(Inertia), **quantities(Run)}
+    return {name: entry for name, entry in every.items() if entry.axis}
+
+
+@dataclass(frozen=True)
+class PlanKind:
+    """What a study may say of one kind of mechanism.
+
+    build : the class that one of its settings makes; None for a mechanism of the user's own.
+    meshed : whether it has no slot, and loses in a mesh.
+    """
+
+    build: type | None
+    meshed: bool
+
+    @classmethod
+    def named(cls, name: str) -> "PlanKind":
+        """The kind that a file calls so."""
+        build = kind_of(name)
+        return cls(build, build.meshed)
+
+    @cached_property
+    def settings(self) -> dict[str, Setting]:
+        """All that its [mechanism] table may hold, what cannot be an axis first."""
+        entries = {} if self.build is None else declared(self.build)
+        return dict(sorted(entries.items(), key=lambda item: item[1].axis))
+
+    @cached_property
+    def parameters(self) -> dict[str, Quantity]:
+        """Its numbers that may be axes."""
+        return {
+            name: entry
+            for name, entry in self.settings.items()
+            if isinstance(entry, Quantity) and entry.axis
+        }
+
+    @cached_property
+    def all_parameters(self) -> dict[str, Quantity]:
+        """Every number of an escapement with such a mechanism that may be an axis."""
+        fitting = {
+            name: entry for name, entry in model_numbers().items() if entry.fits(self.meshed)
+        }
+        return self.parameters | fitting
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,56 +69,54 @@ class StudyPlan:
     """Everything a study needs to run, and nothing it computes.
 
     Cases are numbered in C order over the dimensions: the axes, then the cases of the
-    sample, which vary fastest. Numbers are in the user's units; `values` and `columns`
-    give them in SI.
+    sample, which vary fastest.
 
     Attributes
     ----------
-    title : str
-        One line for people.
-    unit_system : str
-        "SI" or "in-lbf-s".
+    configuration : dict
+        The study as plain JSON, of which `parse_plan` makes the same plan.
     kind : PlanKind
         What the mechanism is made of.
-    machine : dict
-        Kind and options of the mechanism, as the [mechanism] table has them.
-    fixed : dict of float
-        Parameters that do not vary.
-    axes : dict of ndarray, shape (n,)
-        Parameters that vary on a grid, in the order of the results.
-    forms : dict
-        The axes as the configuration states them.
+    fixed_si : dict
+        Fixed or nominal value of every setting in SI; None leaves it to the mechanism.
+    varied : dict of dict of ndarray, shape (n,)
+        Columns of the parameters that vary along each dimension, in the user's units.
     solver : Solver
         Engine and tolerances.
-    sample : Sample, optional
-        Parameters that vary together.
+    fingerprint : str
+        Of the numbers drawn for a sample; "" where nothing was drawn.
     own_mechanism : Mechanism, optional
         A mechanism that no configuration can describe.
     """
 
-    title: str
-    unit_system: str
+    configuration: dict[str, Any]
     kind: PlanKind
-    machine: dict[str, Any]
-    fixed: dict[str, float]
-    axes: dict[str, NDArray[Any]]
-    forms: dict[str, Any]
+    fixed_si: dict[str, Any]
+    varied: dict[str, dict[str, NDArray[Any]]]
     solver: Solver
-    sample: Sample | None = None
+    fingerprint: str = ""
     own_mechanism: Mechanism | None = None
+
+    @property
+    def title(self) -> str:
+        """One line for people."""
+        return str(self.configuration["title"])
+
+    @property
+    def unit_system(self) -> str:
+        """Units of the configuration: "SI" or "in-lbf-s"."""
+        return str(self.configuration["units"])
+
+    @property
+    def sampled(self) -> dict[str, NDArray[Any]]:
+        """Parameters of the sample in the user's units, by name; empty on a grid."""
+        return self.varied.get(CASE, {})
 
     @cached_property
     def dimensions(self) -> dict[str, NDArray[Any]]:
         """Values along each dimension of the results: of an axis, or numbers of cases."""
-        if self.sample is None:
-            return self.axes
-        return self.axes | {CASE: np.arange(self.sample.size)}
-
-    @property
-    def varied(self) -> dict[str, dict[str, NDArray[Any]]]:
-        """Values of the parameters that vary along each dimension."""
-        along = {name: {name: values} for name, values in self.axes.items()}
-        return along if self.sample is None else along | {CASE: self.sample.values}
+        sizes = {name: next(iter(along.values())).size for name, along in self.varied.items()}
+        return {name: self.varied[name].get(name, np.arange(size)) for name, size in sizes.items()}
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -88,21 +133,6 @@ class StudyPlan:
         """Every parameter this study may fix or vary, by name."""
         return self.kind.all_parameters
 
-    @property
-    def configuration(self) -> dict[str, Any]:
-        """The study as plain JSON, of which `parse_plan` makes the same plan."""
-        plain: dict[str, Any] = {"title": self.title, "units": self.unit_system}
-        plain["mechanism"] = dict(self.machine)
-        for name, value in self.fixed.items():
-            parameter = self.parameters[name]
-            home = plain.setdefault(parameter.section, {}) if parameter.section else plain
-            home[parameter.key] = value
-        if self.axes:
-            plain["sweep"] = self.forms
-        if self.sample is not None:
-            plain["sample"] = self.sample.form
-        return plain | {"solver": self.solver.given}
-
     def unit(self, name: str) -> str:
         """UDUNITS spelling of the unit of a parameter or a dimension."""
         unit = "ratio" if name == CASE else self.parameters[name].unit
@@ -113,23 +143,12 @@ class StudyPlan:
         return "number of the case" if name == CASE else self.parameters[name].long_name
 
     @cached_property
-    def fixed_si(self) -> dict[str, Any]:
-        """Fixed value of every parameter in SI; None leaves it to the mechanism."""
-        given = {
-            name: self.parameters[name].to_si(value, self.unit_system)
-            for name, value in self.fixed.items()
-        }
-        return dict.fromkeys(self.parameters) | given
-
-    @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
         return [
-            {
-                name: self.parameters[name].to_si(values, self.unit_system)
-                for name, values in along.items()
-            }
+            {name: self.parameters[name].to_si(column, self.unit_system)
+             for name, column in along.items()}
             for along in self.varied.values()
-        ]
+        ]  # fmt: skip
 
     def every(self, name: str) -> Any:
         """All values in SI that a parameter takes: an array, or what is fixed."""
@@ -150,6 +169,7 @@ class StudyPlan:
         dict of ndarray, shape (n,)
             One array per parameter that varies.
         """
+        # parameters of one dimension, as those of a sample, share their place along it
         places = np.unravel_index(cases, self.shape)
         return {
             name: values[place]
@@ -158,7 +178,7 @@ class StudyPlan:
         }
 
     def values(self, case: int) -> dict[str, Any]:
-        """Every parameter of one case in SI; None leaves it to the mechanism."""
+        """Every setting of one case in SI; None leaves it to the mechanism."""
         columns = self.columns(np.array([case]))
         return self.fixed_si | {name: column.item() for name, column in columns.items()}
 
@@ -185,16 +205,14 @@ class StudyPlan:
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""
-        varied = {*self.axes, *(self.sample.values if self.sample else ())}
-        if not varied & {*self.kind.parameters}:
+        # where its numbers vary, a case that cannot be built gets a status instead
+        if all(self.kind.parameters.keys().isdisjoint(along) for along in self.varied.values()):
             _ = self.mechanism(0).path
 
     def _built(self, values: Mapping[str, Any]) -> Mechanism:
         if self.own_mechanism is not None:
             return self.own_mechanism
-        options = {
-            option: self.kind.options[option].to_si(value, self.unit_system)
-            for option, value in self.machine.items()
-            if option != "kind"
-        }
-        return self.kind.build_mechanism(values, options)
+        assert self.kind.build is not None
+        given = {name: values[name] for name in self.kind.settings if values[name] is not None}
+        mechanism: Mechanism = self.kind.build(**given)
+        return mechanism

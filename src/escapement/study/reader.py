@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from escapement.errors import EscapementError, InputFileError, InvalidValue
-from escapement.files.names import check_input
+from escapement.errors import CannotCreate, EscapementError, InputFileError, InvalidValue
+from escapement.files import check_input
 from escapement.status import Status
-from escapement.study.identity import check_complete
+from escapement.study.journal import difference
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
 
 T = TypeVar("T")
@@ -108,7 +108,15 @@ def failed_cases(path: Path, frame: Study) -> int | None:
                 "configuration": configuration_of(hdf5),
                 "attributes": {name: _plain(hdf5.attrs[name]) for name in own},
             }
-            check_complete(path, there, frame)
+            attributes = {name: frame.attributes[name] for name in own}
+            here = {"configuration": frame.configuration, "attributes": attributes}
+            here = json.loads(json.dumps(here))
+            if json.dumps(there) != json.dumps(here):
+                raise CannotCreate(
+                    f"output {path} must be of this study to be resumed, got the complete file of "
+                    f"another: {difference(there, here)}; name another output, or give force=True "
+                    "to replace it"
+                )
             try:
                 return _count_whole(hdf5, frame)
             except DAMAGE as error:

@@ -1,26 +1,62 @@
-"""Running a planned study: every case solved, into memory or into a file."""
+"""Running a planned study: scenes first, then blocks, on threads or on a Dask cluster."""
 
+import logging
+import warnings
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from itertools import islice
 from os import PathLike
-from typing import Any
+from typing import Any, Self, TypedDict, TypeVar, Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 
 from escapement import __version__, validate
+from escapement.errors import InvalidValue, StorageError
 from escapement.progress import Progress
-from escapement.study.block import Block, blocks_of, encode_block
-from escapement.study.cluster import connect, in_cluster
-from escapement.study.evaluate import Evaluator, in_threads
-from escapement.study.identity import numerics
+from escapement.study.block import Block, Tiling, blocks_of, encode_block
+from escapement.study.journal import numerics
 from escapement.study.plan import StudyPlan
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
+from escapement.study.scenes import (
+    Columns,
+    SceneFigures,
+    SharedScenes,
+    evaluate,
+    shared_scenes,
+    solve_scenes,
+)
 from escapement.study.writer import StudyWriter
 
+LOCAL = "local"
+_PATIENCE = 15.0  # s to find a scheduler
+_TICK = 1.0  # s between two looks whether the scheduler is still there
+_CONNECTED = "running"  # status of a client
+_SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
+
 Report = Callable[[int, int, int], object]
+T = TypeVar("T")
+
+
+class Options(TypedDict, total=False):
+    """How a study is run; what each means is said in `escapement.sweep`."""
+
+    force: bool
+    resume: bool
+    progress: Report | bool | None
+    workers: int
+    scheduler: Any
 
 
 @dataclass(frozen=True)
@@ -32,116 +68,302 @@ class Tally:
     resumed: int = 0
 
 
+@dataclass(frozen=True)
+class Work:
+    """All that is needed to solve any block of a study, wherever that is done."""
+
+    plan: StudyPlan
+    cut: Tiling
+    numerics: str
+    shared: SharedScenes | None = None
+
+    def columns(self, number: int) -> Columns:
+        """Results of a block."""
+        if self.numerics != numerics():
+            raise InvalidValue(
+                f"workers must have the version of the client, numerics {self.numerics}, got "
+                f"{numerics()}; install the same geneva-escapement everywhere"
+            )
+        return evaluate(self.plan, *self.cut.span(number), self.shared)
+
+
+def solve_block(work: Work, number: int) -> Block:
+    """A task: a block as files hold it."""
+    return encode_block(work.cut, number, work.columns(number))
+
+
+def solve_columns(work: Work, number: int) -> tuple[int, Columns]:
+    """A task: the results of a block as arrays."""
+    return number, work.columns(number)
+
+
+def solve_slice(plan: StudyPlan, part: tuple[int, NDArray[np.int64]]) -> tuple[int, SceneFigures]:
+    """A task: the scenes of some cases, and where they belong."""
+    start, cases = part
+    return start, solve_scenes(plan, cases)
+
+
 def run_plan(
-    plan: StudyPlan,
-    path: str | PathLike[str] | None = None,
-    *,
-    force: bool = False,
-    resume: bool = False,
-    progress: Report | bool | None = None,
-    workers: int = 1,
-    scheduler: Any = None,
+    plan: StudyPlan, path: str | PathLike[str] | None = None, **options: Unpack[Options]
 ) -> Study:
     """Run a planned study and return its results; arguments and errors as `escapement.sweep`."""
     if path is not None:
-        write_plan(
-            plan,
-            path,
-            force=force,
-            resume=resume,
-            progress=progress,
-            workers=workers,
-            scheduler=scheduler,
-        )
+        write_plan(plan, path, **options)
         return read_study(path)
-    if scheduler is not None:
+    if (scheduler := options.get("scheduler")) is not None:
         raise validate.fail("scheduler", "left out without a path", scheduler, "name a file")
-    frame, count = frame_of(plan), _count(workers)
-    plan.check_mechanism()
-    results = {name: np.empty(plan.cases, result.dtype) for name, result in RESULTS.items()}
-    cut, evaluate = blocks_of(frame), Evaluator(plan)
-
-    def work(number: int) -> tuple[int, int]:
-        start, stop = cut.span(number)
-        block = evaluate(start, stop)
-        for name, values in results.items():
-            values[start:stop] = block[name]
-        return stop - start, count_failed(block["status"])
-
-    done = failed = 0
-    solved = in_threads(work, range(len(cut)), count, evaluate.stop)
-    with _shown(progress) as report, closing(solved) as blocks:
-        report(done, plan.cases, failed)
-        for cases, bad in blocks:
-            done, failed = done + cases, failed + bad
-            report(done, plan.cases, failed)
-    shaped = {name: values.reshape(plan.shape) for name, values in results.items()}
-    return replace(frame, results=shaped)
+    memory = _Memory(frame_of(plan))
+    _run(plan, memory, solve_columns, options)
+    return memory.study
 
 
-def write_plan(
-    plan: StudyPlan,
-    path: str | PathLike[str],
-    *,
-    force: bool = False,
-    resume: bool = False,
-    progress: Report | bool | None = None,
-    workers: int = 1,
-    scheduler: Any = None,
-) -> Tally:
+def write_plan(plan: StudyPlan, path: str | PathLike[str], **options: Unpack[Options]) -> Tally:
     """Run a planned study into a file, in memory that does not grow with its cases.
 
     Arguments and errors as `escapement.sweep`.
     """
-    count = _count(workers)
-    plan.check_mechanism()
-    version = numerics() + ("" if plan.sample is None else plan.sample.fingerprint)
-    writer = StudyWriter(path, frame_of(plan), numerics=version, force=force, resume=resume)
+    version = numerics() + plan.fingerprint
+    keep = {"force": options.get("force", False), "resume": options.get("resume", False)}
+    writer = StudyWriter(path, frame_of(plan), numerics=version, **keep)
+    return _run(plan, writer, solve_block, options)
 
-    with (
-        writer,
-        _blocks(plan, writer, count, scheduler) as blocks,
-        _shown(progress, writer.resumed) as report,
-    ):
-        done = writer.resumed
-        report(done, plan.cases, writer.failed)
-        for block in blocks:
-            writer.add(block)
-            done += block.cases
-            report(done, plan.cases, writer.failed)
-    return Tally(plan.cases, writer.failed, writer.resumed)
+
+class _Memory:
+    """What `StudyWriter` is to a file, for results that stay in memory."""
+
+    def __init__(self, frame: Study) -> None:
+        self._frame, self.cut = frame, blocks_of(frame)
+        self._results = {name: np.empty(frame.cases, r.dtype) for name, r in RESULTS.items()}
+        self.missing: Iterable[int] = range(len(self.cut))
+        self.resumed = self.failed = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """There is nothing to put away."""
+
+    def add(self, solved: tuple[int, Columns]) -> None:
+        """Keep the results of a block."""
+        number, columns = solved
+        for name, values in self._results.items():
+            values[slice(*self.cut.span(number))] = columns[name]
+        self.failed += count_failed(columns["status"])
+
+    @property
+    def study(self) -> Study:
+        shaped = {name: values.reshape(self._frame.shape) for name, values in self._results.items()}
+        return replace(self._frame, results=shaped)
+
+
+def _run(plan: StudyPlan, keeper: Any, task: Callable[..., Any], options: Options) -> Tally:
+    """Solve what a keeper lacks, and give it block after block."""
+    workers = validate.integer("workers", options.get("workers", 1), 1, "give a number of threads")
+    plan.check_mechanism()
+    with keeper:
+        scheduler = options.get("scheduler") if keeper.missing else None
+        pool = in_threads(workers) if scheduler is None else in_cluster(scheduler, workers)
+        with pool as here, _shown(options.get("progress"), keeper.resumed) as report:
+            done = keeper.resumed
+            report(done, plan.cases, keeper.failed)
+            if keeper.missing:
+                work = Work(plan, keeper.cut, numerics(), solved_scenes(plan, here))
+                for solved in here.completed(task, work, keeper.missing):
+                    keeper.add(solved)
+                    start, stop = keeper.cut.span(solved[0])
+                    done += stop - start
+                    report(done, plan.cases, keeper.failed)
+    return Tally(plan.cases, keeper.failed, keeper.resumed)
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Threads or a cluster.
+
+    executor : where tasks are submitted.
+    ahead : number of tasks that may be on their way.
+    share : puts a value where all tasks find it, and gives what to submit in its place.
+    check : raises StorageError once nobody is there any more to solve anything.
+    """
+
+    executor: Executor
+    ahead: Callable[[], int]
+    share: Callable[[Any], Any]
+    check: Callable[[], None]
+
+    def completed(
+        self, task: Callable[[Any, Any], T], common: Any, items: Iterable[Any]
+    ) -> Iterator[T]:
+        """`task(common, item)` of every item, in the order of their completion."""
+        shared, waiting = self.share(common), iter(items)
+        running: set[Future[T]] = set()
+        try:
+            while True:
+                for item in islice(waiting, max(self.ahead() - len(running), 0)):
+                    running.add(self.executor.submit(task, shared, item))
+                if not running:
+                    return
+                done, running = wait(running, _TICK, FIRST_COMPLETED)
+                self.check()
+                # What succeeded comes first: an error ends the study and would lose it.
+                for future in sorted(done, key=_failed):
+                    yield future.result()
+        finally:
+            for future in running:
+                future.cancel()
+
+
+def _failed(future: Future[Any]) -> bool:
+    return future.cancelled() or future.exception() is not None
+
+
+def solved_scenes(plan: StudyPlan, pool: Pool) -> SharedScenes | None:
+    """The scenes that blocks have in common, solved; None where each block solves its own."""
+    sharing = shared_scenes(plan)
+    if sharing is None:
+        return None
+    size = sharing.cases.size
+    step = min(max(size // 64, _SLICE[0]), _SLICE[1])
+    figures, status = np.empty((6, size)), np.empty(size, dtype=np.uint8)
+    parts = ((start, sharing.cases[start : start + step]) for start in range(0, size, step))
+    for start, (numbers, outcomes) in pool.completed(solve_slice, plan, parts):
+        figures[:, start : start + step], status[start : start + step] = numbers, outcomes
+    return SharedScenes(sharing, figures, status)
 
 
 @contextmanager
-def _blocks(
-    plan: StudyPlan, writer: StudyWriter, workers: int, scheduler: Any
-) -> Iterator[Iterable[Block]]:
-    """What a study still lacks, block after block, from threads or from a cluster."""
-    if scheduler is None or not writer.missing:
-        evaluate = Evaluator(plan)
+def in_threads(workers: int) -> Iterator[Pool]:
+    """Threads of this process. Leaving does not wait for blocks that are being solved."""
+    executor = ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
+    try:
+        # some blocks may wait while the disk is slow
+        yield Pool(executor, lambda: workers + 8, lambda value: value, lambda: None)
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)
 
-        def work(number: int) -> Block:
-            return encode_block(writer.cut, number, evaluate(*writer.cut.span(number)))
 
-        with closing(in_threads(work, writer.missing, workers, evaluate.stop)) as blocks:
-            yield blocks
+@contextmanager
+def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
+    """Workers of a Dask cluster. What a lost worker had is solved again elsewhere.
+
+    Raises
+    ------
+    InvalidValue, StorageError
+        As `_connected`.
+    StorageError
+        When the same block costs several workers, or the scheduler is lost.
+    """
+    with _connected(scheduler, workers) as client:
+        import distributed
+
+        def share(value: Any) -> Any:
+            # The result of a task is computed again where it is lost; scattered data is not.
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of Dask, where the value is large
+                return client.submit(_itself, value, pure=False)
+
+        def check() -> None:
+            if client.status != _CONNECTED:
+                raise CancelledError
+
+        executor = client.get_executor(pure=False, retries=2)
+        try:
+            yield Pool(executor, lambda: 2 * max(sum(client.nthreads().values()), 1), share, check)
+        except distributed.KilledWorker as error:
+            raise StorageError(
+                f"a block ended {error.allowed_failures + 1} workers, perhaps for lack of memory; "
+                "give workers more memory, then continue with resume=True (--resume)"
+            ) from None
+        except (Exception, CancelledError) as error:
+            # each version of Dask tells a lost scheduler in other ways
+            if client.status == _CONNECTED and not isinstance(error, CancelledError):
+                raise
+            raise StorageError(
+                "the scheduler must stay, and was lost; start it again, then continue with "
+                "resume=True"
+            ) from None
+
+
+def _itself(value: T) -> T:
+    return value
+
+
+@contextmanager
+def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
+    """A client of the cluster.
+
+    Parameters
+    ----------
+    scheduler : str or distributed.Client
+        "local" starts a cluster of `workers` processes on this machine; else an
+        address such as "tcp://10.0.0.1:8786".
+    workers : int
+        Processes of a local cluster.
+
+    Raises
+    ------
+    InvalidValue
+        When distributed is not installed, or `scheduler` is none.
+    StorageError
+        When no scheduler answers.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise InvalidValue(
+            f"scheduler must be left out without Dask, got {scheduler!r}; "
+            "install it with: pip install 'geneva-escapement[dask]'"
+        ) from None
+    if isinstance(scheduler, distributed.Client):
+        if scheduler.status != _CONNECTED or scheduler.asynchronous:
+            remedy = "open it, with asynchronous left out"
+            raise validate.fail("scheduler", "a client that is connected", scheduler, remedy)
+        yield scheduler
         return
-    with (
-        connect(scheduler, workers) as client,
-        closing(in_cluster(plan, writer.cut, writer.missing, client)) as blocks,
-    ):
-        yield blocks
+    if not isinstance(scheduler, str):
+        remedy = "give for example 'tcp://10.0.0.1:8786'"
+        raise validate.fail("scheduler", "an address or a client", scheduler, remedy)
+    log = logging.getLogger("distributed.client")  # it prints tracebacks of a lost scheduler
+    with ExitStack() as stack:
+        stack.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL)
+        try:
+            address = stack.enter_context(_local(workers)) if scheduler == LOCAL else scheduler
+            client = stack.enter_context(distributed.Client(address, timeout=_PATIENCE))
+        except RuntimeError as error:  # each process begins as the script does
+            raise StorageError(
+                f"a local cluster must start, and did not: {error}; of a script, put what it does "
+                "under: if __name__ == '__main__'"
+            ) from None
+        except (OSError, ValueError) as error:
+            raise StorageError(
+                f"scheduler {scheduler} must answer, and did not: {error}; "
+                "check the address, or start one with --scheduler local"
+            ) from None
+        yield client
+
+
+def _local(workers: int) -> Any:
+    """A cluster of processes on this machine, which say nothing."""
+    import distributed
+
+    return distributed.LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address=None,
+        silence_logs=logging.CRITICAL,
+    )
 
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    sampled = {} if plan.sample is None else plan.sample.values
-    varied = (*plan.dimensions, *sampled)
+    varied = (*plan.dimensions, *plan.sampled)
     units = {name: plan.unit(name) for name in varied}
     names = {name: plan.long_name(name) for name in varied}
     return Study(
         axes=plan.dimensions,
-        sampled=sampled,
+        sampled=plan.sampled,
         results={},
         units=units | {name: result.units for name, result in RESULTS.items()},
         long_names=names | {name: result.long_name for name, result in RESULTS.items()},
@@ -157,11 +379,7 @@ def frame_of(plan: StudyPlan) -> Study:
     )
 
 
-def _count(workers: int) -> int:
-    return validate.integer("workers", workers, 1, "give the number of threads")
-
-
-def _shown(progress: Report | bool | None, before: int = 0) -> AbstractContextManager[Report]:
+def _shown(progress: Report | bool | None, before: int) -> AbstractContextManager[Report]:
     """Where progress goes: to standard error, to the caller, or nowhere."""
     if progress is True:
         return Progress(before=before)

@@ -1,36 +1,28 @@
-"""Scenes of a plan: what is left of its cases once time is measured in natural units.
+"""Solving cases of a plan: equal scenes once, then each case on its own clock.
 
 In natural units a case is its mechanism, inertia ratio, loss, load ratio and starting speed.
 Without a load and from rest the torque changes the unit of time and none of these five, so
-cases that differ in torque alone have the same scene. `solve_scenes` solves equal scenes of
-one block once; `SharedScenes` keeps the scenes that several blocks have in common.
+cases that differ in torque alone have the same scene.
 """
 
 import contextlib
 import math
-import threading
-from concurrent.futures import Future
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from escapement import simulation
 from escapement.errors import InvalidValue
-from escapement.model import (
-    MOST_UNEQUAL,
-    Escapement,
-    FloatArray,
-    Inertia,
-    natural,
-    ratio_in_range,
-)
+from escapement.model import MOST_UNEQUAL, Escapement, FloatArray, Inertia, natural, ratio_in_range
 from escapement.quantity import quantities
 from escapement.scene import Scene
 from escapement.simulation import FASTEST
 from escapement.status import Status
 from escapement.study.plan import StudyPlan
+from escapement.study.result import RESULTS
 
-DRIVER, FOLLOWER = "driver_inertia", "follower_inertia"
+FOLLOWER = "follower_inertia"
 CLOCKED = TORQUE, LOAD, SPEED = "torque", "load_torque", "initial_speed"
 """Numbers that change only the unit of time where there is neither load nor initial speed."""
 DECIDING = {*quantities(Escapement), *quantities(Inertia), SPEED}
@@ -38,20 +30,90 @@ DECIDING = {*quantities(Escapement), *quantities(Inertia), SPEED}
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
 
-_SLICE = 256  # scenes solved at a time: a few milliseconds, and always the same ones together
+_SPEEDS = ("velocity_max", "velocity_min", "velocity_mean")
+_TIMES = ("period", "rise_time", "settling_time")
 
+Columns = dict[str, NDArray[Any]]
+"""One array per result, over some cases."""
 SceneFigures = tuple[FloatArray, NDArray[np.uint8]]
 """Largest, smallest and mean velocity, period, rise and settling time in natural units,
 shape (6, n), and the status, shape (n,)."""
 
 
+class Sharing(NamedTuple):
+    """The scenes that the cases of a plan have in common.
+
+    shape : of the plan's dimensions, 1 where a dimension leaves the scene alone.
+    which : number of the scene at each place of this shape, flat.
+    cases : the first case of each scene.
+    """
+
+    shape: tuple[int, ...]
+    which: NDArray[np.int64]
+    cases: NDArray[np.int64]
+
+
+class SharedScenes(NamedTuple):
+    """Scenes with their figures, of which any block takes its own."""
+
+    sharing: Sharing
+    figures: FloatArray
+    status: NDArray[np.uint8]
+
+    def of(self, plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
+        """Figures of the scenes of some cases, as `solve_scenes` gives them."""
+        shape, which, _ = self.sharing
+        # clipping puts every place of a dimension that does not matter to 0
+        places = np.ravel_multi_index(np.unravel_index(cases, plan.shape), shape, mode="clip")
+        scenes = which[places]
+        return self.figures[:, scenes], self.status[scenes]
+
+
+def shared_scenes(plan: StudyPlan) -> Sharing | None:
+    """The scenes to solve before the blocks of a plan; None where that saves or suits nothing."""
+    deciding = {*plan.parameters}
+    if not np.any(plan.every(SPEED)) and not np.any(plan.every(LOAD)):
+        deciding -= {*CLOCKED}
+    sizes = zip(plan.shape, plan.varied.values(), strict=True)
+    shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
+    if plan.solver.engine != "energy" or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
+        return None
+    places = np.indices(shape).reshape(len(shape), -1)
+    cases = np.asarray(np.ravel_multi_index(tuple(places), plan.shape))
+    machine, scene, _ = _numbers(plan, cases)
+    first, which = _distinct(np.array([*scene, *machine]))
+    return Sharing(shape, which, cases[first])
+
+
 def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases, none of them solved twice."""
+    machine, scene, sound = _numbers(plan, cases)
+    first, which = _distinct(np.array([*scene, *machine]))
+    figures = np.full((6, first.size), np.nan)
+    status = np.full(first.size, Status.INVALID, dtype=np.uint8)
+    # the mechanism is the last key of the order, so that its scenes follow each other
+    other = np.any([np.diff(column[first]) != 0 for column in machine], axis=0)
+    for rows in np.split(np.arange(first.size), np.flatnonzero(other) + 1):
+        rows = rows[sound[first[rows]]]
+        if rows.size == 0:
+            continue
+        # a mechanism that cannot be built, or cannot move, must not end the study
+        with contextlib.suppress(InvalidValue):
+            mechanism = plan.mechanism(int(cases[first[rows[0]]]))
+            figures[:, rows], status[rows] = _solve(
+                mechanism, scene[:, first[rows]], plan.solver.tolerance
+            )
+    return figures[:, which], status[which]
+
+
+def _numbers(
+    plan: StudyPlan, cases: NDArray[np.int64]
+) -> tuple[list[NDArray[Any]], FloatArray, NDArray[np.bool_]]:
+    """What decides scenes: of the mechanism, the rest (k, n), and whether it is in range."""
     columns = plan.columns(cases)
-    values = plan.fixed_si | columns
     numbers = {
         name: np.broadcast_to(np.asarray(value, dtype=float), cases.shape)
-        for name, value in values.items()
+        for name, value in (plan.fixed_si | columns).items()
         if name in DECIDING
     }
     with np.errstate(all="ignore"):  # what is out of range is told by the status
@@ -60,41 +122,24 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
         sound = ratio_in_range(ratios["rho"]) & (ratios["load"] < MOST_UNEQUAL)
         sound &= w <= FASTEST**2
     scene = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
-    figures = np.full((6, cases.size), np.nan)
-    status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
-    for rows in _by_mechanism(plan, columns, cases.size):
-        rows = rows[sound[rows]]
-        if rows.size == 0:
-            continue
-        # a mechanism that cannot be built, or cannot move, must not end the study
-        with contextlib.suppress(InvalidValue):
-            figures[:, rows], status[rows] = _solve_distinct(
-                plan.mechanism(int(cases[rows[0]])), scene[:, rows], plan.solver.tolerance
-            )
-    return figures, status
+    return [columns[name] for name in plan.kind.parameters if name in columns], scene, sound
 
 
-def _by_mechanism(plan: StudyPlan, columns: dict[str, NDArray[Any]], size: int) -> list[Any]:
-    """Rows that share a mechanism, ascending."""
-    varied = [columns[name] for name in plan.kind.parameters if name in columns]
-    if not varied:
-        return [np.arange(size)]
-    _, group = np.unique(np.array(varied), axis=1, return_inverse=True)
-    group = group.reshape(-1)
-    order = np.argsort(group, kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
-
-
-def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> SceneFigures:
-    """Solve the scenes of one mechanism, shape (k, n): equal ones once."""
-    from escapement.engines.energy import batch, cycle
-
-    order = np.lexsort(scene)
-    ordered = scene[:, order]
+def _distinct(key: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Index of the first of equal columns, in the order of the last key, and which is whose."""
+    order = np.lexsort(key)
+    ordered = key[:, order]
     new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
     which = np.empty(order.size, dtype=np.int64)
     which[order] = np.cumsum(new) - 1
-    table, status = batch.solve(mechanism, ordered[:, new], rtol)
+    return order[new], which
+
+
+def _solve(mechanism: Any, scene: FloatArray, rtol: float) -> SceneFigures:
+    """Solve the scenes of one mechanism, shape (k, n)."""
+    from escapement.engines.energy import batch, cycle
+
+    table, status = batch.solve(mechanism, np.ascontiguousarray(scene), rtol)
     columns = table.T
     period = columns[cycle.PERIOD]
     figures = np.array([
@@ -105,123 +150,50 @@ def _solve_distinct(mechanism: Any, scene: FloatArray, rtol: float) -> SceneFigu
         columns[cycle.RISE],
         columns[cycle.SETTLING],
     ])  # fmt: skip
-    return figures[:, which], status[which]
+    return figures, status
 
 
-class Factor(NamedTuple):
-    """One part of a scene, and the dimensions of a plan that decide it.
-
-    dimensions : indices of these dimensions.
-    numbers : number of the part's value, counted from 0, at each place along them.
-    first : flat index of the first place that has each number.
-    """
-
-    dimensions: tuple[int, ...]
-    numbers: NDArray[np.int64]
-    first: NDArray[np.int64]
-
-
-class SharedScenes:
-    """The scenes of a plan, each solved when a block first needs it, and kept for all.
-
-    Any number of threads may ask. They are solved in slices of their own, so that what
-    is solved together does not depend on who asks first.
-
-    Parameters
-    ----------
-    plan : StudyPlan
-        Whose dimensions beyond those of the factors leave the scene alone.
-    factors : list of Factor
-        What a scene is made of.
-    """
-
-    def __init__(self, plan: StudyPlan, factors: list[Factor]) -> None:
-        self._plan, self._factors = plan, factors
-        self._shape = tuple(factor.first.size for factor in factors)
-        size = math.prod(self._shape)
-        self._figures, self._status = np.empty((6, size)), np.empty(size, dtype=np.uint8)
-        self._slices: dict[int, Future[None]] = {}
-        self._access = threading.Lock()
-
-    def of(self, cases: NDArray[np.int64]) -> SceneFigures:
-        """Figures of the scenes of some cases, as `solve_scenes` gives them."""
-        places = np.unravel_index(cases, self._plan.shape)
-        scenes = np.zeros(cases.size, dtype=np.int64)
-        for dimensions, numbers, first in self._factors:
-            scenes = scenes * first.size + numbers[tuple(places[i] for i in dimensions)]
-        others = []
-        for number in np.flatnonzero(np.bincount(scenes // _SLICE)).tolist():
-            with self._access:
-                solved, mine = self._slices.get(number), number not in self._slices
-                if solved is None:
-                    solved = self._slices[number] = Future()
-            if mine:
-                self._solve(number, solved)
-            else:
-                others.append(solved)
-        for solved in others:
-            solved.result()
-        return self._figures[:, scenes], self._status[scenes]
-
-    def _solve(self, number: int, solved: "Future[None]") -> None:
-        begin = number * _SLICE
-        scenes = np.arange(begin, min(begin + _SLICE, self._status.size))
-        span = slice(begin, begin + scenes.size)
-        try:
-            self._figures[:, span], self._status[span] = solve_scenes(
-                self._plan, self._first_case(scenes)
-            )
-        except BaseException as error:
-            solved.set_exception(error)  # other threads wait for this slice
-            raise
-        solved.set_result(None)
-
-    def _first_case(self, scenes: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The first case of each scene."""
-        shape = self._plan.shape
-        places = [np.zeros(scenes.size, dtype=np.int64) for _ in shape]
-        along = np.unravel_index(scenes, self._shape) if self._shape else ()
-        for (dimensions, numbers, first), which in zip(self._factors, along, strict=True):
-            for i, place in zip(
-                dimensions, np.unravel_index(first[which], numbers.shape), strict=True
-            ):
-                places[i] = place
-        return np.ravel_multi_index(places, shape)
+def evaluate(plan: StudyPlan, start: int, stop: int, shared: SharedScenes | None = None) -> Columns:
+    """Results of the cases start <= case < stop; a bad case never ends the study."""
+    cases = np.arange(start, stop)
+    if plan.solver.engine == "energy":
+        found = solve_scenes(plan, cases) if shared is None else shared.of(plan, cases)
+        return _on_their_clocks(plan, cases, *found)
+    columns = {name: np.full(cases.size, np.nan) for name in RESULTS}
+    columns["status"] = np.zeros(cases.size, np.uint8)
+    for row, case in enumerate(cases.tolist()):
+        _fill(columns, row, plan, case)
+    return columns
 
 
-def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
-    """The scenes that blocks of a plan share; None where sharing saves or suits nothing."""
-    deciding = {*plan.parameters}
-    resting = not np.any(plan.every(SPEED))
-    if resting and not np.any(plan.every(LOAD)):
-        deciding -= {*CLOCKED}
-    dimensions = [
-        i for i, names in enumerate(plan.varied.values()) if not deciding.isdisjoint(names)
-    ]
-    factors = []
-    ratio = _ratio(plan) if resting else None
-    if ratio is not None:
-        factors.append(ratio)
-        dimensions = [i for i in dimensions if i not in ratio.dimensions]
-    for i in dimensions:
-        every = np.arange(plan.shape[i])
-        factors.append(Factor((i,), every, every))
-    scenes = math.prod(factor.first.size for factor in factors)
-    if scenes == plan.cases or scenes > MOST_SHARED:
-        return None
-    return SharedScenes(plan, factors)
-
-
-def _ratio(plan: StudyPlan) -> Factor | None:
-    """Of the inertias from rest their ratio alone; None where they are no two dimensions."""
-    along = [list(names) for names in plan.varied.values()]
-    if [DRIVER] not in along or [FOLLOWER] not in along:
-        return None
-    driver, follower = plan.every(DRIVER), plan.every(FOLLOWER)
-    if driver.size * follower.size > MOST_SHARED:
-        return None
+def _on_their_clocks(
+    plan: StudyPlan, cases: NDArray[np.int64], figures: FloatArray, status: NDArray[np.uint8]
+) -> Columns:
+    """Figures of scenes in SI: the unit of time is the root of I_f / torque."""
+    values = plan.fixed_si | plan.columns(cases)
     with np.errstate(all="ignore"):
-        ratio = driver[:, None] / follower
-    _, first, numbers = np.unique(ratio, return_index=True, return_inverse=True)
-    dimensions = along.index([DRIVER]), along.index([FOLLOWER])
-    return Factor(dimensions, numbers.reshape(ratio.shape), first)
+        square = np.divide(values[FOLLOWER], values[TORQUE])
+    bad = np.broadcast_to(~ratio_in_range(square), cases.shape)
+    if bad.any():
+        figures[:, bad], status[bad] = np.nan, Status.INVALID
+        square = np.where(bad, 1.0, square)
+    clock = np.sqrt(square)
+    columns = {name: line / clock for name, line in zip(_SPEEDS, figures[:3], strict=True)}
+    columns |= {name: line * clock for name, line in zip(_TIMES, figures[3:], strict=True)}
+    return columns | {"status": status}
+
+
+def _fill(columns: Columns, row: int, plan: StudyPlan, case: int) -> None:
+    """One case by an engine that solves them one by one."""
+    speed = plan.values(case)[SPEED]
+    try:
+        figures = simulation.terminal(
+            plan.escapement(case), initial_speed=speed, **plan.solver.given
+        )
+    except InvalidValue:
+        columns["status"][row] = Status.INVALID
+    except (ArithmeticError, ValueError, RuntimeError):
+        columns["status"][row] = Status.NOT_CONVERGED
+    else:
+        for name, column in columns.items():
+            column[row] = getattr(figures, name)

@@ -11,6 +11,7 @@ from numpy.polynomial.legendre import leg2poly
 
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import BLOCK
+from escapement.roots import newton_in_bracket
 
 N = BLOCK
 
@@ -134,13 +135,7 @@ def root_between(c, x, low, high, rising):
         second = 9.0 * c[9] + 10.0 * c[10] * x + (11.0 * c[11] + 12.0 * c[12] * x) * y
         second += (13.0 * c[13] + 14.0 * c[14] * x + 15.0 * c[15] * y) * z
         slope = first + second * (z * z)
-        if (value < 0.0) == rising:
-            low = x
-        else:
-            high = x
-        guess = x - value / slope
-        if not low <= guess <= high:
-            guess = 0.5 * (low + high)
+        guess, low, high = newton_in_bracket(x, value, slope, low, high, rising)
         step = abs(guess - x)
         x = guess
         # Newton's method squares the error, so the next step would be below rounding

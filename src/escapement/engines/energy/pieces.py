@@ -22,6 +22,7 @@ from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
+from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
 
 MOTION_EVENT = record_dtype(
@@ -297,15 +298,10 @@ def _invert(work, target, whole_time):
     low, high = -1.0, 1.0
     for _ in range(60):
         weights_to(work, x)
-        passed = dot(work.from_left, work.scratch, count)
-        if passed > target:
-            high = x
-        else:
-            low = x
-        # Newton's method on the time, whose derivative by x is dt/dx, kept in its bracket
-        guess = x + (target - passed) / dot(work.at_x, work.slowness, count)
-        if not low <= guess <= high:
-            guess = 0.5 * (low + high)
+        # Newton's method on the time, whose derivative by x is dt/dx
+        over = dot(work.from_left, work.scratch, count) - target
+        slope = dot(work.at_x, work.slowness, count)
+        guess, low, high = newton_in_bracket(x, over, slope, low, high, True)
         step = abs(guess - x)
         x = guess
         if step <= 1e-8:

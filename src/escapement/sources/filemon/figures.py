@@ -1,16 +1,16 @@
-"""Filemon's figures 3 to 8: transmission functions and what becomes of the torque.
+"""Filemon's figures 3 to 12 and 15: transmission, torque, and when the pin changes sides.
 
 External wheels; angles in degrees from dead centre. Families of curves have their
 number of slots written on them, as in the paper.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import StrMethodFormatter
+from matplotlib.ticker import MultipleLocator, StrMethodFormatter
 
 from escapement.constant_speed import drive_torque, geneva, reversal_study
 from escapement.mechanisms import Geneva
@@ -23,7 +23,12 @@ SLOTS = tuple(range(3, 11))
 """Numbers of slots of the families of curves."""
 ANGLE = label("driver angle β", "°")
 RATIO, RATE, LOAD_RATIO = r"$i_\omega$", r"$i_\varepsilon$", r"$F$"
-_POINTS = 500
+MARK: dict[str, Any] = {
+    "ls": "", "marker": "o", "ms": 5, "mfc": "white", "mec": style.BLACK, "mew": 0.9, "zorder": 5
+}  # fmt: skip
+"""How a pin reversal is marked."""
+Curve = Callable[[int], tuple[FloatArray, FloatArray]]
+"""From a number of slots to the places and heights of a curve."""
 
 
 def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
@@ -33,9 +38,8 @@ def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
     ax.plot(angle, table.g, color=style.BLUE, lw=1.4)
     top = float(geneva.ratio_max(slots))
     ax.plot(0.0, top, "v", color=style.BLACK, ms=5)
-    style.annotate(
-        ax, rf"$i_{{\omega\,\mathrm{{max}}}}$ = {top:.3f}", (0.0, top), (7.0, 0.0), "left"
-    )
+    name = rf"$i_{{\omega\,\mathrm{{max}}}}$ = {top:.3f}"
+    style.annotate(ax, name, (0.0, top), (7.0, 0.0), "left")
     ax.set(xlabel=ANGLE, ylabel=RATIO, xlim=(angle[0], angle[-1]), ylim=(0.0, 1.15 * top))
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
     return ax
@@ -43,9 +47,8 @@ def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
 
 def plot_transmission_family(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -> Axes:
     """Transmission functions up to dead centre, logarithmic (figure 4)."""
-    ax = ax or style.new_axes(style.TWO_COLUMN, 4.6)
-    _draw_family(ax, slots, lambda table: table.g, -2.0)
-    ax.set(xlabel=ANGLE, ylabel=RATIO, ylim=(0.01, 10.0))
+    ax = _engagements(slots, lambda table: table.g, ax, -2.0)
+    ax.set(ylabel=RATIO, ylim=(0.01, 10.0))
     return ax
 
 
@@ -59,27 +62,22 @@ def plot_acceleration(slots: int = 4, ax: Axes | None = None) -> Axes:
     place = -np.degrees(float(geneva.acceleration_max_angle(slots)))
     ax.plot([angle[0], place], [start, top], "o", color=style.BLACK, ms=4, clip_on=False, zorder=4)
     ax.plot([place, place], [0.0, top], color=style.GREY, lw=0.7, ls=":")
-    style.annotate(
-        ax, rf"$i_{{\varepsilon s}}$ = {start:.3f}", (angle[0], start), (6.0, -22.0), "left"
-    )
+    name = rf"$i_{{\varepsilon s}}$ = {start:.3f}"
+    style.annotate(ax, name, (angle[0], start), (6.0, -22.0), "left")
     name = rf"$i_{{\varepsilon\,\mathrm{{max}}}}$ = {top:.3f}"
     style.annotate(ax, f"{name}\nat −{-place:.2f}°", (place, top), (14.0, -4.0), "left")
-    ax.set(xlabel=ANGLE, ylabel=RATE, xlim=(angle[0], angle[-1]))
-    ax.set_ylim(-1.2 * top, 1.2 * top)
+    ax.set(xlabel=ANGLE, ylabel=RATE, xlim=(angle[0], angle[-1]), ylim=(-1.2 * top, 1.2 * top))
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
     return ax
 
 
 def plot_acceleration_family(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -> Axes:
     """Acceleration functions up to dead centre, logarithmic (figure 6)."""
-    ax = ax or style.new_axes(style.TWO_COLUMN, 4.6)
-    _draw_family(ax, slots, lambda table: table.dg, None)
-    tops = [-np.degrees(float(geneva.acceleration_max_angle(n))) for n in slots]
-    ax.plot(
-        tops, [float(geneva.acceleration_max(n)) for n in slots], "o", ms=3.5, mfc="white",
-        mec=style.BLACK, mew=0.8, label="maximum",
-    )  # fmt: skip
-    ax.set(xlabel=ANGLE, ylabel=RATE, ylim=(0.05, 50.0))
+    ax = _engagements(slots, lambda table: table.dg, ax, -90.0)
+    tops = -np.degrees(geneva.acceleration_max_angle(slots))
+    mark = MARK | {"ms": 3.5, "mew": 0.8, "zorder": 2}
+    ax.plot(tops, geneva.acceleration_max(slots), label="maximum", **mark)
+    ax.set(ylabel=RATE, ylim=(0.05, 50.0))
     ax.legend(loc="upper left", fontsize=style.SMALL_SIZE, frameon=False)
     return ax
 
@@ -91,18 +89,16 @@ def plot_torque_terms(slots: int = 4, ratio: float = 1.0, ax: Axes | None = None
     product = ratio * table.g * table.dg
     name = r"$i_\omega i_\varepsilon$" if ratio == 1.0 else r"$F\, i_\omega i_\varepsilon$"
     lines = (
-        (table.g, RATIO, style.LOOKS[1]),
-        (table.dg, RATE, style.LOOKS[2]),
-        (product, name, style.LOOKS[3]),
-        (table.g + product, r"$M_2 \eta / M_e$", style.LOOKS[0]),
+        (table.g, RATIO, style.LOOKS[1], 1.1),
+        (table.dg, RATE, style.LOOKS[2], 1.1),
+        (product, name, style.LOOKS[3], 1.1),
+        (table.g + product, r"$M_2 \eta / M_e$", style.LOOKS[0], 1.8),
     )
     ax.axhline(0.0, color=style.BLACK, lw=0.6)
-    for values, text, look in lines:
-        width = 1.8 if look is style.LOOKS[0] else 1.1
+    for values, text, look, width in lines:
         ax.plot(angle, values, color=look.color, ls=look.linestyle, lw=width, label=text)
     reversals = np.degrees(reversal_study(slots, ratio).reversals)
-    found = reversals[~np.isnan(reversals)]
-    ax.plot(found, np.zeros_like(found), label="pin reversal", **MARK)
+    ax.plot(reversals, np.zeros_like(reversals), label="pin reversal", **MARK)
     ax.set(xlabel=ANGLE, ylabel="Function", xlim=(angle[0], angle[-1]))
     style.legend_above(ax, 5, f"n = {slots}, F = {ratio:g}")
     return ax
@@ -114,13 +110,10 @@ def plot_zones(slots: int = 8, ratios: Sequence[float] = (1.0, 1.9, 4.0)) -> Fig
     panels = figure.subplots(1, len(ratios))
     for ax, ratio, letter in zip(panels, ratios, "abc", strict=False):
         result = drive_torque(Geneva(slots, pins=1), 1.0, 1.0, ratio)
-        state = result.samples
+        angle, torque = np.degrees(result.samples.theta), result.samples.torque
         style.dress(ax).axhline(0.0, color=style.BLACK, lw=0.6)
-        angle = np.degrees(state.theta)
-        ax.plot(angle, state.torque, color=style.BLUE, lw=1.4)
-        ax.fill_between(
-            angle, state.torque, 0.0, where=state.torque < 0.0, color=style.SKY, alpha=0.5, lw=0
-        )
+        ax.plot(angle, torque, color=style.BLUE, lw=1.4)
+        ax.fill_between(angle, torque, 0.0, where=torque < 0.0, color=style.SKY, alpha=0.5, lw=0)
         found = np.degrees(result.reversals)
         ax.plot(found, np.zeros_like(found), **MARK)
         ax.set_title(f"{letter}  zone {result.zone}, F = {ratio:g}", fontsize=style.TICK_SIZE)
@@ -130,45 +123,176 @@ def plot_zones(slots: int = 8, ratios: Sequence[float] = (1.0, 1.9, 4.0)) -> Fig
     return figure
 
 
-MARK: dict[str, Any] = {
-    "ls": "", "marker": "o", "ms": 5, "mfc": "white", "mec": style.BLACK, "mew": 0.9, "zorder": 5
-}  # fmt: skip
-"""How a pin reversal is marked."""
+def plot_reversal_curve(slots: int = 8, ax: Axes | None = None) -> Axes:
+    """Inertia ratios whose torque is zero at an angle, and the three zones (figure 9)."""
+    ax = ax or style.new_axes(style.TWO_COLUMN, 3.8)
+    angle, ratio = _reversal(slots)
+    lower, upper = (float(limit) for limit in geneva.reversal_limits(slots))
+    steepest = np.degrees(float(geneva.acceleration_max_angle(slots)))
+    top = 2.0 * upper
+    ax.axhspan(lower, upper, color=style.SKY, alpha=0.25, lw=0)
+    ax.plot(angle, ratio, color=style.BLUE, lw=1.5)
+    for limit, name, place in ((lower, "12", steepest), (upper, "23", angle[-1])):
+        ax.axhline(limit, color=style.BLACK, lw=0.8, ls=(0, (5, 2)))
+        ax.plot(place, limit, clip_on=False, **MARK)
+        style.annotate(ax, rf"$F_{{{name}}}$ = {limit:.4f}", (2.0, limit), (0.0, 7.0), "left")
+    for height, text in (
+        (0.55 * lower, "1: no reversal"),
+        (0.5 * (lower + upper), "2: two reversals"),
+        (0.5 * (upper + top), "3: one reversal"),
+    ):
+        style.annotate(ax, f"zone {text}", (0.55 * angle[-1], height))
+    ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, angle[-1]), ylim=(0.0, top))
+    ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
+    return ax
+
+
+def plot_reversal_curves(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -> Axes:
+    """The same for a family of wheels, logarithmic (figure 10)."""
+    ax = _family(slots, _reversal, "y", ax, offset=(0.0, -9.0))
+    places = geneva.acceleration_max_angle(slots), geneva.engagement_half(slots)
+    limits = geneva.reversal_limits(slots)
+    for at, limit, name, marker in zip(places, limits, ("12", "23"), "os", strict=True):
+        mark = MARK | {"ms": 3.5, "marker": marker}
+        ax.plot(np.degrees(at), limit, label=rf"$F_{{{name}}}$", **mark)
+    ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, 75.0), ylim=(0.02, 20.0))
+    small = {"fontsize": style.SMALL_SIZE, "title_fontsize": style.SMALL_SIZE}
+    ax.legend(loc="lower right", title="Beside the curves: slots n", frameon=False, **small)
+    return ax
+
+
+def plot_reversal_limits(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -> Axes:
+    """Limits of the zones against the number of slots (figure 11)."""
+    lower, upper = geneva.reversal_limits(slots)
+    ax = _over_slots(slots, {r"$F_{12}$": lower, r"$F_{23}$": upper}, ax)
+    ax.fill_between(slots, lower, upper, color=style.SKY, alpha=0.25, lw=0)
+    i = len(slots) // 2
+    names = (
+        ("zone 1", 1, 0.35 * lower),
+        ("2", 0, 0.5 * (lower + upper)),
+        ("zone 3", -1, 1.45 * upper),
+    )
+    for text, shift, heights in names:
+        style.annotate(ax, text, (float(slots[i] + shift), float(heights[i])))
+    ax.set(ylabel=LOAD_RATIO, ylim=(0.0, None))
+    return ax
+
+
+def plot_mean_factors(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -> Axes:
+    """Factors D and A of the mean torque against the number of slots (figure 12)."""
+    ax = _over_slots(slots, dict(zip("DA", geneva.mean_factors(slots), strict=True)), ax)
+    ax.set(ylabel="D and A", yscale="log", ylim=(0.1, 30.0))
+    ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    return ax
+
+
+def plot_maximum_angles(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -> Axes:
+    """Angle of the greatest torque against the inertia ratio (figure 15).
+
+    Dotted: the limits for great inertia ratios, from the corrected (12).
+    """
+    ratio = np.geomspace(0.02, 20.0, 200)
+
+    def place(n: int) -> tuple[FloatArray, FloatArray]:
+        return ratio, -np.degrees(reversal_study(n, ratio).torque_max_angle)
+
+    ax = _family(slots, place, "x", ax, offset=(-9.0, 0.0))
+    for limit in -np.degrees(geneva.limit_angle(slots)):
+        ax.axhline(limit, color=style.GREY, lw=0.7, ls=":")
+    ax.axvline(8.0, color=style.BLACK, lw=0.7, ls=(0, (5, 2)))
+    style.annotate(ax, "F = 8", (8.0, 1.2))
+    ax.set(xlabel=LOAD_RATIO, ylabel="Greatest torque before\ndead centre, −β* (°)")
+    ax.set(xlim=(0.02, 20.0), ylim=(0.0, 26.0))
+    ax.set_title("n on the curves; dotted: limit for F → ∞", fontsize=style.SMALL_SIZE)
+    return ax
+
+
+FIGURES: dict[int, Callable[[], Axes | Figure]] = {
+    3: plot_transmission,
+    4: plot_transmission_family,
+    5: plot_acceleration,
+    6: plot_acceleration_family,
+    7: plot_torque_terms,
+    8: plot_zones,
+    9: plot_reversal_curve,
+    10: plot_reversal_curves,
+    11: plot_reversal_limits,
+    12: plot_mean_factors,
+    15: plot_maximum_angles,
+}
+"""What draws each figure of the paper."""
 
 
 def engagement(slots: int, share: float = 1.0) -> tuple[FloatArray, Transmission]:
     """Angles [degrees] from pin entry to `share` of the exit, and the transmission there."""
     wheel = Geneva(slots, pins=1)
-    theta = np.linspace(wheel.breaks[0], share * wheel.breaks[-1], _POINTS)
+    theta = np.linspace(wheel.breaks[0], share * wheel.breaks[-1], 500)
     return np.degrees(theta), wheel.transmission(theta)
 
 
-def _draw_family(
-    ax: Axes,
+def _reversal(slots: int) -> tuple[FloatArray, FloatArray]:
+    """Angles [degrees] after dead centre, and the F that makes the torque zero there (7)."""
+    # at dead centre no F does
+    angle = np.linspace(0.0, float(geneva.engagement_half(slots)), 601)[1:]
+    return np.degrees(angle), -1.0 / geneva.acceleration(slots, angle)
+
+
+def _engagements(
     slots: Sequence[int],
     read: Callable[[Transmission], FloatArray],
-    shift: float | None,
-) -> None:
-    """A logarithmic curve a number of slots, pin entry dotted.
+    ax: Axes | None,
+    place: float,
+) -> Axes:
+    """A family of curves from pin entry, dotted, to dead centre."""
 
-    shift : where a curve's number stands, in degrees from dead centre; None for
-        pin entry.
-    """
-    style.grid(ax)
-    ax.set_yscale("log")
-    ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    for n in slots:
+    def curve(n: int) -> tuple[FloatArray, FloatArray]:
         angle, table = engagement(n, 0.0)
-        values = read(table)
         # both functions vanish at one end of the half, where the logarithm does not exist
-        inside = values > 1e-9
-        ax.plot(angle[inside], values[inside], color=style.BLUE, lw=1.1)
-        ax.axvline(angle[0], color=style.GREY, lw=0.5, ls=":")
-        i = 0 if shift is None else int(np.searchsorted(angle, shift))
-        style.annotate(ax, str(n), (angle[i], values[i]))
-    ax.set_xlim(-75.0, 0.0)
-    start = " ".join(f"{np.degrees(geneva.engagement_half(n)):.4g}°" for n in slots)
-    ax.set_title(
-        f"n on the curves; β₀ for n = {slots[0]} to {slots[-1]}: {start}",
-        fontsize=style.SMALL_SIZE,
-    )
+        inside = read(table) > 1e-9
+        return angle[inside], read(table)[inside]
+
+    ax = _family(slots, curve, "y", ax, place)
+    starts = np.degrees(geneva.engagement_half(slots))
+    for start in starts:
+        ax.axvline(-start, color=style.GREY, lw=0.5, ls=":")
+    ax.set(xlabel=ANGLE, xlim=(-75.0, 0.0))
+    text = " ".join(f"{start:.4g}°" for start in starts)
+    name = f"n on the curves; β₀ for n = {slots[0]} to {slots[-1]}: {text}"
+    ax.set_title(name, fontsize=style.SMALL_SIZE)
+    return ax
+
+
+def _family(
+    slots: Iterable[int],
+    curve: Curve,
+    logarithmic: str,
+    ax: Axes | None,
+    place: float = np.inf,
+    offset: tuple[float, float] = (0.0, 0.0),
+) -> Axes:
+    """A curve a number of slots, which stands at a place of the abscissa, else at the end."""
+    ax = ax or style.new_axes(style.TWO_COLUMN, 4.6)
+    style.grid(ax)
+    ax.set(**{f"{logarithmic}scale": "log"})
+    getattr(ax, f"{logarithmic}axis").set_major_formatter(StrMethodFormatter("{x:g}"))
+    for n in slots:
+        x, y = curve(n)
+        ax.plot(x, y, color=style.BLUE, lw=1.1)
+        i = min(int(np.searchsorted(x, place)), x.size - 1)
+        style.annotate(ax, str(n), (float(x[i]), float(y[i])), offset)
+    return ax
+
+
+def _over_slots(slots: Sequence[int], lines: dict[str, FloatArray], ax: Axes | None) -> Axes:
+    """Named values against the number of slots, which is a whole number."""
+    ax = ax or style.new_axes(style.ONE_COLUMN, 3.2)
+    style.grid(ax)
+    for look, (name, values) in zip(style.LOOKS, lines.items(), strict=False):
+        ax.plot(
+            slots, values, color=look.color, ls=look.linestyle, marker=look.marker, ms=4,
+            mfc="white", lw=1.2, label=name, clip_on=False,
+        )  # fmt: skip
+    ax.set(xlabel="Number of slots n", xlim=(slots[0], slots[-1]))
+    ax.xaxis.set_major_locator(MultipleLocator(1))
+    style.legend_above(ax, 2)
+    return ax

@@ -25,7 +25,7 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     Parameters
     ----------
     rows : sequence of dict
-        As `escapement.sources.meyer.rows.appendix_e` returns them.
+        As `escapement.sources.meyer.appendix_e` returns them.
     slots : int
         3, 4 or 6.
 
@@ -55,11 +55,8 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     for ax in (rise, speed):
         ax.set_xlabel(label("driving torque", "in·lbf"))
         ax.set_ylim(bottom=0.0)
-    key: dict[str, Any] = {
-        "fontsize": style.SMALL_SIZE,
-        "frameon": False,
-        "handlelength": style.HANDLE,
-    }
+    key: dict[str, Any] = {"fontsize": style.SMALL_SIZE, "handlelength": style.HANDLE}
+    key["frameon"] = False
     figure.legend(handles=_frictions(chosen), loc="outside upper center", ncols=6, **key)
     speed.legend(handles=_styles(chosen), loc="lower right", **key)
     return figure
@@ -72,7 +69,7 @@ def _draw(ax: Axes, rows: Rows, read: Any, power: float) -> None:
         lines = {name: _law(read(series[0][name]), torque[0], grid, power) for name in _COMPUTED}
         drawn: dict[str, Any] = {"color": look.color, "zorder": 2}
         ax.plot(grid, lines["as_published"], linestyle=look.linestyle, lw=1.2, **drawn)
-        if not np.allclose(lines["as_published"], lines["true"], rtol=1e-6, equal_nan=True):
+        if not np.allclose(lines["as_published"], lines["true"], rtol=1e-6):
             ax.plot(grid, lines["true"], linestyle="-", lw=_THIN, **drawn)
         printed = [read(row["printed"]) for row in series]
         ax.plot(
@@ -85,14 +82,12 @@ def _law(value: float, torque: float, grid: FloatArray, power: float) -> FloatAr
     return value * (grid / torque) ** power
 
 
-def _rise_time_ms(figures: Mapping[str, float | None]) -> float:
-    rise = figures["rise_time"]
-    return np.nan if rise is None else 1e3 * rise
+def _rise_time_ms(figures: Mapping[str, float]) -> float:
+    return 1e3 * figures["rise_time"]
 
 
-def _average(figures: Mapping[str, float | None]) -> float:
-    top, bottom = figures["velocity_max"], figures["velocity_min"]
-    return np.nan if top is None or bottom is None else (top + bottom) / 2.0
+def _average(figures: Mapping[str, float]) -> float:
+    return (figures["velocity_max"] + figures["velocity_min"]) / 2.0
 
 
 def _by_friction(rows: Rows) -> list[tuple[float, Rows]]:

@@ -35,9 +35,8 @@ class PublishedCell:
     slots: int
 
     def __post_init__(self) -> None:
-        n = validate.integer("slots", self.slots, 3, "Meyer's mechanisms have 3, 4 or 6")
-        if n not in _SLOTS:
-            raise validate.fail("slots", "3, 4 or 6", n, "use Geneva for any other wheel")
+        if self.slots not in _SLOTS:
+            raise validate.fail("slots", "3, 4 or 6", self.slots, "use Geneva for other wheels")
 
     @cached_property
     def geneva(self) -> Geneva:

@@ -5,76 +5,63 @@ figure better than the one that lacks it; no list of rows is kept.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 
+from escapement.mechanisms import Geneva
 from escapement.sources.meyer.listing import ROW
 from escapement.sources.meyer.program import program_1973, read_printout, stretches
 
-RunFigures = Mapping[str, float | None]
-"""velocity_max, velocity_min [rad/s], rise_time and period [s]; None for none."""
+RunFigures = Mapping[str, float]
+"""velocity_max, velocity_min [rad/s], rise_time and period [s]."""
 RunArguments = tuple[int, float, float, float, float]
 """Arguments of `program_1973`: slots, friction, torque, inertias."""
 
 HALF_DIGIT = {"velocity_max": 0.5, "velocity_min": 0.5, "rise_time": 5e-4, "period": 5e-4}
 """Half a unit of the last printed digit [rad/s] and [s]."""
-_CYCLE = (
-    "velocity_max",
-    "velocity_min",
-    "period",
-)  # rise times were read by eye
+# rise times were read by eye
 _SHOWN = {"velocity_max": "{:.1f} rad/s", "velocity_min": "{:.1f} rad/s", "period": "{:.4f} s"}
 _FINE = 50  # so many rows for each printed one show a peak before sampling cuts it
 
 
-def distance(first: RunFigures, second: RunFigures, name: str) -> float:
-    """Difference of one figure in half digits; infinite where one is missing."""
-    a, b = first[name], second[name]
-    return math.inf if a is None or b is None else abs(a - b) / HALF_DIGIT[name]
+def why(
+    printed: RunFigures, exact: RunFigures, true: RunFigures, headed: RunFigures, run: RunArguments
+) -> Iterator[str]:
+    """What explains the figures off by more than half a printed digit, a sentence a cause.
 
-
-def why_inertias(
-    printed: RunFigures, used: RunFigures, headed: RunFigures, inertias: str
-) -> list[str]:
-    """Inertias of a table's heading against those of the thesis' figures.
-
-    `used` and `headed` are solved with the one and the other.
+    exact, headed : solved in the cell of 90 degrees, with the inertias of the thesis' figures
+        and with those of the table's heading.
+    true : the real mechanism.
+    run : what the listing was run with.
     """
-    with_heading = max(distance(printed, headed, name) for name in _CYCLE)
-    with_used = max(distance(printed, used, name) for name in _CYCLE)
-    if with_heading <= max(1.0, with_used):
-        return []
-    return [
-        f"the heading swaps the inertias: the table is met with {inertias}, while the heading's "
-        f"give {_list(headed, _CYCLE)}"
-    ]
-
-
-def why_cell(
-    printed: RunFigures, exact: RunFigures, true: RunFigures, cell_deg: float
-) -> list[str]:
-    """90-degree cell against the real one of `cell_deg`."""
-    names = [
+    with_heading, with_used = (
+        max(distance(printed, other, name) for name in _SHOWN) for other in (headed, exact)
+    )
+    if with_heading > max(1.0, with_used):
+        yield (
+            f"the heading swaps the inertias: the table is met with driver {run[3]:g} and "
+            f"follower {run[4]:g} in-lbf-s^2, while the heading's give {_list(headed, _SHOWN)}"
+        )
+    of_cell = [
         name
-        for name in _CYCLE
-        if distance(printed, true, name) > 1.0
-        and distance(printed, exact, name) < distance(printed, true, name)
+        for name in _SHOWN
+        if distance(printed, true, name) > max(1.0, distance(printed, exact, name))
         and distance(exact, true, name) > 1.0  # the solver's noise must not decide
     ]
-    if not names:
-        return []
-    return [
-        f"the program hard-codes a 90-degree cell instead of {cell_deg:.0f}: it gives "
-        f"{_list(exact, names)}, the real mechanism {_list(true, names)}"
-    ]
+    if of_cell:
+        yield (
+            "the program hard-codes a 90-degree cell instead of "
+            f"{math.degrees(Geneva(run[0]).cell_angle):.0f}: it gives {_list(exact, of_cell)}, "
+            f"the real mechanism {_list(true, of_cell)}"
+        )
+    for name in ("velocity_max", "velocity_min"):
+        if distance(printed, exact, name) > 1.0:
+            yield _why_extreme(name, printed[name], exact[name], run)
+    yield from _why_times(printed, exact)
 
 
-def why_extremes(printed: RunFigures, exact: RunFigures, run: RunArguments) -> list[str]:
-    """Peaks and troughs that fall between rows, and what the listing does to them."""
-    return [
-        _why_extreme(name, printed[name], exact[name], run)  # type: ignore[arg-type]
-        for name in ("velocity_max", "velocity_min")
-        if 1.0 < distance(printed, exact, name) < math.inf
-    ]
+def distance(first: RunFigures, second: RunFigures, name: str) -> float:
+    """Difference of one figure in half digits."""
+    return abs(first[name] - second[name]) / HALF_DIGIT[name]
 
 
 def _why_extreme(name: str, shown: float, value: float, run: RunArguments) -> str:
@@ -105,30 +92,19 @@ def _row_range(name: str, run: RunArguments) -> tuple[float, float]:
     return float(min(rows)), float(max(rows))
 
 
-def why_times(printed: RunFigures, exact: RunFigures) -> list[str]:
+def _why_times(printed: RunFigures, exact: RunFigures) -> Iterator[str]:
     """Times read off the table by hand."""
-    reasons = []
-    if distance(printed, exact, "period") > 2.0:
-        reasons.append(f"unexplained: period recomputes to {exact['period']:.4f} s")
-    elif distance(printed, exact, "period") > 1.0:
-        reasons.append(
-            f"the period of {exact['period']:.4f} s was read between rows 0.5 ms apart and rounded"
-        )
-    return reasons + _why_rise_time(printed, exact)
+    rise, period = exact["rise_time"], exact["period"]
+    off = distance(printed, exact, "period")
+    if off > 2.0:
+        yield f"unexplained: period recomputes to {period:.4f} s"
+    elif off > 1.0:
+        yield f"the period of {period:.4f} s was read between rows 0.5 ms apart and rounded"
+    if distance(printed, exact, "rise_time") > 1.0:
+        near = abs(printed["rise_time"] - rise) <= period / 2.0
+        reach = "within half a period" if near else "another extremum"
+        yield f"the rise time was read by eye ({reach}): the 2 % rule gives {rise:.4f} s"
 
 
-def _why_rise_time(printed: RunFigures, exact: RunFigures) -> list[str]:
-    if distance(printed, exact, "rise_time") <= 1.0:
-        return []
-    shown, rise, period = printed["rise_time"], exact["rise_time"], exact["period"]
-    if shown is None or rise is None or period is None:
-        return ["the rise time was read by eye: no extremum meets the 2 % rule"]
-    reach = "within half a period" if abs(shown - rise) <= period / 2.0 else "another extremum"
-    return [f"the rise time was read by eye ({reach}): the 2 % rule gives {rise:.4f} s"]
-
-
-def _list(figures: RunFigures, names: Sequence[str]) -> str:
-    return ", ".join(
-        f"{name} none" if figures[name] is None else f"{name} {_SHOWN[name].format(figures[name])}"
-        for name in names
-    )
+def _list(figures: RunFigures, names: Iterable[str]) -> str:
+    return ", ".join(f"{name} {_SHOWN[name].format(figures[name])}" for name in names)

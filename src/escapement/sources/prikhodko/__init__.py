@@ -1,21 +1,221 @@
-"""Prikhodko (2020): the planetary drive with elliptical gears, and its measurement."""
+"""Prikhodko (2020): the planetary drive with elliptical gears, printed against computed.
 
-from escapement.sources.prikhodko.numbers import (
-    ERRATA,
-    PrintedValue,
-    drive,
-    pitch_curve_slip,
-    position_function_error,
-    synthetic_measurement,
-    table,
+The raw measurements are not published, so three statistics of them are taken as
+printed; everything else is recomputed, from the two radii and from these three.
+"""
+
+import math
+from collections.abc import Iterator
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from escapement.measurement import (
+    Encoder,
+    Measurement,
+    measure,
+    sturges,
+    synthetic_readings,
 )
+from escapement.mechanisms import EllipticalPlanetary
+from escapement.sources.printed import (
+    Cell,
+    Digits,
+    Slip,
+    cut_off,
+    judge,
+    read_slips,
+    read_table,
+)
+from escapement.sources.report import Reproduction, print_errata, print_slips
+from escapement.text import print_columns, words
+from escapement.units import degrees
 
-__all__ = [
-    "ERRATA",
-    "PrintedValue",
-    "drive",
-    "pitch_curve_slip",
-    "position_function_error",
-    "synthetic_measurement",
-    "table",
-]
+if TYPE_CHECKING:
+    from escapement.sources.report import Panels
+
+ENCODER_STEPS = 4096
+CONFIDENCE = 0.99
+_NODES = 60
+
+
+@cache
+def printed_rows() -> dict[str, dict[str, str]]:
+    """Printed numbers by name: `printed`, as text, `unit` and `place`."""
+    return {row["quantity"]: row for row in read_table("prikhodko", "table_1.csv")}
+
+
+def equations() -> list[Slip]:
+    """What the paper's equations and sentences must say instead; none is a formula to try."""
+    return read_slips("prikhodko", {})
+
+
+def drive() -> EllipticalPlanetary:
+    """The drive that was measured: R1 = 16, R2 = 9 mm."""
+    return EllipticalPlanetary(_given("sun_radius") / 1e3, _given("planet_radius") / 1e3)
+
+
+def table() -> list[Cell]:
+    """Every printed number that can be judged, and those it is judged by."""
+    values = _recomputed()
+    cells = []
+    for name, row in printed_rows().items():
+        place, text = row["place"], row["printed"]
+        if name in values:
+            cells.append(judge(place, name, text, values[name], partial(_why, values[name])))
+        else:
+            cells.append(Cell(place, name, text, None, math.nan))
+    return cells
+
+
+def synthetic_measurement() -> Measurement:
+    """A measurement such as the paper's, made up: its drive, encoders, spread and classes.
+
+    148 readings over two cells, whose errors are normal with the printed deviation.
+    """
+    mechanism = drive()
+    readings = synthetic_readings(
+        mechanism,
+        seed=2020,
+        samples=int(_given("sample_size")),
+        turns=2.0 * mechanism.cell_angle / (2.0 * math.pi),
+        encoder=Encoder(ENCODER_STEPS),
+        noise=math.radians(_given("error_deviation")),
+    )
+    return measure(readings, mechanism, bins=int(_given("intervals")))
+
+
+def position_function_error(nodes: int = _NODES) -> float:
+    """Greatest deviation of the closed position function from quadrature of (9) [rad].
+
+    Gauss-Legendre over each of three quarters of a cell, of the printed equation in
+    R1, R2 and rho: nothing of the closed form enters.
+    """
+    mechanism = drive()
+    places, weights = np.polynomial.legendre.leggauss(nodes)
+    sun, planet = mechanism.sun_radius, mechanism.planet_radius
+    a, e = mechanism.semi_major_axis, mechanism.eccentricity
+    edges = np.linspace(0.0, 0.75 * mechanism.cell_angle, 13)
+    half = 0.5 * np.diff(edges)
+    angle = edges[:-1, None] + half[:, None] * (1.0 + places)
+    rho = a * (1.0 - e * e) / (1.0 - e * np.cos(sun / planet * angle))
+    analogue = 1.0 - sun * rho / (planet * (sun + planet - rho))
+    integral = np.cumsum(half * (analogue @ weights))
+    return float(np.abs(integral + mechanism.follower_angle(edges[1:])).max())
+
+
+def pitch_curve_slip() -> float:
+    """Greatest mismatch of radii or arcs of the pitch curves over a cell, in centre distances."""
+    mechanism = drive()
+    theta = np.linspace(*mechanism.breaks, 361)
+    driving, driven = mechanism.pitch_ellipses
+    alpha, beta = mechanism.ratio * theta, theta + mechanism.follower_angle(theta)
+    apart = driving.radius(alpha) + driven.radius(beta) - mechanism.centre_distance
+    slip = driving.arc(alpha) - driven.arc(beta)
+    return float(max(np.abs(apart).max(), np.abs(slip).max()) / mechanism.centre_distance)
+
+
+def reproduce(units: str) -> Reproduction:
+    """What can be recomputed; lengths in millimetres as printed, whatever the units."""
+    cells, slips, mechanism = table(), equations(), drive()
+    judged = [cell for cell in cells if cell.right is not None]
+    record: dict[str, Any] = {
+        "rows": [_as_row(cell) for cell in cells],
+        "judged": len(judged),
+        "agreeing": sum(cell.agrees for cell in judged),
+        "errata": [{"place": it.place, "printed": it.printed, "right": it.right} for it in slips],
+        "stop_interval_deg": degrees(mechanism.cell_angle),
+        "output_per_stop_deg": -degrees(mechanism.follower_step),
+        "transmission_max": mechanism.ratio_max,
+        "position_function_error": position_function_error(),
+        "pitch_curve_slip": pitch_curve_slip(),
+        "message": "right and value are null where a number follows from nothing printed",
+    }
+
+    def show() -> None:
+        print("Prikhodko (2020): printed and computed; * differs, - follows from nothing printed\n")
+        print_columns([], [_as_line(cell) for cell in cells])
+        print_errata(cells, "numbers", lambda it: words(it.column))
+        print_slips(slips)
+        print(
+            f"\nOutput per stop {record['output_per_stop_deg']:g} degrees; greatest output speed "
+            f"{mechanism.ratio_max:.6g} times the input's, backwards\n"
+            "Closed position function against quadrature of (9): "
+            f"{record['position_function_error']:.1e} rad\n"
+            f"Slip of the pitch curves: {record['pitch_curve_slip']:.1e} centre distances"
+        )
+
+    names = ("name", "place", "unit", "printed", "right", "value", "reason")
+    rows = [[row[name] for name in names] for row in record["rows"]]
+    for row in rows:
+        row[5] = "" if row[4] is None else repr(row[5])
+    header = ["quantity", "place", "unit", "printed", "right", "computed", "reason"]
+    return Reproduction("prikhodko", record, [header, *rows], show, _panels)
+
+
+def _panels() -> "Panels":
+    """Figures 2, 3 and 6, the velocity analogue, and 7 to 9 of readings that are made up."""
+    from escapement.plots import measurement as errors
+    from escapement.plots.planetary import plot_planetary
+    from escapement.sources.prikhodko import figures
+
+    mechanism, made_up = drive(), synthetic_measurement()
+    panels: Panels = {
+        "figure_2": partial(plot_planetary, mechanism, math.radians(30.0)),
+        "figure_3": partial(figures.plot_velocity_plans, mechanism),
+        "figure_6": partial(figures.plot_position_function, mechanism),
+        "equation_9": partial(figures.plot_velocity_analogue, mechanism),
+        "figure_7_synthetic": partial(errors.plot_errors, made_up),
+        "figure_8_synthetic": partial(errors.plot_error_histogram, made_up),
+        "figure_9_synthetic": partial(errors.plot_frequencies, made_up),
+    }
+    return {f"prikhodko_{name}.png": plot for name, plot in panels.items()}
+
+
+def _given(name: str) -> float:
+    return float(printed_rows()[name]["printed"])
+
+
+def _recomputed() -> dict[str, float]:
+    """What follows from the radii, and from size, deviation and chi^2 of the sample."""
+    from scipy.stats import chi2, norm
+
+    mechanism = drive()
+    lengths = ("semi_major_axis", "semi_minor_axis", "focal_distance")
+    freedom = _given("degrees_of_freedom")
+    return {
+        **{name: 1e3 * getattr(mechanism, name) for name in lengths},
+        "eccentricity": mechanism.eccentricity,
+        "encoder_resolution": 360.0 / ENCODER_STEPS,
+        "stop_interval": math.degrees(mechanism.cell_angle),
+        "intervals": sturges(int(_given("sample_size"))),
+        # two degrees are lost, because mean and deviation were estimated from the sample
+        "degrees_of_freedom": _given("intervals") - 1.0 - 2.0,
+        "significance": 100.0 * float(chi2.sf(_given("chi_squared"), freedom)),
+        "quantile": float(norm.ppf(0.5 * (1.0 + CONFIDENCE))),
+        "half_width": _given("quantile") * _given("error_deviation"),
+    }
+
+
+def _why(value: float, printed: Digits, right: Digits) -> Iterator[str]:
+    """Rules that give the printed number."""
+    yield from cut_off(printed, value)
+    if printed.value == math.ceil(value):
+        yield f"the next greater whole number: {value:.4g}"
+
+
+def _as_row(cell: Cell) -> dict[str, Any]:
+    """A printed number for JSON."""
+    unit = printed_rows()[cell.column]["unit"]
+    row = {"name": cell.column, "unit": unit, "agrees": cell.agrees}
+    return row | {
+        key: getattr(cell, key) for key in ("place", "printed", "right", "value", "reason")
+    }
+
+
+def _as_line(cell: Cell) -> list[str]:
+    """A printed number for people."""
+    value = "- " if cell.right is None else f"{cell.value:.6g}{' ' if cell.agrees else '*'}"
+    unit = printed_rows()[cell.column]["unit"]
+    return [words(cell.column), cell.place, cell.printed, value, unit]

@@ -1,6 +1,7 @@
 """Prikhodko's figures 3 and 6: plans of velocities, and the position function."""
 
 import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -40,40 +41,42 @@ def positions(mechanism: EllipticalPlanetary) -> FloatArray:
 def plot_position_function(mechanism: EllipticalPlanetary, ax: Axes | None = None) -> Axes:
     """Output angle over input angle, stops and positions a to e marked (figure 6)."""
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.6)
-    cell = mechanism.cell_angle
-    angle = np.linspace(0.0, _CELLS * cell, _POINTS)
-    marks = positions(mechanism) + cell
-    turned = np.degrees(-mechanism.follower_angle(angle))
-    ax.plot(np.degrees(angle), turned, color=style.BLUE, lw=1.5)
+    cell = math.degrees(mechanism.cell_angle)
     for k in range(_CELLS):
-        stop = (k + 0.5) * cell
-        ax.axvline(math.degrees(stop), color=style.GREY, lw=0.7, ls=":")
-    heights = np.degrees(-mechanism.follower_angle(marks))
-    ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
-    for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
-        style.annotate(ax, letter, (x, y), (8.0, 8.0))
-    between = f"{math.degrees(cell):g}° between stops, output {-_degrees(mechanism):g}°"
-    ax.set_title(between.replace("-", "−"), fontsize=style.TICK_SIZE)
-    ax.set(xlabel="Input angle φ₁ (°)", ylabel="Output angle φ₃ (°)")
-    ax.set_xlim(0.0, math.degrees(_CELLS * cell))
+        ax.axvline((k + 0.5) * cell, color=style.GREY, lw=0.7, ls=":")
+    offsets = [(8.0, 8.0)] * len(LETTERS)
+    _over_input(ax, mechanism, lambda at: np.degrees(-mechanism.follower_angle(at)), offsets)
+    step = round(math.degrees(mechanism.follower_step), 9)
+    ax.set_title(f"{cell:g}° between stops, output −{step:g}°", fontsize=style.TICK_SIZE)
+    ax.set(ylabel="Output angle φ₃ (°)")
     return ax
 
 
 def plot_velocity_analogue(mechanism: EllipticalPlanetary, ax: Axes | None = None) -> Axes:
     """Output over input speed, equation 9, over the same angles as figure 6."""
     ax = ax or style.new_axes(style.TWO_COLUMN, 2.8)
-    cell = mechanism.cell_angle
-    angle = np.linspace(0.0, _CELLS * cell, _POINTS)
     ax.axhline(0.0, color=style.BLACK, lw=0.6)
-    ax.plot(np.degrees(angle), -mechanism.transmission(angle).g, color=style.BLUE, lw=1.5)
-    marks = positions(mechanism) + cell
-    heights = -mechanism.transmission(marks).g
-    ax.plot(np.degrees(marks), heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
-    for letter, x, y in zip(LETTERS, np.degrees(marks), heights, strict=True):
-        style.annotate(ax, letter, (x, y), (0.0, 9.0) if letter == "c" else (9.0, -7.0))
-    ax.set(xlabel="Input angle φ₁ (°)", ylabel="Velocity analogue φ₃′")
-    ax.set_xlim(0.0, math.degrees(_CELLS * cell))
+    offsets = [(0.0, 9.0) if letter == "c" else (9.0, -7.0) for letter in LETTERS]
+    _over_input(ax, mechanism, lambda at: -mechanism.transmission(at).g, offsets)
+    ax.set(ylabel="Velocity analogue φ₃′")
     return ax
+
+
+def _over_input(
+    ax: Axes,
+    mechanism: EllipticalPlanetary,
+    read: Callable[[FloatArray], FloatArray],
+    offsets: Sequence[tuple[float, float]],
+) -> None:
+    """A curve over two cells, with positions a to e marked."""
+    end = _CELLS * mechanism.cell_angle
+    angle, marks = np.linspace(0.0, end, _POINTS), positions(mechanism) + mechanism.cell_angle
+    ax.plot(np.degrees(angle), read(angle), color=style.BLUE, lw=1.5)
+    places, heights = np.degrees(marks), read(marks)
+    ax.plot(places, heights, "o", color=style.BLACK, ms=4, mfc="white", zorder=4)
+    for letter, x, y, offset in zip(LETTERS, places, heights, offsets, strict=True):
+        style.annotate(ax, letter, (x, y), offset)
+    ax.set(xlabel="Input angle φ₁ (°)", xlim=(0.0, math.degrees(end)))
 
 
 def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
@@ -131,7 +134,3 @@ def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     ax.set(xlim=(-1.12 * wide, 1.12 * wide), ylim=(-1.05 * reach, shaft + 1.05 * reach))
     ax.set_aspect("equal")
     ax.set_axis_off()
-
-
-def _degrees(mechanism: EllipticalPlanetary) -> float:
-    return round(math.degrees(mechanism.follower_step), 9)

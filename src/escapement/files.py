@@ -1,10 +1,11 @@
-"""Atomic output: a file appears under its name complete, or not at all.
+"""Files on disk: checks of names, output that appears complete, a file object for HDF5.
 
-The content goes to a temporary file beside the target, is made durable with fsync
-and gets its name by a rename, which the file system does in one step.
+An output goes to a temporary file beside its target, is made durable with fsync and gets its
+name by a rename, which the file system does in one step.
 """
 
 import errno
+import io
 import os
 import stat
 from collections.abc import Iterable
@@ -13,9 +14,45 @@ from os import PathLike
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from escapement.errors import CannotCreate, EscapementError, StorageError
+from escapement.errors import (
+    CannotCreate,
+    EscapementError,
+    InputFileError,
+    InvalidValue,
+    MissingInput,
+    StorageError,
+)
 
+FORMATS = (".png", ".pdf", ".svg")
+"""Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
+FILMS = (".gif",)
+"""Suffixes of films."""
+
+# A disk tells that it is full, or failing, by one of these.
 _DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+
+
+def check_input(path: str | PathLike[str], what: str) -> None:
+    """Raise MissingInput or InputFileError unless `path` is an ordinary file.
+
+    `what` names the kind of file in the message. A pipe is refused as well, because
+    reading it would wait for its writer without end.
+    """
+    file = Path(path)
+    if not file.exists():
+        raise MissingInput(f"{what} {path} does not exist; check its name")
+    if not file.is_file():
+        raise InputFileError(f"{what} {path} must be an ordinary file; name a file, not a folder")
+
+
+def picture_format(path: str | PathLike[str], formats: tuple[str, ...] = FORMATS) -> str:
+    """The suffix of a figure's name, one of `formats`; raises InvalidValue for another."""
+    suffix = Path(path).suffix
+    if suffix.lower() not in formats:
+        raise InvalidValue(
+            f"output {path} must end in {', '.join(formats)}, got {suffix!r}; change the suffix"
+        )
+    return suffix.lower()
 
 
 def check_target(path: str | PathLike[str], force: bool = False) -> Path:
@@ -57,7 +94,7 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
     if not force:
         raise CannotCreate(
             f"output {path} must not exist yet, got an existing file; "
-            "choose another name or give force=True to replace it"
+            "choose another name, or give force=True (--force) to replace it"
         )
     return target
 
@@ -70,16 +107,6 @@ def check_replaceable(path: str | PathLike[str]) -> Path:
             f"output {path} must be a file that may be replaced, got a read-only one; name another"
         )
     return target
-
-
-def new_token() -> str:
-    """A random word, so that no two temporary files have the same name."""
-    return os.urandom(8).hex()
-
-
-def temporary_path(folder: Path, token: str) -> Path:
-    """Path of the temporary file in which an output is made."""
-    return folder / f".escapement-{token}.partial"
 
 
 class PendingFile:
@@ -106,7 +133,7 @@ class PendingFile:
     ) -> None:
         self._named, self._force = path, force
         self._target = check_target(path, force)
-        self._temporary = temporary or temporary_path(self._target.parent, new_token())
+        self._temporary = temporary or temporary_path(self._target, os.urandom(8).hex())
         try:
             file = open(self._temporary, "x+b", buffering=0)  # noqa: SIM115
         except OSError as error:
@@ -122,20 +149,24 @@ class PendingFile:
             os.replace(self._temporary, self._target)
             sync_folder(self._target.parent)
         except EscapementError:
-            self.discard()
             raise
         except OSError as error:
-            self.discard()
             raise storage_error(self._named, error) from None
+        finally:
+            self.discard()
 
     def discard(self) -> None:
         """Remove the temporary file, if it is still there; the target stays as it was."""
-        # closing may report a full disk late, but the file is removed anyway
+        # Closing may report a full disk late, and the file may have its final name already.
         with suppress(OSError):
             self.handle.close()
-        # the file may have its final name already, or its folder may have been removed
         with suppress(OSError):
             self._temporary.unlink()
+
+
+def temporary_path(target: Path, word: str) -> Path:
+    """Path of a temporary file in which `target` is made."""
+    return target.with_name(f".escapement-{word}.partial")
 
 
 def write_file(path: str | PathLike[str], parts: Iterable[bytes], force: bool = False) -> None:
@@ -156,9 +187,7 @@ def write_file(path: str | PathLike[str], parts: Iterable[bytes], force: bool = 
     pending = PendingFile(path, force)
     try:
         for part in parts:
-            view = memoryview(part)
-            while view:
-                view = view[pending.handle.write(view) :]
+            write_all(pending.handle, part)
         pending.place()
     except EscapementError:
         raise
@@ -168,10 +197,80 @@ def write_file(path: str | PathLike[str], parts: Iterable[bytes], force: bool = 
         pending.discard()
 
 
+def write_all(handle: BinaryIO, data: bytes | memoryview) -> None:
+    """Write all of `data`: a signal or a full disk makes a write shorter than asked for."""
+    view = memoryview(data).cast("B")
+    while view:
+        view = view[handle.write(view) :]
+
+
 def replace_file(path: str | PathLike[str], parts: Iterable[bytes]) -> None:
     """`write_file` that replaces an existing file, unless that is read-only."""
     check_replaceable(path)
     write_file(path, parts, force=True)
+
+
+class DeferredErrorFile:
+    """A file object for HDF5 that never raises and keeps its first error.
+
+    HDF5 does not survive a write that fails while it closes a file: the handle stays open
+    and the process crashes at exit. After the first error all writes are therefore dropped,
+    so that HDF5 can close, and the caller raises the kept error after that.
+    """
+
+    def __init__(self, handle: BinaryIO) -> None:
+        self._handle = handle
+        self._position = self._end = 0
+        self.error: OSError | None = None
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Move; HDF5 asks for the length by moving to the end."""
+        self._position = offset + (self._end if whence == io.SEEK_END else 0)
+        return self._position
+
+    def write(self, data: memoryview) -> int:
+        """Write all of `data`, unless there was an error before."""
+        size = memoryview(data).nbytes
+        if self.error is None:
+            try:
+                self._handle.seek(self._position)
+                write_all(self._handle, data)
+            except OSError as error:
+                self.error = error
+        self._end = max(self._end, self._position + size)
+        return size
+
+    def tell(self) -> int:
+        """Position of the next access."""
+        return self._position
+
+    def read(self, size: int) -> bytes:
+        """Bytes from the current position; those that were never written are zeros."""
+        data = b""
+        try:
+            self._handle.seek(self._position)
+            data = self._handle.read(size)
+        except OSError as error:
+            self.error = self.error or error
+        return data.ljust(size, b"\0")
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Fill `buffer` as `read` does."""
+        view = memoryview(buffer).cast("B")
+        view[:] = self.read(len(view))
+        return len(view)
+
+    def truncate(self, size: int) -> None:
+        """Set the length."""
+        try:
+            if self.error is None:
+                self._handle.truncate(size)
+        except OSError as error:
+            self.error = error
+        self._end = size
+
+    def flush(self) -> None:
+        """Do nothing: the file below is unbuffered and holds nothing back."""
 
 
 def storage_error(path: str | PathLike[str], error: BaseException) -> StorageError:
@@ -190,17 +289,17 @@ def cannot_create(path: str | PathLike[str], error: Exception) -> CannotCreate:
 
 def creation_error(path: str | PathLike[str], error: OSError) -> EscapementError:
     """The error for an output file that could not be opened."""
-    if error.errno in _DEVICE_ERRORS:
-        return storage_error(path, error)
-    return cannot_create(path, error)
+    if isinstance(error, EscapementError):
+        return error
+    make = storage_error if error.errno in _DEVICE_ERRORS else cannot_create
+    return make(path, error)
 
 
 def sync_folder(folder: Path) -> None:
     """Make a new name in `folder` durable, on systems that can open a folder."""
-    try:
-        descriptor = os.open(folder, os.O_RDONLY)
-    except OSError:
-        return
     with suppress(OSError):
-        os.fsync(descriptor)
-    os.close(descriptor)
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -29,18 +29,19 @@ def plot_design_chart(
     """
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.2)
     outside = curve in CURVES[1::2]
+    # numbers of stations stand where lines are apart: right of them, or above V0 = 1
+    offset, side = ((5.0, 0.0), "left") if outside else ((0.0, 8.0), "center")
     for place, n in enumerate(stations):
+        # the line of a hypocycloid ends at the wheel that never rests
         end = most_lobes if outside else min(n / 2.0 - 2.0, most_lobes)
         if end < 0.0:
             continue
         look = style.LOOKS[place % len(style.LOOKS)]
-        lobes = np.linspace(0.0, end, _POINTS)
-        line: dict[str, Any] = {"color": look.color, "linestyle": look.linestyle, "lw": 1.1}
+        lobes, whole = np.linspace(0.0, end, _POINTS), np.arange(int(end + 1e-9) + 1)
         ratio = motion_ratio_chart(n, lobes, curve)
-        ax.plot(lobes, ratio, gid=f"n-{n}", **line)
-        whole = np.arange(int(end + 1e-9) + 1)
+        ax.plot(lobes, ratio, color=look.color, ls=look.linestyle, lw=1.1, gid=f"n-{n}")
         ax.plot(whole, motion_ratio_chart(n, whole, curve), "o", color=look.color, ms=2.5)
-        _name_line(ax, n, lobes, ratio, outside)
+        style.annotate(ax, f"{n}", (float(lobes[-1]), float(ratio[-1])), offset, side)
     room = 0.12 if outside else 0.04
     ax.set(xlim=(-0.04 * most_lobes, (1.0 + room) * most_lobes))
     ax.set(ylim=(0.0, 0.4) if outside else (0.4, 1.06))
@@ -76,37 +77,23 @@ def plot_motions(stations: int = 12, inside: int = 3, outside: int = 0) -> Figur
         f"hypocycloid, m = {inside}": GearDriven(stations, inside, "hypocycloid"),
         f"epicycloid, m = {outside}": GearDriven(stations, outside, "epicycloid"),
     }
+    units = {"angle": "steps", "velocity": "steps/cycle"}
+    units |= {"acceleration": "steps/cycle²", "jerk": "steps/cycle³"}
     figure = style.new_figure(style.TWO_COLUMN, 4.9)
-    axes = [style.dress(ax) for ax in figure.subplots(2, 2).flat]
+    panels = dict(zip(units, map(style.dress, figure.subplots(2, 2).flat), strict=True))
     for look, (name, wheel) in zip(style.LOOKS, wheels.items(), strict=False):
+        # points close to both ends of the motion show its jumps upright
         edge, tiny = wheel.motion_ratio, 1e-9
         inner = np.linspace(0.0, edge, 401)
         time = np.concatenate([[-0.05, -tiny], inner, [edge + tiny, 1.0 - tiny]])
         found = follower_motion(wheel, time)
         line: dict[str, Any] = {"color": look.color, "linestyle": look.linestyle, "lw": 1.2}
-        columns = (found.angle, found.velocity, found.acceleration, found.jerk)
-        for ax, values in zip(axes, columns, strict=True):
-            ax.plot(time, values, label=name, **line)
-    names = ("Angle\nin steps", "Velocity\nin steps/cycle",
-             "Acceleration\nin steps/cycle²", "Jerk\nin steps/cycle³")  # fmt: skip
-    for ax, name in zip(axes, names, strict=True):
-        ax.set(ylabel=name, xlim=(-0.05, 1.0))
-    for ax in axes[2:]:
+        for quantity, ax in panels.items():
+            ax.plot(time, getattr(found, quantity), label=name, **line)
+    for quantity, ax in panels.items():
+        ax.set(ylabel=f"{quantity.capitalize()}\nin {units[quantity]}", xlim=(-0.05, 1.0))
+    for ax in list(panels.values())[2:]:
         ax.set_xlabel(label("time in cycles"))
-    handles, texts = axes[0].get_legend_handles_labels()
-    figure.legend(
-        handles, texts, loc="outside upper center", ncols=4, frameon=False,
-        fontsize=style.SMALL_SIZE, handlelength=2.6,
-    )  # fmt: skip
+    handles, _ = panels["angle"].get_legend_handles_labels()
+    style.add_legend(figure, 4, handles=handles, loc="outside upper center", handlelength=2.6)
     return figure
-
-
-def _name_line(ax: Axes, n: int, lobes: np.ndarray, ratio: np.ndarray, outside: bool) -> None:
-    """The number of stations where lines are apart: right of them, or above V0 = 1."""
-    where: dict[str, Any] = {"xytext": (0, 4), "ha": "center", "va": "bottom"}
-    if outside:
-        where = {"xytext": (5, 0), "ha": "left", "va": "center"}
-    ax.annotate(
-        f"{n}", (lobes[-1], ratio[-1]), textcoords="offset points",
-        fontsize=style.SMALL_SIZE, **where,
-    )  # fmt: skip

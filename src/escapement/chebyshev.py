@@ -1,0 +1,235 @@
+"""Functions that are analytic in pieces, as Chebyshev series: fit, slopes, zeros and extremes.
+
+A function is interpolated in Chebyshev points, halving the interval until the
+coefficients have decayed. Its zeros are those of the series, polished on the
+function itself; its derivative and its integral are exact for the series.
+Nothing is asked of the function but values.
+
+Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
+chapters 3, 18 and 19.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from escapement.errors import InvalidValue
+
+Array = NDArray[np.float64]
+Function = Callable[[Array], Array]
+
+MOST_KINKS = 5000
+_DEEPEST = 24  # halvings around a kink: it is located to 6e-8 of the interval
+_NOISE = 4.0 * np.finfo(float).eps  # what rounding an x does to a value, times slope and x
+_RIPPLE = 1e-6  # of the largest value: what is not resolved and less is rounding
+_JUMP = 1e-9  # of the largest value: a series and its function differ by this, at a jump
+_CLOSE = 1e-9  # a stationary point this close to a piece's end, of its length, is the end
+_VANISHING = 1e-30  # a zero this close to a piece's end, of its length, is the end
+
+
+class Series(NamedTuple):
+    """A function as Chebyshev series, one from edge to edge.
+
+    edges : ascending, shape (n + 1,).
+    rows : coefficients, a row for each pair of neighbouring edges, shape (n, order).
+    """
+
+    edges: Array
+    rows: Array
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """Values at x; beyond the ends the outermost series go on."""
+        places = np.asarray(x, dtype=float)
+        piece = np.searchsorted(self.edges[1:-1], places, side="right")
+        inside = 2.0 * (places - self.edges[piece]) / np.diff(self.edges)[piece] - 1.0
+        columns = np.moveaxis(self.rows[piece], -1, 0)
+        return np.asarray(chebyshev.chebval(inside, columns, tensor=False))
+
+    def derivative(self) -> Series:
+        """Series of the derivative by x."""
+        slopes = chebyshev.chebder(self.rows, axis=1)
+        return Series(self.edges, slopes * (2.0 / np.diff(self.edges))[:, None])
+
+    def integrals(self) -> Array:
+        """Integral from each edge to the next."""
+        rising = chebyshev.chebint(self.rows, lbnd=-1, axis=1)
+        return np.asarray(0.5 * np.diff(self.edges) * rising.sum(axis=1))
+
+    def limits(self) -> Array:
+        """Values of each series at both of its ends, shape (n, 2)."""
+        return np.asarray(chebyshev.chebval(np.array([-1.0, 1.0]), self.rows.T))
+
+    def roots(self) -> tuple[Array, NDArray[np.intp]]:
+        """Real zeros, those at the ends of a piece included, and the piece that each is of."""
+        sizes = np.abs(self.rows)
+        # where the first coefficient outweighs the others there is no zero
+        may = (sizes[:, 0] <= 1.001 * sizes[:, 1:].sum(axis=1)) & sizes.any(axis=1)
+        found, pieces = [np.empty(0)], [np.empty(0, dtype=np.intp)]
+        for k in np.flatnonzero(may):
+            roots = chebyshev.chebroots(chebyshev.chebtrim(self.rows[k], 1e-16 * sizes[k].max()))
+            # a double zero may come out as a complex pair this close to the axis
+            near = (np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1.0 + 1e-6)
+            inside = np.clip(roots[near].real, -1.0, 1.0)
+            half = 0.5 * (self.edges[k + 1] - self.edges[k])
+            found.append(np.minimum(self.edges[k] + half * (1.0 + inside), self.edges[k + 1]))
+            pieces.append(np.full(inside.size, k))
+        return np.concatenate(found), np.concatenate(pieces)
+
+
+def interpolate(function: Function, low: Array, high: Array, order: int) -> tuple[Array, Array]:
+    """Series of a function between each `low` and `high`, and the values that they go through.
+
+    Returns
+    -------
+    rows, values : ndarray, shape (low.size, order)
+        The values are those at the Chebyshev points, from `high` down to `low`.
+    """
+    angles = np.pi * (np.arange(order) + 0.5) / order
+    transform = np.cos(np.outer(np.arange(order), angles)) * (2.0 / order)
+    transform[0] /= 2.0
+    x = low[:, None] + 0.5 * (high - low)[:, None] * (1.0 + np.cos(angles))
+    values = np.asarray(function(x.reshape(-1)), dtype=float).reshape(x.shape)
+    return np.matmul(transform, values[:, :, None])[:, :, 0], values
+
+
+def fit(
+    function: Function,
+    points: Iterable[float],
+    order: int = 33,
+    tail: int = 4,
+    decayed: float = 2e-15,
+    kinks: int = MOST_KINKS,
+) -> Series:
+    """Series of a function to rounding.
+
+    Parameters
+    ----------
+    function : callable
+        Array of x to array of values of the same shape.
+    points : iterable of float
+        Between neighbours the function is analytic. A kink elsewhere costs pieces and is
+        located to 6e-8 of its interval, where the series is a straight line.
+    order : int
+        Coefficients of a series.
+    tail : int
+        Last coefficients that must have decayed.
+    decayed : float
+        To this share of the largest value: values carry a few rounding errors.
+    kinks : int
+        How many the function may have.
+
+    Raises
+    ------
+    InvalidValue
+        When the function has more kinks.
+    """
+    edges = np.unique(np.fromiter(points, dtype=float))
+    low, high, scale = edges[:-1], edges[1:], 0.0
+    starts, done = [], []
+    for depth in range(_DEEPEST + 1):
+        rows, values = interpolate(function, low, high, order)
+        ends = np.asarray(function(np.concatenate([low, high]))).reshape(2, -1)
+        scale = max(scale, float(np.abs(values).max()))
+        tails = np.abs(rows[:, -tail:]).max(axis=1)
+        # a kernel's table, which has no kinks, is resolved to the greatest value alone
+        floor = np.maximum(decayed * scale, _rounding(values, low, high) if kinks else 0.0)
+        # no point sees a kink close to an end, but the value there does
+        misses = np.abs(Series(edges, rows).limits().T - ends).max(axis=0)
+        rough = (tails > floor) | (misses > np.maximum(_JUMP * scale, 4.0 * floor))
+        if rough.sum() > MOST_KINKS:
+            # what ripples as rounding does is left at that
+            rough = np.maximum(misses, tails) > _RIPPLE * scale
+        if rough.sum() > (kinks if depth == _DEEPEST else MOST_KINKS):
+            raise InvalidValue(
+                f"load_torque, or a transmission, must be smooth but for at most {kinks} kinks, "
+                f"got more, one of them near {low[rough][0]:.9g} rad; smooth it, give fewer points "
+                "of a load or name the corners of a transmission"
+            )
+        if depth == _DEEPEST:
+            rows[rough] = 0.0
+            rows[rough, :2] = 0.5 * np.array([ends[0] + ends[1], ends[1] - ends[0]])[:, rough].T
+            rough[:] = False
+        starts.append(low[~rough])
+        done.append(rows[~rough])
+        if not rough.any():
+            break
+        low, high = low[rough], high[rough]
+        middle = low + 0.5 * (high - low)
+        low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+    left = np.concatenate(starts)
+    along = np.argsort(left)
+    return Series(np.append(left[along], edges[-1]), np.concatenate(done)[along])
+
+
+def _rounding(values: Array, low: Array, high: Array) -> Array:
+    """What the rounding of x does to the values that `interpolate` gives."""
+    nodes = np.cos(np.pi * (np.arange(values.shape[1]) + 0.5) / values.shape[1])
+    steepest = np.abs(np.diff(values) / np.diff(nodes)).max(axis=1) / (0.5 * (high - low))
+    return np.asarray(_NOISE * steepest * np.maximum(np.abs(low), np.abs(high)))
+
+
+def zeros(function: Function, points: Iterable[float]) -> Array:
+    """Where a function is zero or jumps over it, ascending; touching zeros included.
+
+    Parameters as for `fit`.
+    """
+    series = fit(function, points)
+    limits = series.limits()
+    jumps = series.edges[1:-1][limits[:-1, 1] * limits[1:, 0] < 0.0]
+    return np.unique(np.concatenate([jumps, _polish(function, series, *series.roots())]))
+
+
+def _polish(function: Function, series: Series, roots: Array, piece: NDArray[np.intp]) -> Array:
+    """Newton's steps with the series' slope, as long as they lessen the value."""
+    if roots.size == 0:
+        return roots
+    slope, low, high = series.derivative(), series.edges[piece], series.edges[piece + 1]
+    values = function(roots)
+    for _ in range(4):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steps = values / slope(roots)
+        trial = np.clip(np.where(np.isfinite(steps), roots - steps, roots), low, high)
+        tried = function(trial)
+        better = np.abs(tried) < np.abs(values)
+        roots, values = np.where(better, trial, roots), np.where(better, tried, values)
+    for end in (low, high):
+        roots = np.where(np.abs(roots - end) < _VANISHING * (high - low), end, roots)
+    return roots
+
+
+def extremes(function: Function | Series, series: Series) -> tuple[float, float, float, float]:
+    """Greatest and least value of a function, each with the first place that has it.
+
+    At a jump the limits from both sides count.
+
+    Returns
+    -------
+    greatest, place, least, place : float
+    """
+    edges, rows = series.edges, series.rows
+    both = np.column_stack([edges[:-1], edges[1:]])
+    at_edges, limits = function(edges), series.limits()
+    # a jump's other side is not among the values
+    beside = np.column_stack([at_edges[:-1], at_edges[1:]])
+    jump = np.abs(limits - beside) > _JUMP * np.abs(at_edges).max()
+    # between its ends a series stays within its coefficients' sum
+    span = np.abs(rows[:, 1:]).sum(axis=1)
+    worth = (rows[:, 0] + span >= at_edges.max()) | (rows[:, 0] - span <= at_edges.min())
+    slope = series.derivative()
+    slope.rows[~worth] = 0.0
+    inside, piece = slope.roots()
+    margin = _CLOSE * np.diff(edges)[piece]
+    inside = inside[(inside > edges[piece] + margin) & (inside < edges[piece + 1] - margin)]
+    values = np.concatenate([at_edges, limits[jump], function(inside)])
+    places = np.concatenate([edges, both[jump], inside])
+    order = np.argsort(places, kind="stable")
+    places, values = places[order], values[order]
+    equal = _NOISE * np.abs(values).max()
+    top = int(np.argmax(values >= values.max() - equal))
+    bottom = int(np.argmax(values <= values.min() + equal))
+    return float(values[top]), float(places[top]), float(values[bottom]), float(places[bottom])

@@ -1,1 +1,0 @@
-"""Files on disk: atomic output, a file object for HDF5, and checks of names."""

@@ -1,0 +1,31 @@
+"""How kernels find a root in a bracket: Newton's method, with bisection where it leaves."""
+
+from escapement.jit import inner_jit
+
+
+@inner_jit(inlined=True)
+def newton_in_bracket(x, value, slope, low, high, rising):
+    """One step towards a root between `low` and `high`.
+
+    Parameters
+    ----------
+    x, value, slope : float
+        A place in the bracket, and the function and its derivative there.
+    low, high : float
+        The bracket. A slope that is zero or NaN does no harm.
+    rising : bool
+        Whether the function goes from negative to positive.
+
+    Returns
+    -------
+    x, low, high : the next place, and the bracket that is left.
+    """
+    if (value < 0.0) == rising:
+        low = x
+    else:
+        high = x
+    guess = x - value / slope
+    # NaN is not inside either
+    if not low <= guess <= high:
+        guess = 0.5 * (low + high)
+    return guess, low, high

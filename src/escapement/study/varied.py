@@ -1,0 +1,262 @@
+"""What varies in a study: axes, and samples whose parameters vary together.
+
+Each parameter becomes a column of values in the user's units, and the plain JSON of which
+the same column is made again.
+"""
+
+import zlib
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.model import FloatArray
+from escapement.quantity import Quantity
+from escapement.validate import known_keys
+
+CASE = "case"
+"""Name of the dimension along which a sample varies."""
+MOST_VALUES = 10_000_000
+METHODS = ("latin-hypercube", "sobol", "list")
+
+_ENDS = ("low", "high")
+_BESIDE = {
+    "": (*_ENDS, "log"),
+    "tolerance": (),
+    "relative_tolerance": (),
+    "standard_deviation": _ENDS,
+    "relative_standard_deviation": _ENDS,
+}
+"""Keys of a distribution beside the one that tells its width; one without a width has ends."""
+WIDTHS = frozenset(_BESIDE) - {""}
+"""Keys of a distribution that lies around the nominal value."""
+_NEVER = 1e-10  # share of a normal distribution at either side that no draw reaches
+
+Column = tuple[NDArray[Any], Any]
+
+
+def axis_values(name: str, form: Any, parameter: Quantity) -> Column:
+    """Values of one axis and its form as plain JSON.
+
+    Parameters
+    ----------
+    name : str
+        Name of the axis.
+    form : number, sequence, one-dimensional array or mapping
+        A mapping holds `start`, `stop` and `num`, and may hold `log`: true for equal
+        ratios instead of equal differences.
+    parameter : Quantity
+        The rule every value obeys.
+
+    Returns
+    -------
+    values : ndarray, shape (n,), float64 or (whole numbers) int64
+        In the units of the form.
+    plain : list or dict
+        The same axis as JSON can hold it.
+
+    Raises
+    ------
+    InvalidValue
+        For an empty axis, or a value that is no number or breaks the rule.
+    """
+    if isinstance(form, Mapping):
+        return _even_values(name, form, parameter)
+    # asanyarray keeps a mask, whose values become None and are refused one by one
+    items = form if isinstance(form, list | tuple) else np.asanyarray(form).tolist()
+    if not isinstance(items, list | tuple):
+        items = [items]
+    if not items:
+        raise InvalidValue(f"{name} must have at least one value, got an empty axis; give a list")
+    numbers = [parameter.read(f"{name}[{i}]", item) for i, item in enumerate(items)]
+    values = parameter.read_all(name, np.array(numbers, dtype=float))
+    return values, values.tolist()
+
+
+def _even_values(name: str, form: Mapping[str, Any], parameter: Quantity) -> Column:
+    """Values at equal differences, or with `log` at equal ratios."""
+    known_keys(form, ("start", "stop", "num", "log"), f"in axis {name}")
+    start, stop = (parameter.read(f"{name}.{end}", form.get(end)) for end in ("start", "stop"))
+    fewest = 1 if start == stop else 2
+    remedy = "give the number of values, both ends included"
+    num = validate.integer(f"{name}.num", form.get("num"), fewest, remedy, MOST_VALUES)
+    plain = {"start": start, "stop": stop, "num": num}
+    if not validate.truth(f"{name}.log", form.get("log", False)):
+        return parameter.read_all(name, np.linspace(start, stop, num)), plain
+    for end in ("start", "stop"):
+        validate.positive(f"{name}.{end}", plain[end], "a logarithmic axis cannot reach 0")
+    values = np.geomspace(start, stop, num)
+    if parameter.whole:
+        # geomspace misses powers of two by a rounding error
+        nearest = np.rint(values)
+        values = np.where(np.isclose(values, nearest, rtol=1e-12), nearest, values)
+    return parameter.read_all(name, values), plain | {"log": True}
+
+
+def sample_columns(
+    table: Mapping[str, Any], parameters: Mapping[str, Quantity], nominal: Mapping[str, Any]
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any], str]:
+    """The columns that a [sample] table asks for.
+
+    Parameters
+    ----------
+    table : Mapping
+        `method`, `size`, `seed`, and a distribution (or with "list" the values) of
+        each parameter.
+    parameters : Mapping
+        What can be sampled.
+    nominal : Mapping
+        Fixed values, around which distributions with a width lie.
+
+    Returns
+    -------
+    columns : dict of ndarray, shape (size,)
+        Values of each parameter in the units of the table.
+    plain : dict
+        The table as JSON can hold it, seed included.
+    fingerprint : str
+        Of the numbers drawn, "" for a list: another version of SciPy may draw others of
+        the same seed.
+
+    Raises
+    ------
+    InvalidValue
+        For an unknown key, or a value that breaks its rule.
+    """
+    known_keys(table, ("method", "size", "seed", *parameters), "in [sample]")
+    method = validate.choice("sample.method", table.get("method"), METHODS)
+    forms = {name: form for name, form in table.items() if name in parameters}
+    if not forms:
+        raise InvalidValue(
+            "the sample must vary at least one parameter, got none; add one under [sample], "
+            'for example friction = { tolerance = 0.02 }, or with method "list" [0.2, 0.3]'
+        )
+    if method == "list":
+        return _listed(table, forms, parameters)
+    size, seed = _size(method, table), table.get("seed", 0)
+    seed = validate.integer("sample.seed", seed, 0, "leave it out for 0")
+    shares = unit_cube(method, size, len(forms), seed)
+    # the order of the parameters decides which coordinate of the points each one gets
+    columns, plain = {}, {"method": method, "size": size, "seed": seed}
+    for share, (name, form) in zip(shares, forms.items(), strict=True):
+        columns[name], plain[name] = _drawn(name, form, parameters[name], nominal.get(name), share)
+    return columns, plain, f"{zlib.crc32(shares.tobytes()):08x}"
+
+
+def _listed(
+    table: Mapping[str, Any], forms: Mapping[str, Any], parameters: Mapping[str, Quantity]
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any], str]:
+    """Columns given case by case."""
+    known_keys(table, ("method", *parameters), 'in [sample] with method "list"')
+    parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
+    columns = {name: values for name, (values, _) in parsed.items()}
+    first, *others = columns
+    for name in others:
+        if columns[name].size != columns[first].size:
+            raise InvalidValue(
+                f"sample.{name} must have as many values as {first}, got {columns[name].size} and "
+                f"{columns[first].size}; give every case a value of each"
+            )
+    return columns, {"method": "list"} | {name: plain for name, (_, plain) in parsed.items()}, ""
+
+
+def _size(method: str, table: Mapping[str, Any]) -> int:
+    remedy = "give the number of cases"
+    size = validate.integer("sample.size", table.get("size"), 1, remedy, MOST_VALUES)
+    if method == "sobol" and size & (size - 1):
+        below = 1 << (size.bit_length() - 1)
+        remedy = f"only then its points are even: give {below} or {2 * below}"
+        raise validate.fail("sample.size", "a power of two with method 'sobol'", size, remedy)
+    return size
+
+
+def unit_cube(method: str, size: int, count: int, seed: int) -> FloatArray:
+    """Points of a sample in the unit cube, shape (count, size)."""
+    from scipy.stats import qmc
+
+    kind = {"latin-hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol}[method]
+    points = kind(count, seed=np.random.default_rng(seed)).random(size)
+    return np.ascontiguousarray(points.T)
+
+
+def _drawn(
+    name: str, form: Any, parameter: Quantity, nominal: float | None, share: FloatArray
+) -> Column:
+    """Values below which the given shares (0 to 1) of a distribution lie, and its form."""
+    label = f"sample.{name}"
+    if parameter.whole or parameter.fraction:
+        raise InvalidValue(
+            f"{label} must be left out, whole numbers and fractions are not drawn at random; "
+            f'write {name} in [sweep], or use method = "list"'
+        )
+    if not isinstance(form, Mapping):
+        remedy = "write for example { relative_tolerance = 0.05 }"
+        raise validate.fail(label, "a table that says how it spreads", form, remedy)
+    known_keys(form, (*_BESIDE[""], *WIDTHS), f"in {label}")
+    width = next((key for key in _BESIDE if key in form), "")
+    known_keys(form, (width, *_BESIDE[width]), f"in {label} with {width or 'two ends'}")
+    if width:
+        values, plain = _around(label, form, width, parameter, nominal, share)
+    else:
+        values, plain = _between(label, form, parameter, share)
+    cut = replace(parameter, remedy="cut its distribution off with low or high")
+    return cut.read_all(label, values), plain
+
+
+def _between(
+    label: str, form: Mapping[str, Any], parameter: Quantity, share: FloatArray
+) -> tuple[FloatArray, dict[str, Any]]:
+    """An even distribution between two ends, or one whose logarithm is even."""
+    low, high = (parameter.read(f"{label}.{end}", form.get(end)) for end in _ENDS)
+    if not low < high:
+        raise validate.fail(f"{label}.high", f"greater than low = {low:g}", high, "exchange them")
+    plain = {"low": low, "high": high}
+    if not validate.truth(f"{label}.log", form.get("log", False)):
+        return np.clip(low + share * (high - low), low, high), plain
+    validate.positive(f"{label}.low", low, "a logarithmic spread cannot reach 0")
+    return np.clip(low * (high / low) ** share, low, high), plain | {"log": True}
+
+
+def _around(
+    label: str,
+    form: Mapping[str, Any],
+    key: str,
+    parameter: Quantity,
+    nominal: float | None,
+    share: FloatArray,
+) -> tuple[FloatArray, dict[str, Any]]:
+    """A distribution around the nominal value, even or normal."""
+    if nominal is None:
+        raise InvalidValue(
+            f"{label} must have a nominal value to spread around, got none; "
+            f"give {parameter.label} a fixed value, or {label} low and high"
+        )
+    given = validate.positive(f"{label}.{key}", form[key], "a parameter without one stays fixed")
+    width = given * nominal if key.startswith("relative") else given
+    if width == 0.0:
+        raise InvalidValue(
+            f"{label}.{key} must be a part of a nominal value other than 0, got 0; "
+            f"give {key.removeprefix('relative_')} in its own unit"
+        )
+    if key.endswith("tolerance"):
+        low = parameter.read(f"the lowest value of {label}", nominal - width)
+        high = parameter.read(f"the highest value of {label}", nominal + width)
+        return np.clip(low + share * (high - low), low, high), {key: given}
+    ends = {end: parameter.read(f"{label}.{end}", form[end]) for end in _ENDS if end in form}
+    low, high = ends.get("low", -np.inf), ends.get("high", np.inf)
+    if not low <= nominal <= high:
+        raise InvalidValue(
+            f"{label} must have its nominal value between low and high, got {nominal:g}; "
+            "move the end beyond it"
+        )
+    from scipy.special import ndtr, ndtri
+
+    # truncnorm has the same distribution, but other bits than files of the same seed hold
+    below, up_to = (ndtr((end - nominal) / width) for end in (low, high))
+    # a share of exactly 0 or 1 would be infinitely far away
+    inside = np.clip(below + share * (up_to - below), _NEVER, 1.0 - _NEVER)
+    return np.clip(nominal + width * ndtri(inside), low, high), {key: given} | ends
