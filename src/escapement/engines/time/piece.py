@@ -11,7 +11,6 @@ time of order one and absolute tolerances mean the same at any speed.
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -100,9 +99,15 @@ class Solution:
         return y[0] + self.anchor, y[1] * self.unit, y[2] * self.unit**2
 
 
-def _spliced(before: Any, join: float, after: Any, x: Any) -> Any:
+class _Spliced(NamedTuple):
     """Dense output `before` a time `join`, and that of the last step taken again `after` it."""
-    return np.where(x < join, before(x), after(x))
+
+    before: Any
+    join: float
+    after: Any
+
+    def __call__(self, x: Any) -> Any:
+        return np.where(x < self.join, self.before(x), self.after(x))
 
 
 def solve_piece(law: Law, task: Task, options: Options) -> Solution:
@@ -249,7 +254,7 @@ class _Problem:
             # extrapolated, an interpolant is worthless, most of all that of a short step
             step = min(step, end - join)
             last = self.integrate((join, end), dense(join), first_step=step).sol
-        return partial(_spliced, dense, join, last), end
+        return _Spliced(dense, join, last), end
 
 
 def _too_many_steps(method: str) -> str:
