@@ -175,10 +175,11 @@ def side_at(g, dg, w, scene):
 
 @jit
 def tabulate(scene, theta, w, side, out):
-    """Fill out[0:4] with g, g', theta_ddot and contact moment at each angle."""
+    """Fill out[0:5] with g, g', theta_ddot, contact moment and X at each angle."""
     for i in range(theta.size):
         g, u, dg = transmission_at(scene.path, theta[i])
         out[0, i] = g
         out[1, i] = dg
         out[2, i] = acceleration(g, u, dg, w[i], side, scene)
         out[3, i] = contact_moment(g, u, dg, w[i], side, scene)
+        out[4, i] = contact(g, dg, w[i], scene)

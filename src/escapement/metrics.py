@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from escapement.model import FloatArray
-from escapement.motion import Extrema, Motion
+from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
+from escapement.trajectory import Extrema
 
 RISE_BAND = 0.02
 """A rise is over at the first extremum this close to its terminal value [-]."""

@@ -22,17 +22,6 @@ from escapement.status import Status
 from escapement.trajectory import Events, Extrema, NoTrajectory, Trajectory
 from escapement.validate import fail
 
-__all__ = [
-    "Events",
-    "Extrema",
-    "Ledger",
-    "Motion",
-    "State",
-    "Trajectory",
-    "no_motion",
-    "stall_message",
-]
-
 _SAMPLES = 100  # per engagement on the default grid: a curve over a full page looks smooth
 
 
@@ -181,13 +170,13 @@ class Motion:
         for side in (1.0, -1.0):
             held = sign == side
             angles = theta[held]
-            table = np.empty((4, angles.size))
+            table = np.empty((5, angles.size))
             tabulate(escapement.scene, angles, (speed[held] * clock) ** 2, side, table)
             g[held], dg[held], moment[held] = table[0], table[1], table[3] * escapement.torque
             rate[held] = table[2] / clock**2
         engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)
         crank = getattr(mechanism, "crank_radius", None)
-        force = None if crank is None else _force(moment, crank, radius(mechanism.path, engaged))
+        force = None if crank is None else moment / (crank * radius(mechanism.path, engaged))
         columns = {
             "theta": theta + engagement * mechanism.cell_angle,
             "theta_dot": speed,
@@ -285,17 +274,6 @@ class Motion:
         scale = max(work, float(energies[0]))
         residual = (work - kinetic - load - friction) / scale if scale > 0.0 else 0.0
         return Ledger(float(work), kinetic, float(load), friction, float(residual))
-
-
-def _force(moment: FloatArray, crank: float, radius: FloatArray) -> FloatArray:
-    """Force of the pin [N] from its moment [N m], at `radius` crank lengths from the axis."""
-    with np.errstate(over="ignore"):
-        force = moment / (crank * radius)
-    if not np.isfinite(force).all():
-        raise fail(
-            "crank_radius", "great enough for a force a double can hold", crank, "give it in m"
-        )
-    return force
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float) -> Motion:

@@ -20,12 +20,13 @@ from escapement.errors import EscapementError, InputFileError
 from escapement.files import DeferredErrorFile, PendingFile, check_input, storage_error
 from escapement.mechanisms import KINDS
 from escapement.model import FloatArray
-from escapement.motion import Events, Extrema, Motion
+from escapement.motion import Motion
 from escapement.motion_file.sampled import SampledTrajectory
 from escapement.status import Status
 from escapement.study.parse import parse_plan
 from escapement.study.reader import DAMAGE, configuration_of
 from escapement.study.sweep import plan_from
+from escapement.trajectory import Events, Extrema
 from escapement.units import SYSTEMS, factor, unit_name
 
 __all__ = ["is_motion", "read_motion", "write_motion"]

@@ -6,7 +6,7 @@ import numpy as np
 
 from escapement.engines.energy.pieces import follow
 from escapement.model import Escapement, FloatArray
-from escapement.motion import Events, Extrema
+from escapement.trajectory import Events, Extrema
 
 _RTOL = 1e-12  # of states between what the file holds
 

@@ -27,18 +27,15 @@ J theta_ddot = 1 - p (g' w + load) is `dynamics.net_torque`, and dt/dx = theta'/
 Files, in the order in which they are best read:
 
     gauss      sixteen Gauss points: integrals, interpolation, tails, roots
-    records    types of the records with named fields
-    cells      g, |u| and g' on the first halvings of each interval, tabulated once
     panels     a panel, the chain of panels of an engagement, and how one is halved
-    solve      alpha and beta of a panel, for one side of the slot
+    cells      g, |u| and g' on the first halvings of each interval, tabulated once
     sampling   E, w, X, J theta_ddot and dt/dx at the points, and the signs they have there
-    start      a panel over the square root of the angle, for a start from rest
+    solve      alpha and beta of a panel, for one side of the slot; a start from rest
     locate     the x of a reversal or an extremum, and the motion behind a reversal
     events     reversals, extrema and breaks as they are noted and made exact
     passage    what the steps of a march hand on
     march      one engagement from entry to exit
-    calls      march and refine, called by address
-    prepare    what kernels need of an escapement, kept on it
+    calls      march and refine, called by address, and what they need of an escapement
     handoffs   times and speeds of handoffs, one engagement after the other
     pieces     events of a motion, and its states at given times
     simulate   the motion that `escapement.simulate` returns
@@ -48,7 +45,7 @@ Files, in the order in which they are best read:
     terminal   the figures that `escapement.terminal` returns
 
 A call of simulate: `simulate.simulate` takes addresses, scene and cells from
-`prepare.prepared`; `handoffs.handoffs` calls `march.march` for each engagement, adds the dwell
+`calls.prepared`; `handoffs.handoffs` calls `march.march` for each engagement, adds the dwell
 and keeps time and speed of the handoff; an `EnergyTrajectory` holds them. When events are asked
 for, `pieces.events_of` marches again with full detail and `events.refine` makes each exact. When
 states are asked for, `pieces.follow` solves the piece again and inverts its time.

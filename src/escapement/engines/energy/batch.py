@@ -5,10 +5,10 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.dynamics import scene_of
 from escapement.engines.energy.calls import MarchInputs, kernel_addresses
+from escapement.engines.energy.cells import cells_of
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
-from escapement.engines.energy.prepare import cells_of
 from escapement.jit import jit
 from escapement.model import FloatArray, Mechanism, dwell_angle
 from escapement.painleve import beyond_painleve
@@ -25,7 +25,7 @@ def solve_rows(addresses, scene_tuple, cells, numbers, rtol, table, status):
 
     Parameters
     ----------
-    addresses, scene_tuple, cells : as `prepare.prepared` gives them, for any scene of the
+    addresses, scene_tuple, cells : as `calls.prepared` gives them, for any scene of the
         mechanism, of which path, edges and dwell are used.
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.

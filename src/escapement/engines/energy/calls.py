@@ -13,12 +13,15 @@ from numba import typeof, types
 from escapement.by_address import by_address
 from escapement.engines.energy import events as _events
 from escapement.engines.energy import march as _march
-from escapement.engines.energy.cells import CELL
+from escapement.engines.energy.cells import CELL, cells_of
 from escapement.engines.energy.events import EVENT
 from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
 from escapement.engines.energy.passage import Request
 from escapement.jit import inner_jit
-from escapement.scene import Path, Scene
+from escapement.model import Escapement, FloatArray
+from escapement.scene import Path, Scene, scene_tuple
+
+_KEY = "energy.cells"
 
 
 class MarchInputs(NamedTuple):
@@ -47,7 +50,7 @@ _request = typeof(Request(0, 0.0, 0.0))
 _f, _i = types.float64, types.int64
 
 march, _march_address = by_address(
-    _march.march, 0, (_scene, _cells, _store, _i, _request, _f, _f, _f, _event, _i)
+    _march.march, 0, (_scene, _cells, _store, _i, _request, _f, _f, _event, _i)
 )
 refine, _refine_address = by_address(_events.refine, 1, (_scene, _store, _event, _i))
 
@@ -56,7 +59,7 @@ refine, _refine_address = by_address(_events.refine, 1, (_scene, _store, _event,
 def march_case(case, count, request, w, rising, first):
     """March one engagement of a case from w, and note its events from row `first` on."""
     return march(
-        case.addresses, case.scene, case.cells, case.store, count, request, w, 0.0, rising,
+        case.addresses, case.scene, case.cells, case.store, count, request, w, rising,
         case.events, first,
     )  # fmt: skip
 
@@ -65,3 +68,16 @@ def march_case(case, count, request, w, rising, first):
 def kernel_addresses() -> tuple[int, int]:
     """Addresses of `march` and `refine` in this process, the first argument of their calls."""
     return _march_address(), _refine_address()
+
+
+def prepared(escapement: Escapement) -> tuple[Any, tuple[Any, ...], FloatArray]:
+    """Addresses of the long kernels, scene as plain tuples, and cells of the mechanism.
+
+    They are kept on the escapement, so that its next call does not tabulate the cells again.
+    """
+    kept = escapement.kept
+    if _KEY not in kept:
+        scene = escapement.scene
+        kept[_KEY] = kernel_addresses(), scene_tuple(scene), cells_of(scene.path, scene.edges)
+    result: tuple[Any, tuple[Any, ...], FloatArray] = kept[_KEY]
+    return result

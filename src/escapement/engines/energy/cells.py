@@ -5,10 +5,14 @@ known before any motion is. Cell 1 is a whole interval, and cells 2k and 2k + 1 
 of cell k.
 """
 
+import numpy as np
+
 from escapement.engines.energy.gauss import POINTS, N
-from escapement.engines.energy.records import END, ROW, fill_end, record_dtype
+from escapement.engines.energy.panels import END, ROW, WORKSPACE, fill_end, record_dtype
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_on
+from escapement.model import FloatArray
+from escapement.scene import Path
 
 CELL = record_dtype({"g": ROW, "u": ROW, "dg": ROW, "entry": END, "exit": END})
 """g, |u| and g' at the Gauss points, and at the two ends of a cell."""
@@ -43,3 +47,14 @@ def tabulate_cells(path, edges, work, ends, cells):
             transmission_on(path, left, half, row, count, cell.g, cell.u, cell.dg)
             fill_end(cell.entry, path, left)
             fill_end(cell.exit, path, right)
+
+
+def cells_of(path: Path, edges: FloatArray) -> FloatArray:
+    """The first cells of every interval between the edges of a mechanism."""
+    # a table has many intervals, which are short and need few halvings
+    most = 2**5 if edges.size < 8 else 2**2
+    cells = np.empty((edges.size - 1, most), CELL)
+    work = np.zeros(1, WORKSPACE)
+    work["points"] = N
+    tabulate_cells(path, edges, work, np.empty((most, 2)), cells)
+    return cells

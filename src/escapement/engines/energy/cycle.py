@@ -50,13 +50,6 @@ class Attempt(NamedTuple):
     better: float
 
 
-class Cycle(NamedTuple):
-    """Status of the search for a terminal cycle, and number of panels in use."""
-
-    status: int
-    panels: int
-
-
 @inner_jit
 def newton_step(w, found, scene, ends, has_turned):
     """Fixed point of the affine map by which a march went from w to `found`.
@@ -112,7 +105,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
 
     Returns
     -------
-    Cycle
+    status, panels : of the search, and number of panels in use.
     """
     scene, events = case.scene, case.events
     loose, strict = tolerances(rtol)
@@ -133,7 +126,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
             longer *= 2
             continue
         if found.status != OK:
-            return Cycle(found.status, count)
+            return found.status, count
         step = newton_step(w, found, scene, ends, has_reversal(events, first, found.used))
         better = step.w
         last_good = found.w + ends.dwell
@@ -142,12 +135,12 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
         # little in every engagement when the contraction is nearly 1
         if near and step.sound and change <= 0.2 * rtol * w:
             _read(case, first, found, w, step, out)
-            return Cycle(OK, count)
+            return OK, count
         if near or not step.sound:
             # the map may be wrong because of a pair of reversals that it missed
             far_detail = np.int64(Detail.TIME)
         if not step.sound and scene.path.table and w < last_good < (1.0 + BOUNDLESS) * w:
-            return Cycle(NO_TERMINAL, count)
+            return NO_TERMINAL, count
         # the error is squared by every step, so the next change will be below the tolerance
         near = step.sound and change <= np.sqrt(0.02 * rtol) * w
         if to_follow > 0 or not better > 0.0:
@@ -160,7 +153,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
             continue
         before = Attempt(w, better)
         w = better
-    return Cycle(NOT_CONVERGED, count)
+    return NOT_CONVERGED, count
 
 
 @inner_jit

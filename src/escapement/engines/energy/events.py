@@ -9,15 +9,10 @@ from enum import IntEnum
 import numpy as np
 
 from escapement.dynamics import effective_ratio, net_torque, reduced_inertia
+from escapement.engines.energy import panels
 from escapement.engines.energy.gauss import POINTS, N, cumulate, dot
 from escapement.engines.energy.locate import locate, weights_to
-from escapement.engines.energy.panels import (
-    choose_gauss_points,
-    evaluate_geometry,
-    points_of,
-    solution_of,
-)
-from escapement.engines.energy.records import FLAG, NUMBER, ROW, WHOLE, copy_row, record_dtype
+from escapement.engines.energy.panels import FLAG, NUMBER, ROW, WHOLE, copy_row, record_dtype
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import inner_jit
@@ -113,7 +108,7 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
     event.exact, event.coarse, event.point = False, found.coarse, found.point
     event.side, event.left_energy = found.side, found.energy
     event.first, event.final, event.high = found.first, found.final, high
-    count = points_of(work)
+    count = panels.points_of(work)
     copy_row(event.energy, work.energy, count)
     copy_row(event.net_torque, work.net_torque, count)
     copy_row(event.slowness, work.slowness, count)
@@ -179,14 +174,13 @@ def _up_to(scene, work, event, x, angle):
     if not event.coarse:
         weights_to(work, x)
         cumulate(event.slowness, work.scratch)
-        count = points_of(work)
+        count = panels.points_of(work)
         return dot(work.from_left, work.scratch, count), dot(work.at_x, event.energy, count)
     # the panel is solved again between its left end and the extremum, outside the chain
     panel = work.spare
-    choose_gauss_points(work)
-    evaluate_geometry(work, panel, scene.path, scene.rho, event.angle, angle)
+    panels.evaluate_geometry(work, panel, scene.path, scene.rho, event.angle, angle)
     solve_side(scene, work, panel, event.side)
-    solution = solution_of(panel, event.side)
+    solution = panels.solution_of(panel, event.side)
     sample_panel(scene, work, panel, solution, event.side, event.left_energy)
     return duration(work)[0], solution.alpha_end * event.left_energy + solution.beta_end
 

@@ -3,20 +3,8 @@
 import numpy as np
 
 from escapement.dynamics import dwell_gain, ends_alike, free_turn
+from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import march_case, refine
-from escapement.engines.energy.cycle import (
-    CONTRACTION,
-    FIGURES,
-    RISE,
-    SETTLING,
-    V_MAX,
-    V_MIN,
-    Attempt,
-    Ends,
-    extrapolate,
-    newton_step,
-    terminal_cycle,
-)
 from escapement.engines.energy.events import (
     EVENT,
     NO_EVENTS,
@@ -56,10 +44,10 @@ def figures(case, w, rtol, out):
     without friction loses energy in every engagement, which `escapement.terminal` tells first.
     """
     scene, cells, events = case.scene, case.cells, case.events
-    for i in range(FIGURES):
+    for i in range(cycle.FIGURES):
         out[i] = np.nan
     last = cells.shape[0] - 1
-    ends = Ends(cells[0, 1].entry.g, cells[last, 1].exit.g, dwell_gain(scene))
+    ends = cycle.Ends(cells[0, 1].entry.g, cells[last, 1].exit.g, dwell_gain(scene))
     constant_gain = scene.mu_plus == 0.0 and ends_alike(ends.entry, ends.exit, scene.rho)
     # without friction and load every engagement adds the drive's work, which is positive
     if constant_gain and scene.load == 0.0:
@@ -69,7 +57,7 @@ def figures(case, w, rtol, out):
     count, first, in_band = NO_PANELS, NO_EVENTS, NO_EVENTS
     time, rising = 0.0, 0.0
     cycle_known, sought = False, False
-    before = Attempt(w, w)
+    before = cycle.Attempt(w, w)
     for k in range(MAX_ENGAGEMENTS):
         found = march_case(case, count, request, w, rising, first)
         count = found.panels
@@ -86,30 +74,32 @@ def figures(case, w, rtol, out):
         following, free = free_turn(found.w, scene)
         time += found.time + free
         if not sought:
-            step = newton_step(w, found, scene, ends, has_reversal(events, first, used))
+            step = cycle.newton_step(w, found, scene, ends, has_reversal(events, first, used))
             first = used
             if _worth_seeking(scene, w, step, k, used, events):
                 start = _first_guess(w, step, before, following)
-                steps = Attempt(w, step.w)
-                cycle = terminal_cycle(case, count, ends, start, following, steps, rtol, used, out)
-                sought, cycle_known, count = True, cycle.status == OK, cycle.panels
-                if cycle.status in (NOT_CONVERGED, NO_TERMINAL):
-                    return cycle.status
+                steps = cycle.Attempt(w, step.w)
+                status, count = cycle.terminal_cycle(
+                    case, count, ends, start, following, steps, rtol, used, out
+                )
+                sought, cycle_known = True, status == OK
+                if status in (NOT_CONVERGED, NO_TERMINAL):
+                    return status
                 first = NO_EVENTS
                 if cycle_known:
                     in_band = _judge(case, first, used, in_band, out)
                     # from rest it takes log(0.02)/log(contraction) engagements or so, here
                     # more than the limit, so no time is given
-                    if out[CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
+                    if out[cycle.CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                         return OK
-            before = Attempt(w, step.w)
+            before = cycle.Attempt(w, step.w)
         w = following
         # two motions never cross, so w at entry tends to its terminal value from one side: when
         # a maximum and a minimum are in the band, all later ones are
         if cycle_known and in_band >= 2:
             return OK
     # a settling time beyond the limit of engagements is not given
-    out[SETTLING] = np.nan
+    out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
 
 
@@ -136,14 +126,14 @@ def _first_guess(w, step, before, following):
     if not step.w > 0.0:
         return following
     if step.sound and before.better != before.w:
-        return extrapolate(w, step.w, before)
+        return cycle.extrapolate(w, step.w, before)
     return step.w
 
 
 @inner_jit
 def _stopped(found, k, out):
     """Write the angle and the engagement of a stall into `out`; returns the status."""
-    for i in range(FIGURES):
+    for i in range(cycle.FIGURES):
         out[i] = np.nan
     out[0], out[1] = found.angle, k
     return found.status
@@ -208,22 +198,22 @@ def _judge(case, first, used, in_band, out):
 def _judge_one(case, i, in_band, out):
     """Compare extremum i with the terminal cycle; returns the new `in_band`."""
     event = case.events[i]
-    final = out[V_MAX] if event.kind == EventKind.MAXIMUM else out[V_MIN]
+    final = out[cycle.V_MAX] if event.kind == EventKind.MAXIMUM else out[cycle.V_MIN]
     error = abs(np.sqrt(event.w) / final - 1.0)
     # the relative error of a speed is half of that of w
     unsure = 0.5 * ROUGH_ERROR
     if not (abs(error - RISE_BAND) > unsure and abs(error - SETTLING_BAND) > unsure):
         refine(case.addresses, case.scene, case.store, case.events, i)
         error = abs(np.sqrt(event.w) / final - 1.0)
-    if np.isnan(out[RISE]) and error <= RISE_BAND:
+    if np.isnan(out[cycle.RISE]) and error <= RISE_BAND:
         refine(case.addresses, case.scene, case.store, case.events, i)
-        out[RISE] = event.engagement_start + event.time
+        out[cycle.RISE] = event.engagement_start + event.time
     if not event.outermost:
         return in_band
     if error > SETTLING_BAND:
-        out[SETTLING] = np.nan
+        out[cycle.SETTLING] = np.nan
         return NO_EVENTS
-    if np.isnan(out[SETTLING]):
+    if np.isnan(out[cycle.SETTLING]):
         refine(case.addresses, case.scene, case.store, case.events, i)
-        out[SETTLING] = event.engagement_start + event.time
+        out[cycle.SETTLING] = event.engagement_start + event.time
     return in_band + 1

@@ -23,7 +23,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
 
     Parameters
     ----------
-    addresses, scene_tuple, cells : as `prepare.prepared` gives them.
+    addresses, scene_tuple, cells : as `calls.prepared` gives them.
     w : squared driver speed at the first entry, in natural units.
     limit : time after which to stop, in natural units.
     rtol : relative error asked for.
@@ -52,9 +52,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
     free_gain = dwell_gain(scene)
     start = w
     for k in range(times.size):
-        found = march(
-            addresses, scene, cells, store, count, request, w, 0.0, 0.0, events, NO_EVENTS
-        )
+        found = march(addresses, scene, cells, store, count, request, w, 0.0, events, NO_EVENTS)
         count = found.panels
         if found.status != OK:
             times[k] = (time + found.time) * clock

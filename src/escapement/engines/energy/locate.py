@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics import contact, free_gain, net_torque
+from escapement.engines.energy import sampling
 from escapement.engines.energy.gauss import (
     BARYCENTRIC,
     FROM_LEFT,
@@ -21,15 +22,7 @@ from escapement.engines.energy.gauss import (
     to_powers,
 )
 from escapement.engines.energy.panels import points_of, solution_of
-from escapement.engines.energy.sampling import (
-    ALL_POINTS,
-    CLOSE_PAIR,
-    NEGLIGIBLE,
-    contact_at,
-    duration,
-    may_vanish,
-    net_torque_at,
-)
+from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, NEGLIGIBLE
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 
@@ -172,7 +165,7 @@ def pass_reversal(scene, work, panel, side, reversal, strict, extrema, source):
     # the time is that of the other side over the whole panel, and up to the reversal the
     # integral of the difference in dt/dx
     cumulate(work.slowness_change, work.scratch)
-    length, roughness = duration(work)
+    length, roughness = sampling.duration(work)
     length += dot(work.from_left, work.scratch, count)
     e_right = two.alpha_end * fictive + two.beta_end
     w_right = e_right / (scene.rho + panel.exit.g**2)
@@ -217,16 +210,16 @@ def _hides_more(scene, work, panel, side, w, reversal, extrema):
 
     `side` is that before the reversal, and `w` is that at the right end.
     """
-    c = side * contact_at(panel.exit, w, scene)
-    a = net_torque_at(panel.exit, -side, w, scene)
+    c = side * sampling.contact_at(panel.exit, w, scene)
+    a = sampling.net_torque_at(panel.exit, -side, w, scene)
     # the search begins one point later, because X passes through zero at the reversal itself
-    rest, count = reversal + 1, points_of(work)
+    rest = reversal + 1
     more = 0
     more += extrema and a <= 0.0
     if panel.half > CLOSE_PAIR:
         negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
         more += c > 0.0
-        more += may_vanish(work.contact, negligible, c, c, rest, ALL_POINTS, count)
+        more += sampling.may_vanish(work, work.contact, negligible, c, c, rest, ALL_POINTS)
         if extrema:
-            more += may_vanish(work.net_torque, NEGLIGIBLE, a, a, rest, ALL_POINTS, count)
+            more += sampling.may_vanish(work, work.net_torque, NEGLIGIBLE, a, a, rest, ALL_POINTS)
     return more

@@ -13,6 +13,7 @@ and so may `_choose` for a start, by the tail it sets.
 import numpy as np
 
 from escapement.dynamics import side_at
+from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.events import (
     EventKind,
     extremum_kind,
@@ -20,26 +21,6 @@ from escapement.engines.energy.events import (
     note_extremum,
 )
 from escapement.engines.energy.gauss import N
-from escapement.engines.energy.locate import (
-    AfterReversal,
-    Instant,
-    locate,
-    pass_reversal,
-    reversal_at,
-    weights_to,
-)
-from escapement.engines.energy.panels import (
-    CHAIN_END,
-    FIRST_PANEL,
-    MAX_PANELS,
-    NO_PANELS,
-    SMALLEST,
-    UNSOLVED,
-    halve,
-    lay_out,
-    points_of,
-    solution_of,
-)
 from escapement.engines.energy.passage import (
     NOWHERE,
     Detail,
@@ -49,22 +30,8 @@ from escapement.engines.energy.passage import (
     Passage,
     SpeedExtremum,
 )
-from escapement.engines.energy.sampling import (
-    ALL_POINTS,
-    CLOSE_PAIR,
-    FIRST_POINT,
-    NEGLIGIBLE,
-    clearly_against,
-    contact_at,
-    duration,
-    find_extremum,
-    first_against,
-    may_vanish,
-    net_torque_at,
-    sample_panel,
-)
-from escapement.engines.energy.solve import solve_side
-from escapement.engines.energy.start import slope_of_w, solve_start
+from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, FIRST_POINT, NEGLIGIBLE
+from escapement.engines.energy.solve import slope_of_w, solve_side, solve_start
 from escapement.jit import inner_jit
 from escapement.status import Status
 
@@ -82,7 +49,7 @@ TOO_MANY_PANELS = 128
 
 
 @inner_jit
-def march(scene, cells, store, count, request, w, side, rising, events, used):
+def march(scene, cells, store, count, request, w, rising, events, used):
     """March from the entry to the exit of one engagement.
 
     Parameters
@@ -94,8 +61,7 @@ def march(scene, cells, store, count, request, w, side, rising, events, used):
         reversals lie at different angles make it.
     request : Request
     w : squared driver speed at entry.
-    side, rising : s at the entry, or 0 to have it found; and the sign of theta_ddot before the
-        entry, 0 where nothing came before.
+    rising : sign of theta_ddot before the entry, 0 where nothing came before.
     events, used : array of `EVENT` to be filled from row `used` on. The march ends with
         NOT_CONVERGED when the array is full.
 
@@ -103,14 +69,15 @@ def march(scene, cells, store, count, request, w, side, rising, events, used):
     -------
     Engagement
     """
-    if count == NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
-        count = lay_out(scene, cells, store, request.loose)
+    if count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
+        count = panels.lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
-    state = _enter(scene, store.panels[FIRST_PANEL], w, side, rising, used)
+    first = store.panels[panels.FIRST_PANEL]
+    state = _enter(scene, first, w, rising, used)
     # a driver at rest that is not accelerated stays at rest
-    if w == 0.0 and net_torque_at(store.panels[FIRST_PANEL].entry, state.side, 0.0, scene) <= 0.0:
-        return _found(STALL, state, store.panels[FIRST_PANEL].left, 0.0, count)
-    while state.panel != CHAIN_END:
+    if w == 0.0 and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
+        return _found(STALL, state, first.left, 0.0, count)
+    while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]
         starting = _choose(scene, work, chained, state, request)
         panel = work.spare if starting else chained
@@ -123,9 +90,9 @@ def march(scene, cells, store, count, request, w, side, rising, events, used):
         extremum = _check(scene, work, panel, starting, state, passage, request)
         inside = _note_inside(scene, work, panel, state, passage, extremum, request, events)
         if inside.split:
-            if count >= MAX_PANELS or panel.half < SMALLEST:
+            if count >= panels.MAX_PANELS or panel.half < panels.SMALLEST:
                 return _found(NOT_CONVERGED, state, 0.0, state.time, count)
-            count = halve(scene, cells, store, state.panel, count)
+            count = panels.halve(scene, cells, store, state.panel, count)
             continue
         state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
@@ -143,20 +110,19 @@ def _found(status, state, angle, time, count):
 
 
 @inner_jit(inlined=True)
-def _enter(scene, panel, w, side, rising, used):
+def _enter(scene, panel, w, rising, used):
     """MarchState at the entry, which is the left end of the first panel."""
     end = panel.entry
-    if side == 0.0:
-        side = side_at(end.g, end.dg, w, scene)
+    side = side_at(end.g, end.dg, w, scene)
     energy = w * (scene.rho + end.g**2)
-    return MarchState(FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
+    return MarchState(panels.FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
 
 
 @inner_jit(inlined=True)
 def _choose(scene, work, panel, state, request):
     """Solve a panel for side s; returns whether the spare panel of a start takes its place."""
-    solution = solution_of(panel, state.side)
-    if state.w > 0.0 and solution.tail == UNSOLVED:
+    solution = panels.solution_of(panel, state.side)
+    if state.w > 0.0 and solution.tail == panels.UNSOLVED:
         solve_side(scene, work, panel, state.side)
     # 1/sqrt(w) is singular at rest, and nearly so where E is small against what the panel adds
     if state.w == 0.0 or state.energy <= START_SHARE * solution.beta_end:
@@ -168,23 +134,25 @@ def _choose(scene, work, panel, state, request):
 def _pass_over(scene, work, panel, starting, state, request):
     """Go to the right end of a panel, and look for a reversal or a stop on the way."""
     side, w = state.side, state.w
-    solution = solution_of(panel, side)
+    solution = panels.solution_of(panel, side)
     tail = solution.tail
     # E at the right end, and s X at both ends: their signs say which side carries the force
     energy = solution.alpha_end * state.energy + solution.beta_end
     w_right = energy / (scene.rho + panel.exit.g**2)
-    right = side * contact_at(panel.exit, w_right, scene)
-    left = side * contact_at(panel.entry, w, scene)
+    right = side * sampling.contact_at(panel.exit, w_right, scene)
+    left = side * sampling.contact_at(panel.entry, w, scene)
     # in a start all energy comes from this panel, so that its error is the error of E itself
     split = tail > (request.strict if starting else request.loose)
     time, slowing, reversal = state.time, np.int64(0), NOWHERE
     # the map alone needs no values inside, unless the right end shows a reversal or a stop
     if split or (request.detail == Detail.MAP and right > 0.0 and w_right > 0.0):
         return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-    against, stopped, slowing = sample_panel(scene, work, panel, solution, side, state.energy)
+    against, stopped, slowing = sampling.sample_panel(
+        scene, work, panel, solution, side, state.energy
+    )
     # at the stop of a mesh the sign of X is rounding, and would look like many reversals
     if starting and against > 0:
-        against = clearly_against(work)
+        against = sampling.clearly_against(work)
     if stopped > 0 or not w_right > 0.0:
         if against == 0 and panel.half <= SHORTEST_STOP:
             # with constant deceleration w falls linearly to zero, and the time is 2 way/sqrt(w)
@@ -214,10 +182,11 @@ def _single_reversal(work, panel, against, left, right, negligible, rough):
     A panel may hold one reversal, so that s X <= 0 at all points behind it and at the right
     end. A panel that is `rough` may hold none, since values inside it are not accurate.
     """
-    reversal = first_against(work)
+    reversal = sampling.first_against(work)
     split = rough or N - reversal != against or right > 0.0
-    count = points_of(work)
-    split = split or may_vanish(work.contact, negligible, left, right, FIRST_POINT, reversal, count)
+    split = split or sampling.may_vanish(
+        work, work.contact, negligible, left, right, FIRST_POINT, reversal
+    )
     if split and panel.half <= CLOSE_PAIR:
         # in so short a panel a pair of reversals changes nothing; a single one is kept, though
         # rounding may have mixed the signs at the points
@@ -229,7 +198,7 @@ def _single_reversal(work, panel, against, left, right, negligible, rough):
 def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal, request):
     """Time over a panel up to its right end, and whether the panel must be halved first."""
     # time = int theta'/sqrt(w) dx
-    passed, roughness = duration(work)
+    passed, roughness = sampling.duration(work)
     limit = request.strict if reversal >= 0 else TIME_SHARE * request.loose
     split = roughness > max(limit, noise)
     if reversal >= 0:
@@ -239,8 +208,9 @@ def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal
         # angle over the mean speed
         return 4.0 * panel.half / (np.sqrt(w) + np.sqrt(w_right)), False
     if not split and panel.half > CLOSE_PAIR:
-        count = points_of(work)
-        split = may_vanish(work.contact, negligible, left, right, FIRST_POINT, ALL_POINTS, count)
+        split = sampling.may_vanish(
+            work, work.contact, negligible, left, right, FIRST_POINT, ALL_POINTS
+        )
     return passed, split
 
 
@@ -251,7 +221,7 @@ def _note_left_end(scene, panel, state, events):
     if panel.kink and not state.left_noted:
         used = note(events, used, np.int64(EventKind.BREAK), panel.left, state.time, state.w)
     # at a kink of |u|, and at an entry on another side than before, theta_ddot jumps
-    now = net_torque_at(panel.entry, state.side, state.w, scene)
+    now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:
@@ -268,22 +238,22 @@ def _check(scene, work, panel, starting, state, passage, request):
     side, energy = state.side, state.energy
     first, final, point, split = 1.0, 1.0, NOWHERE, passage.split
     if not split and request.detail > Detail.TIME:
-        first = net_torque_at(panel.entry, side, state.w, scene)
+        first = sampling.net_torque_at(panel.entry, side, state.w, scene)
         last = passage.reversal
         # at a reversal X = 0, so that J theta_ddot = J/rho > 0: there `final` stays 1
         if last < 0:
-            final, last = net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
+            final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
         slowing, changes = passage.slowing, 0
         # one sign at all points and at both ends means that there is nothing to find
         gains = slowing == 0 and first > 0.0 and final > 0.0
         if not gains and not (slowing == N and first < 0.0 and final < 0.0):
-            changes, point = find_extremum(work.net_torque, last, first, final)
+            changes, point = sampling.find_extremum(work.net_torque, last, first, final)
         # a panel may hold one extremum, and the spare panel of a start may hold none
         split = changes > 1 or (changes == 1 and starting)
         if not split and panel.half > CLOSE_PAIR:
-            count = points_of(work)
-            split = may_vanish(work.net_torque, NEGLIGIBLE, first, final, FIRST_POINT, last, count)
-    coarse = solution_of(panel, side).tail > request.strict
+            torque = work.net_torque
+            split = sampling.may_vanish(work, torque, NEGLIGIBLE, first, final, FIRST_POINT, last)
+    coarse = panels.solution_of(panel, side).tail > request.strict
     return SpeedExtremum(split, point, first, final, state.time, energy, side, coarse)
 
 
@@ -291,13 +261,13 @@ def _check(scene, work, panel, starting, state, passage, request):
 def _note_inside(scene, work, panel, state, passage, extremum, request, events):
     """Note the extremum and the reversal of a panel, and pass the reversal to the other side."""
     used, split, reversal = state.used, extremum.split, passage.reversal
-    after_reversal = AfterReversal(True, passage.energy, 0.0, 0.0, 0.0)
+    after_reversal = locate.AfterReversal(True, passage.energy, 0.0, 0.0, 0.0)
     if split or (reversal < 0 and extremum.point < 0):
         return Inside(split, used, after_reversal)
     x, slope = 1.0, 0.0
     if reversal >= 0:
-        other = solution_of(panel, -state.side)
-        if other.tail == UNSOLVED:
+        other = panels.solution_of(panel, -state.side)
+        if other.tail == panels.UNSOLVED:
             solve_side(scene, work, panel, -state.side)
         if other.tail > request.strict:
             return Inside(True, used, after_reversal)
@@ -305,22 +275,22 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         x = -1.0
         if passage.left_contact > 0.0:
             left, right = passage.left_contact, passage.contact
-            x, slope = locate(work, work.contact, reversal, left, right, 1.0)
+            x, slope = locate.locate(work, work.contact, reversal, left, right, 1.0)
     if extremum.point >= 0:
         kind = extremum_kind(state.rising)
         used = note_extremum(scene, events, used, kind, work, panel, extremum, x)
     if reversal >= 0:
-        instant = Instant(np.nan, np.nan, np.nan)
+        instant = locate.Instant(np.nan, np.nan, np.nan)
         if request.detail == Detail.EVERYTHING:
-            instant = reversal_at(scene, work, panel, state.side, x, slope, state.w)
+            instant = locate.reversal_at(scene, work, panel, state.side, x, slope, state.w)
         else:
             # E and time change with the square of an error of x only, so x needs no correction
-            weights_to(work, x)
+            locate.weights_to(work, x)
         time = state.time + instant.elapsed
         kind = np.int64(EventKind.REVERSAL)
         used = note(events, used, kind, instant.angle, time, instant.w)
         extrema = request.detail > Detail.TIME
-        after_reversal = pass_reversal(
+        after_reversal = locate.pass_reversal(
             scene, work, panel, state.side, reversal, request.strict, extrema, state.source
         )
     return Inside(not after_reversal.good, used, after_reversal)
@@ -337,7 +307,7 @@ def _advance(scene, panel, following, state, passage, extremum, inside):
             following, w, after.energy, -state.side, 1.0, state.time + after.length,
             state.exponent + after.exponent, after.source, inside.used, False,
         )  # fmt: skip
-    solution = solution_of(panel, state.side)
+    solution = panels.solution_of(panel, state.side)
     # the affine map of the panel is composed with that up to its left end
     rising = -state.rising if extremum.point >= 0 else state.rising
     return MarchState(

@@ -10,24 +10,37 @@ The panels of an engagement form a chain from left to right. The workspace is on
 the values that are needed on a single panel at a time.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from escapement.engines.energy.gauss import POINTS, N, tail_of
-from escapement.engines.energy.records import (
-    END,
-    FLAG,
-    NUMBER,
-    ROW,
-    WHOLE,
-    copy_end,
-    copy_row,
-    fill_end,
-    record_dtype,
-)
 from escapement.jit import inner_jit
-from escapement.mechanisms.slotted import transmission_on
+from escapement.mechanisms.slotted import transmission_at, transmission_on
+
+NUMBER, WHOLE, FLAG = np.float64, np.int64, np.bool_
+ROW = (NUMBER, (N,))
+"""Type of a row: the values at the Gauss points."""
+
+
+def record_dtype(fields: dict[str, Any]) -> np.dtype:
+    """Type of a record whose fields are attributes, both in kernels and in plain Python.
+
+    Parameters
+    ----------
+    fields : dict
+        Name of each field and its type: a number, a row or another record.
+    """
+    # numbers lie at multiples of eight bytes, which a flag before them would otherwise prevent
+    plain = np.dtype(
+        [(name, *kind) if kind is ROW else (name, kind) for name, kind in fields.items()],
+        align=True,
+    )
+    return np.dtype((np.record, plain))
+
+
+END = record_dtype({"g": NUMBER, "u": NUMBER, "dg": NUMBER})
+"""g, |u| and g' at one driver angle."""
 
 SOLUTION = record_dtype(
     {
@@ -113,15 +126,32 @@ def solution_of(panel, side):
 
 
 @inner_jit
-def choose_gauss_points(work):
-    """Put the Gauss points into the row from which `evaluate_geometry` takes its points."""
-    for i in range(N):
-        work.scratch[i] = POINTS[i]
+def fill_end(end, path, theta):
+    """Fill an `END` with g, |u| and g' at a driver angle."""
+    g, u, dg = transmission_at(path, theta)
+    end.g, end.u, end.dg = g, abs(u), dg
+
+
+@inner_jit
+def copy_end(end, other):
+    """Copy the `END` named `other`."""
+    end.g, end.u, end.dg = other.g, other.u, other.dg
+
+
+@inner_jit
+def copy_row(row, other, count):
+    """Copy the row named `other`; `count` is what `panels.points_of` gives."""
+    # assigning to a slice would take longer to compile, because of its error messages
+    for i in range(count & N):
+        row[i] = other[i]
 
 
 @inner_jit
 def evaluate_geometry(work, panel, path, rho, left, right):
-    """Evaluate g, |u| and g' of a panel at the points x in `work.scratch`, and at its ends."""
+    """Evaluate g, |u| and g' of a panel at the Gauss points, and at its ends."""
+    # `transmission_on` needs the points in a row of the workspace
+    for i in range(N):
+        work.scratch[i] = POINTS[i]
     half = 0.5 * (right - left)
     panel.left = left
     panel.half = half
@@ -136,7 +166,6 @@ def fill_geometry(work, panel, path, cells, rho, left, right):
     """Fill the geometry of a panel from the mechanism's cells, or evaluate it."""
     # the cells hold only the first halvings of an interval
     if panel.cell >= cells.shape[1]:
-        choose_gauss_points(work)
         evaluate_geometry(work, panel, path, rho, left, right)
         return
     cell = cells[panel.interval, panel.cell]

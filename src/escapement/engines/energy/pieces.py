@@ -10,28 +10,19 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics import drive, loss_per_angle, scene_of
+from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
 from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.march import OK
-from escapement.engines.energy.panels import (
-    FIRST_PANEL,
-    MAX_PANELS,
-    NO_PANELS,
-    choose_gauss_points,
-    evaluate_geometry,
-    new_store,
-    points_of,
-    solution_of,
-    tolerances,
-)
+from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
-from escapement.engines.energy.records import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
+from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
 
 MOTION_EVENT = record_dtype(
@@ -73,7 +64,7 @@ def _copy(table, to, filled):
 def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
     """All events of the engagements that start at the times `starts` with the w of `squares`.
 
-    `addresses`, `scene_tuple` and `cells` are as `prepare.prepared` gives them.
+    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them.
 
     Returns
     -------
@@ -81,18 +72,16 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
         The events of each engagement in turn; its entry comes first.
     """
     scene = scene_of(scene_tuple)
-    loose, strict = tolerances(rtol)
+    loose, strict = panels.tolerances(rtol)
     request = Request(np.int64(Detail.EVERYTHING), loose, strict)
-    store = new_store(MAX_PANELS)
+    store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * scene.edges.size, EVENT)
     table = np.empty(8 * starts.size + 64, MOTION_EVENT)
-    count, filled, rising = NO_PANELS, NO_EVENTS, 0.0
+    count, filled, rising = panels.NO_PANELS, NO_EVENTS, 0.0
     exit_ = scene.edges[-1]
     for k in range(starts.size):
         w, start = squares[k], starts[k]
-        found = march(
-            addresses, scene, cells, store, count, request, w, 0.0, rising, events, NO_EVENTS
-        )
+        found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
         count, rising, used = found.panels, found.rising, found.used
         if filled + used + 3 > table.shape[0]:
             larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
@@ -155,9 +144,9 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
     -------
     loss : work lost in friction over the piece.
     """
-    _loose, strict = tolerances(rtol)
-    store = new_store(ONE)
-    work, panel = store.workspace[0], store.panels[FIRST_PANEL]
+    _loose, strict = panels.tolerances(rtol)
+    store = panels.new_store(ONE)
+    work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
     ends = np.empty(_HALVINGS)
     waiting = 0
     part = Stretch(left, _next(scene.edges, left, end), 0.0, w)
@@ -175,7 +164,7 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
             waiting += 1
             part = Stretch(part.left, middle, part.time, part.w)
             continue
-        solution = solution_of(panel, side)
+        solution = panels.solution_of(panel, side)
         energy = part.w * (scene.rho + panel.entry.g**2)
         # E = alpha E_left + beta at the right end, and w = E/(rho + g^2), 0 after a stop
         after = solution.alpha_end * energy + solution.beta_end
@@ -207,10 +196,9 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
 @inner_jit
 def _solve(scene, work, panel, part, side, strict):
     """Solve a panel over a part of a piece; returns whether it is fine enough to interpolate."""
-    choose_gauss_points(work)
-    evaluate_geometry(work, panel, scene.path, scene.rho, part.left, part.right)
+    panels.evaluate_geometry(work, panel, scene.path, scene.rho, part.left, part.right)
     solve_side(scene, work, panel, side)
-    solution = solution_of(panel, side)
+    solution = panels.solution_of(panel, side)
     energy = part.w * (scene.rho + panel.entry.g**2)
     _against, stopped, _slowing = sample_panel(scene, work, panel, solution, side, energy)
     roughness = duration(work)[1]
@@ -232,7 +220,7 @@ def _read(scene, work, panel, part, length, end, times, theta, squares):
         g = transmission_at(scene.path, theta[j])[0]
         # E is interpolated, which is mostly smoother than w: the factor of w = E/(rho + g^2)
         # is then exact
-        squares[j] = dot(work.at_x, work.energy, points_of(work)) / (scene.rho + g * g)
+        squares[j] = dot(work.at_x, work.energy, panels.points_of(work)) / (scene.rho + g * g)
 
 
 @inner_jit
@@ -305,20 +293,15 @@ def _invert(work, target, whole_time):
 
     `whole_time` is the time over the panel, and `work.scratch` holds that to every point.
     """
-    count = points_of(work)
+    count = panels.points_of(work)
     x = 2.0 * target / whole_time - 1.0
     low, high = -1.0, 1.0
     for _ in range(60):
         weights_to(work, x)
-        passed = dot(work.from_left, work.scratch, count)
-        if passed > target:
-            high = x
-        else:
-            low = x
-        # Newton's method on the time, whose derivative by x is dt/dx, kept in its bracket
-        guess = x + (target - passed) / dot(work.at_x, work.slowness, count)
-        if not low <= guess <= high:
-            guess = 0.5 * (low + high)
+        # Newton's method on the time, whose derivative by x is dt/dx
+        over = dot(work.from_left, work.scratch, count) - target
+        slope = dot(work.at_x, work.slowness, count)
+        guess, low, high = newton_in_bracket(x, over, slope, low, high, True)
         step = abs(guess - x)
         x = guess
         if step <= 1e-8:

@@ -102,16 +102,16 @@ def clearly_against(work):
 
 
 @inner_jit
-def may_vanish(values, negligible, left, right, first, last, points):
+def may_vanish(work, values, negligible, left, right, first, last):
     """Whether a function of one sign at the points may vanish between them.
 
     Two zeros may lie between two points. The points from `first` to before `last` are tried,
     and the ends of the panel, at which the values are `left` and `right`, where these points
     reach them. A minimum of the absolute value is ignored where the values on both sides of
-    it are below `negligible` too. `points` is what `points_of` gives.
+    it are below `negligible` too. `values` is a row of `work`.
     """
     count, steep = 0, 0
-    for i in range(points - 1):
+    for i in range(points_of(work) - 1):
         # the product is positive for neighbours of one sign that are within a factor of two;
         # without a steeper pair the loop below can find nothing
         one, two = values[i], values[i + 1]

@@ -9,14 +9,15 @@ from functools import cached_property
 
 import numpy as np
 
+from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.handoffs import handoffs
 from escapement.engines.energy.march import OK, PAINLEVE, STALL
 from escapement.engines.energy.pieces import events_of, follow, states_in
-from escapement.engines.energy.prepare import prepared
 from escapement.model import Escapement, FloatArray
-from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
+from escapement.motion import Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
+from escapement.trajectory import Events, Extrema
 from escapement.validate import fail
 
 _EMPTY = np.empty(0)

@@ -4,17 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from escapement.engines.energy import cycle
 from escapement.engines.energy.batch import FIXED, solve_rows
-from escapement.engines.energy.cycle import (
-    CONTRACTION,
-    FIGURES,
-    RISE,
-    SETTLING,
-    V_MAX,
-    V_MIN,
-    W_HANDOFF,
-)
-from escapement.engines.energy.prepare import prepared
+from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.simulate import simulate
 from escapement.metrics import Figures
 from escapement.model import Escapement
@@ -29,7 +21,7 @@ def terminal(
     clock, scene = escapement.time_unit, escapement.scene
     w = (initial_speed * clock) ** 2
     numbers = np.array([[*scene[FIXED:], w]])
-    table, codes = np.empty((1, FIGURES)), np.empty(1, dtype=np.uint8)
+    table, codes = np.empty((1, cycle.FIGURES)), np.empty(1, dtype=np.uint8)
     solve_rows(*prepared(escapement), numbers, rtol, table, codes)
     out, code = table[0], int(codes[0])
     status = Status(code)
@@ -39,24 +31,24 @@ def terminal(
     if status is not Status.OK:
         return replace(base, status=status, message=MESSAGES[status])
     # w is in units of 1/clock^2
-    handoff = float(np.sqrt(out[W_HANDOFF]) / clock)
-    cycle = simulate(escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol)
+    handoff = float(np.sqrt(out[cycle.W_HANDOFF]) / clock)
+    motion = simulate(escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol)
     # the period of the motion that is returned, so that its end time has the same digits
-    period = float(cycle.end_time)
+    period = float(motion.end_time)
     message = base.message
-    if np.isnan(out[SETTLING]):
-        both = "rise and settling time are" if np.isnan(out[RISE]) else "settling time is"
+    if np.isnan(out[cycle.SETTLING]):
+        both = "rise and settling time are" if np.isnan(out[cycle.RISE]) else "settling time is"
         message = f"{both} not given: beyond 1 000 000 engagements"
     return replace(
         base,
-        velocity_max=float(out[V_MAX] / clock),
-        velocity_min=float(out[V_MIN] / clock),
+        velocity_max=float(out[cycle.V_MAX] / clock),
+        velocity_min=float(out[cycle.V_MIN] / clock),
         velocity_mean=escapement.mechanism.cell_angle / period,
         period=period,
-        rise_time=float(out[RISE] * clock),
-        settling_time=float(out[SETTLING] * clock),
+        rise_time=float(out[cycle.RISE] * clock),
+        settling_time=float(out[cycle.SETTLING] * clock),
         handoff_velocity=handoff,
-        contraction=float(out[CONTRACTION]),
-        motion=cycle,
+        contraction=float(out[cycle.CONTRACTION]),
+        motion=motion,
         message=message,
     )

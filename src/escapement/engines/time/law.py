@@ -4,16 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import (
-    acceleration,
-    contact,
-    contact_moment,
-    drive,
-    scene_of,
-    side_at,
-    signed_loss,
-    tabulate,
-)
+from escapement import dynamics
+from escapement.dynamics import scene_of
 from escapement.jit import jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model import Escapement, FloatArray
@@ -46,7 +38,7 @@ class Law(NamedTuple):
 
     def acceleration(self, theta: float, speed: float, side: float) -> float:
         """Driver acceleration while the given side of the slot carries the force."""
-        return float(acceleration_at(theta, speed**2, side, self.plain))
+        return float(self.tabulate(np.array([theta]), np.array([speed**2]), side)[0][0])
 
     def force(self, theta: float, w: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal."""
@@ -60,12 +52,9 @@ class Law(NamedTuple):
         self, theta: FloatArray, w: FloatArray, side: float
     ) -> tuple[FloatArray, FloatArray]:
         """Acceleration, and `force`, at many driver angles."""
-        table = np.empty((4, theta.size))
-        tabulate(self.scene, theta, w, side, table)
-        g, dg, rates, _moment = table
-        scene = self.scene
-        # X = N R J_s knows neither friction nor the side; `dynamics.contact` for many angles
-        return rates, scene.rho * (dg * w + scene.load) + g * drive(scene)
+        table = np.empty((5, theta.size))
+        dynamics.tabulate(self.scene, theta, w, side, table)
+        return table[2], table[4]
 
 
 @jit(allocates=True)
@@ -73,15 +62,7 @@ def contact_at(theta, w, plain):
     """X at a driver angle; solve_ivp asks for it at every step."""
     scene = scene_of(plain)
     g, _u, dg = transmission_at(scene.path, theta)
-    return contact(g, dg, w, scene)
-
-
-@jit(allocates=True)
-def acceleration_at(theta, w, side, plain):
-    """Driver acceleration at a driver angle."""
-    scene = scene_of(plain)
-    g, u, dg = transmission_at(scene.path, theta)
-    return acceleration(g, u, dg, w, side, scene)
+    return dynamics.contact(g, dg, w, scene)
 
 
 @jit(allocates=True)
@@ -89,7 +70,7 @@ def side_from(theta, w, plain):
     """Side of the slot that carries the force from a driver angle on."""
     scene = scene_of(plain)
     g, _u, dg = transmission_at(scene.path, theta)
-    return side_at(g, dg, w, scene)
+    return dynamics.side_at(g, dg, w, scene)
 
 
 @jit(allocates=True)
@@ -105,9 +86,9 @@ def slope(x, y, anchor, unit, side, plain):
     w = (unit * y[1]) ** 2
     out[0] = y[1]
     # J_s theta_ddot = 1 - p_s (g' w + load)
-    out[1] = acceleration(g, u, dg, w, side, scene) / unit**2
+    out[1] = dynamics.acceleration(g, u, dg, w, side, scene) / unit**2
     # The loss is mu |N R| |u| theta_dot. It is taken with the sign of N, so that it stays
     # smooth where a trial step runs past the reversal.
-    moment = contact_moment(g, u, dg, w, side, scene)
-    out[2] = signed_loss(side, scene) * abs(u) * moment * y[1] / unit**2
+    moment = dynamics.contact_moment(g, u, dg, w, side, scene)
+    out[2] = dynamics.signed_loss(side, scene) * abs(u) * moment * y[1] / unit**2
     return out

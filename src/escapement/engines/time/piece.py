@@ -8,20 +8,29 @@ or that which the torque gives the driver over a cell, so that every piece takes
 time of order one and absolute tolerances mean the same at any speed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, minimize_scalar
 
-from escapement.engines.time.crossings import ROUNDING, find_roots, sample_times
 from escapement.engines.time.law import Law, slope
 from escapement.model import FloatArray
 
 MOST_STEPS = 25_000
 """Solver steps that a piece may take, a second or two; DOP853 needs fifty."""
 _LEAST_ATOL = 1e-30  # with an atol of zero solve_ivp would divide 0 by 0
+_PER_STEP = 8
+"""Samples of each solver step."""
+_FINEST = 1e-18
+"""Absolute error of a root, for a piece whose time is of order one."""
+_ROUNDING = 1e-9
+"""Of the greatest value: less than this at the end of a piece may be rounding."""
+
+RealFunction = Callable[[float], float]
 
 
 class NotConverged(Exception):
@@ -101,14 +110,6 @@ class _Spliced(NamedTuple):
         return np.where(x < self.join, self.before(x), self.after(x))
 
 
-class _Samples(NamedTuple):
-    """Accelerations and contact forces at times within every solver step."""
-
-    times: FloatArray
-    rates: FloatArray
-    forces: FloatArray
-
-
 def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     """Integrate until the goal, the next pin reversal, a stop or the end of the time.
 
@@ -121,14 +122,14 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     problem = _Problem(law, task, options, unit, _absolute_tolerances(law, task, options, unit))
     y = [task.theta - task.anchor, task.speed / unit, 0.0]
     solved = problem.integrate((0.0, task.time * unit), y, events=problem.events())
-    samples = problem.sample(solved)
-    end, ending = problem.find_end(solved, samples)
+    times, rates, forces = problem.sample(solved)
+    end, ending = problem.find_end(solved, times, forces)
     dense, end = problem.retake_last_step(solved, end, ending)
     # extrema of the speed are roots of the acceleration
-    kept = samples.times < end
+    kept = times < end
     last_rate = problem.rate(end, dense(end))
-    times, rates = np.append(samples.times[kept], end), np.append(samples.rates[kept], last_rate)
-    extrema = find_roots(lambda x: problem.rate(x, dense(x)), times, rates)
+    times, rates = np.append(times[kept], end), np.append(rates[kept], last_rate)
+    extrema = _find_roots(lambda x: problem.rate(x, dense(x)), times, rates)
     roots = [x / unit for x in extrema]
     return Solution(dense, task.anchor, unit, end / unit, ending, roots, float(rates[0]), last_rate)
 
@@ -193,31 +194,31 @@ class _Problem:
             raise NotConverged(f"method {method!r} gives up: {solved.message}")
         return solved
 
-    def sample(self, solved: Any) -> _Samples:
-        """Accelerations and forces within every step, from the dense output."""
-        times = sample_times(solved.t)
+    def sample(self, solved: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Times within every step, and accelerations and forces there, from the dense output."""
+        times = _sample_times(solved.t)
         (angle, pace, _loss), sign = solved.sol(times), self.task.sign
         w = (self.unit * pace) ** 2
         rates, forces = self.law.tabulate(angle + self.task.anchor, w, sign)
         # a start on the reversal itself is not another one
         forces[0] = sign * abs(forces[0])
-        return _Samples(times, rates, forces)
+        return times, rates, forces
 
-    def find_end(self, solved: Any, samples: _Samples) -> tuple[float, Ending]:
+    def find_end(self, solved: Any, times: FloatArray, forces: FloatArray) -> tuple[float, Ending]:
         """When the piece ends, and why.
 
         solve_ivp misses two crossings of the force inside one step, so that the force is
         searched again between its steps.
         """
-        arrived, reversed_, stopped = (times.size > 0 for times in solved.t_events)
-        last, forces, sign = float(samples.times[-1]), samples.forces, self.task.sign
+        arrived, reversed_, stopped = (roots.size > 0 for roots in solved.t_events)
+        last, sign = float(times[-1]), self.task.sign
         if reversed_:
             # the last sample is the root that solve_ivp found: it counts as beyond it
             forces[-1] = -sign * abs(forces[-1])
-        elif abs(forces[-1]) <= ROUNDING * np.abs(forces).max():
+        elif abs(forces[-1]) <= _ROUNDING * np.abs(forces).max():
             # the force may vanish at the goal, g = g' = 0, where its sign is rounding
             forces[-1] = sign * abs(forces[-1])
-        turns = find_roots(lambda x: self.force(solved.sol(x)), samples.times, forces)
+        turns = _find_roots(lambda x: self.force(solved.sol(x)), times, forces)
         if reversed_:
             turns.append(last)
         if turns:
@@ -290,3 +291,67 @@ def _stops_soon(law: Law, task: Task) -> bool:
     """
     braking = -law.acceleration(task.theta, task.speed, task.sign)
     return task.speed > 0.0 and bool(braking * 0.2 * (task.end - task.theta) > task.speed**2)
+
+
+def _sample_times(steps: FloatArray) -> FloatArray:
+    """The ends of a solver's steps, with evenly spaced times inside each."""
+    inner = np.arange(_PER_STEP) / _PER_STEP
+    times = steps[:-1, None] + np.diff(steps)[:, None] * inner
+    return np.append(times.reshape(-1), steps[-1])
+
+
+def _find_roots(function: RealFunction, x: FloatArray, f: FloatArray) -> list[float]:
+    """All roots of `function`, ascending, given its values `f` at `x`.
+
+    solve_ivp compares the signs of an event function at the ends of a step, so that it misses
+    two roots inside one step. With a load an engagement may have two pin reversals, as close
+    to each other as one likes (PHYSICS.md 2).
+
+    Where |f| has a minimum between values of one sign, that minimum is computed, so that
+    a pair of close roots is found. At the ends the sign of `f` counts, whatever the sign
+    of the function, which may be rounding there.
+    """
+    x, f = _add_dips(function, x, f)
+    sides = np.sign(f)
+    changes = np.nonzero(sides[:-1] * sides[1:] < 0.0)[0]
+    return [_root_between(function, float(x[i]), float(x[i + 1])) for i in changes]
+
+
+def _root_between(function: RealFunction, low: float, high: float) -> float:
+    at_low, at_high = function(low), function(high)
+    if np.sign(at_low) * np.sign(at_high) < 0.0:
+        return float(brentq(function, low, high, xtol=_FINEST, rtol=1e-15, maxiter=500))
+    # one end is a root up to rounding, which hides the change of sign
+    return low if abs(at_low) < abs(at_high) else high
+
+
+def _add_dips(
+    function: RealFunction, x: FloatArray, f: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Samples, with the minimum of |f| added wherever f may cross zero twice between two."""
+    size, sides = np.abs(f), np.sign(f)
+    inner = np.nonzero(
+        (size[1:-1] <= size[:-2])
+        & (size[1:-1] <= size[2:])
+        & (sides[:-2] * sides[1:-1] > 0.0)
+        & (sides[1:-1] * sides[2:] > 0.0)
+        & (size[1:-1] < 0.1 * size.max(initial=0.0))
+    )[0]
+    # index of each least sample, and how far beyond zero its minimum has to reach
+    dips = {int(i): 0.0 for i in inner[::-1] + 1}
+    # no sample follows the last one, so that the minimum may lie before it, or be that sample
+    if size.size > 1 and sides[-2] * sides[-1] > 0.0 and size[-1] < min(size[-2], 0.1 * size.max()):
+        dips = {size.size - 1: _ROUNDING * float(size.max())} | dips
+    # from the last to the first, so that an insertion moves no index that is still to come
+    for i, depth in dips.items():
+        side, low, high = sides[i], x[i - 1], x[min(i + 1, size.size - 1)]
+        dip = minimize_scalar(
+            lambda at, side=side: side * function(at),
+            bounds=(low, high),
+            method="bounded",
+            options={"xatol": 1e-12 * (high - low)},
+        )
+        if dip.fun < -depth:
+            place = np.searchsorted(x, dip.x)
+            x, f = np.insert(x, place, dip.x), np.insert(f, place, side * dip.fun)
+    return x, f

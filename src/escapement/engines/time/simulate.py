@@ -16,9 +16,10 @@ from escapement.dynamics import drive, free_gain
 from escapement.engines.time.law import Law
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
 from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
-from escapement.motion import Events, Extrema, Motion, no_motion, stall_message
+from escapement.motion import Motion, no_motion, stall_message
 from escapement.painleve import critical_friction
 from escapement.status import MESSAGES, Status
+from escapement.trajectory import Events, Extrema
 
 _SHARPER = 0.02
 """Local tolerance over the one asked for, because errors add up over a motion."""
@@ -44,16 +45,6 @@ class FreeTurn(NamedTuple):
         """Driver angle [rad], speed and friction loss in natural units."""
         gain = time * self.rate
         return self.theta + time * (self.speed + 0.5 * gain), self.speed + gain, 0.0 * time
-
-
-class SolvedPiece(NamedTuple):
-    """A piece of a motion in natural units; `sign` is 0 in a dwell."""
-
-    start: float
-    engagement: int
-    sign: float
-    friction_loss: float
-    solution: Solution | FreeTurn
 
 
 class Event(NamedTuple):
@@ -95,6 +86,7 @@ class _Simulation:
     """A motion in natural units that is continued piece by piece.
 
     spans : end of each smooth interval, and the one of its ends where the follower is slow [rad].
+    pieces : start, engagement, sign (0 in a dwell), friction loss and solution of each.
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
@@ -109,7 +101,7 @@ class _Simulation:
     engagement: int = 0
     trend: float = 0.0
     stalled: bool = False
-    pieces: list[SolvedPiece] = field(default_factory=list)
+    pieces: list[tuple[Any, ...]] = field(default_factory=list)
     handoffs: list[tuple[float, float]] = field(default_factory=list)
     reversals: list[Event] = field(default_factory=list)
     extrema: list[Event] = field(default_factory=list)
@@ -179,7 +171,7 @@ class _Simulation:
             self.time, self.speed = self.time + length, float(arrival)
 
     def _add(self, sign: float, loss: float, solution: Solution | FreeTurn) -> None:
-        self.pieces.append(SolvedPiece(self.time, self.engagement, sign, loss, solution))
+        self.pieces.append((self.time, self.engagement, sign, loss, solution))
 
     def _note_reversal(self) -> None:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""
@@ -271,7 +263,7 @@ def _in_si(run: _Simulation, clock: float, torque: float, cell: float) -> Solved
         numbers = index.astype(int)
         return numbers, time * clock, theta + numbers * cell, speed / clock, maximum.astype(bool)
 
-    solutions = [piece.solution for piece in run.pieces]
+    solutions = [piece[4] for piece in run.pieces]
     rows = np.array([piece[:4] for piece in run.pieces], dtype=float).reshape(-1, 4)
     start, engagement, sign, loss = np.ascontiguousarray(rows.T)
     reversals, extrema = Events(*events(run.reversals)[:4]), Extrema(*events(run.extrema))

@@ -29,22 +29,15 @@ _CLOSE = 1e-9
 """Relative distance of a speed that still falls from one that stalls: there is no cycle between."""
 
 
+_Bracket = tuple[float, float]
+"""Squared speeds below and above that of the terminal cycle [rad^2/s^2]."""
+
+
 class _Engagement(NamedTuple):
     """One engagement, and what it adds to the squared speed [rad^2/s^2]."""
 
     motion: Motion
     gain: float
-
-    @property
-    def complete(self) -> bool:
-        return self.motion.status is Status.OK
-
-
-class _Bracket(NamedTuple):
-    """Squared speeds below and above that of the terminal cycle [rad^2/s^2]."""
-
-    low: float
-    high: float
 
 
 def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
@@ -97,12 +90,9 @@ def bracketed_cycle(
         )
         return _Engagement(motion, _gain(motion, w))
 
-    def gain(w: float) -> float:
-        return engage(w).gain
-
     w = initial_speed**2
     first = engage(w)
-    if not first.complete:
+    if first.motion.status is not Status.OK:
         return first.motion, math.nan
     grows = first.gain > 0.0
     bracket = _bracket_above(engage, w, first.gain) if grows else _bracket_below(engage, w)
@@ -111,10 +101,12 @@ def bracketed_cycle(
             bracket = _until_stall(escapement, initial_speed=initial_speed, **settings)
         return bracket, math.nan
     # the relative tolerance alone counts, because w may be of any size
-    w = toms748(gain, *bracket, xtol=1e-300, rtol=max(settings["rtol"], 1e-15), k=2)
+    w = toms748(
+        lambda x: engage(x).gain, *bracket, xtol=1e-300, rtol=max(settings["rtol"], 1e-15), k=2
+    )
     # dw_out/dw_in = 1 + d(gain)/dw, by a central difference
     step = 1e-4 * w
-    slope = 1.0 + (gain(w + step) - gain(w - step)) / (2.0 * step)
+    slope = 1.0 + (engage(w + step).gain - engage(w - step).gain) / (2.0 * step)
     return engage(w).motion, float(slope)
 
 
@@ -150,10 +142,10 @@ def _bracket_above(
     high = max(4.0 * low, low + 2.0 * gain)
     while True:
         trial = engage(high)
-        if not trial.complete:
+        if trial.motion.status is not Status.OK:
             return trial.motion
         if not trial.gain > 0.0:
-            return _Bracket(low, high)
+            return low, high
         # no speed is terminal where a table's ratio is constant: the gain falls to rounding
         if Law.of(trial.motion.escapement).is_table and trial.gain < BOUNDLESS * high:
             status = Status.NO_TERMINAL
@@ -171,9 +163,9 @@ def _bracket_below(engage: Callable[[float], _Engagement], high: float) -> _Brac
     stops_at, trial = 0.0, 0.5 * high
     while stopped is None or stops_at < (1.0 - _CLOSE) * high:
         found = engage(trial)
-        if found.complete and not found.gain < 0.0:
-            return _Bracket(trial, high)
-        if found.complete:
+        if found.motion.status is Status.OK:
+            if not found.gain < 0.0:
+                return trial, high
             # still a loss: the terminal speed, if there is one, is lower
             high = trial
         elif found.motion.status is Status.STALL:
