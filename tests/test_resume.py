@@ -146,7 +146,7 @@ def test_partial_results_are_not_dropped_unless_forced(tmp_path):
     path = tmp_path / "a.h5"
     interrupted(path)
     with pytest.raises(
-        CannotCreate, match="continue with resume=True or start over with force=True"
+        CannotCreate, match=r"continue with resume=True \(--resume\) or start over with force=True"
     ):
         write_plan(plan(), path)
     assert write_plan(plan(), path, force=True).resumed == 0
@@ -290,7 +290,7 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
         "escapement: error: interrupted",
     ]
     assert main(["sweep", "s.toml", "--quiet"]) == 73
-    assert "continue with --resume" in capsys.readouterr().err
+    assert "continue with resume=True (--resume)" in capsys.readouterr().err
     assert main(["sweep", "s.toml", "--resume"]) == 0
     errors = capsys.readouterr().err
     assert re.search(r"40 cases in s.h5, \d+ of them from before", errors)
