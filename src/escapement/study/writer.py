@@ -146,7 +146,7 @@ class StudyWriter:
             raise ValueError(f"the study lacks {lacking} blocks")
         blocks = map(self._journal.block, range(len(self.cut)))
         try:
-            self._journal.sync()
+            self._journal.check()
             write_blocks(self._frame, self._path, blocks, self._force, self._temporary)
         except CannotCreate:
             raise
