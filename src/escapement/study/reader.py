@@ -11,7 +11,7 @@ import numpy as np
 from escapement.errors import CannotCreate, EscapementError, InputFileError, InvalidValue
 from escapement.files import check_input
 from escapement.status import Status
-from escapement.study.journal import difference
+from escapement.study.identity import difference
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
 
 T = TypeVar("T")

@@ -25,7 +25,8 @@ from escapement.files import (
 )
 from escapement.status import Status
 from escapement.study.block import CELLS, Block, blocks_of, encode_block
-from escapement.study.journal import Journal, journal_head
+from escapement.study.identity import journal_head
+from escapement.study.journal import Journal
 from escapement.study.reader import failed_cases
 from escapement.study.result import RESULTS, Study
 
