@@ -5,6 +5,7 @@ import re
 import sqlite3
 import subprocess
 import sys
+import time
 from contextlib import closing
 
 import numpy as np
@@ -244,8 +245,11 @@ def test_the_second_of_two_is_told_so(tmp_path):
         assert first.stdout.readline() == "0\n"
         before = partial_path(path).read_bytes()
         for options in ({}, {"resume": True}, {"force": True}):
-            with pytest.raises(CannotCreate, match="another process is writing it"):
+            begin = time.monotonic()
+            with pytest.raises(CannotCreate, match="another process is writing it") as caught:
                 tools.write(path, tools.small_study(), **options)
+            assert time.monotonic() - begin > 2.0  # it waits for one that was just killed
+            assert "\n" not in str(caught.value)
         assert partial_path(path).read_bytes() == before
         first.kill()
     assert tools.missing(path) == list(range(1, 10))  # a dead process holds no lock

@@ -78,14 +78,12 @@ def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
         raise InputFileError(f"study {path} must be readable; check its permissions") from None
     except EscapementError:
         raise
-    except (OSError, RuntimeError) as error:
+    except DAMAGE as error:
         if not h5py.is_hdf5(file):
             raise InputFileError(
                 f"study {path} must be an HDF5 file, and is not or is cut short; "
                 "name a file that escapement sweep wrote"
             ) from None
-        raise _damaged(path, error) from None
-    except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise _damaged(path, error) from None
 
 
