@@ -36,10 +36,6 @@ def ivp(**changes):
     return esc.simulate(TIMER, 1, **({"engine": "ivp"} | changes))
 
 
-def first_steps(**changes):
-    return esc.simulate(TIMER, 1, **changes)
-
-
 def study(kind="geneva", **changes):
     content = {"mechanism": {"kind": kind} | MACHINES[kind], "torque": 1.0}
     content |= {"inertia": {"driver": 1.0, "follower": 1.0}, "sweep": {"initial_speed": [0.1]}}

@@ -86,7 +86,6 @@ def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
     ("choice", "said"),
     [
         ({"start": -1.0}, "film must be a part of the motion's"),
-        ({"stop": 1e9}, "film must be a part of the motion's"),
         ({"start": 1e-3, "stop": 1e-3}, "film must be a part of the motion's"),
         ({"frames": 1}, "frames must be a whole number of at least 2"),
         ({"frames": 5000}, "frames must be a whole number of at most 2000"),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from bad_calls import BAD, INERTIA, MACHINES, MODEL, TIMER, built, maker, study, wheel
+from bad_calls import BAD, INERTIA, MACHINES, TIMER, WHEEL, built, ivp, maker, study, wheel
 from escapement.cli._arguments import option
 from escapement.errors import InvalidValue
 from escapement.model import Run
@@ -77,24 +77,38 @@ def test_the_command_line_refuses(refusal, name, value):
     check_message(said.removeprefix("escapement: error: ").strip(), option(name))
 
 
-def test_a_number_in_an_array_without_dimensions_is_a_number():
-    assert built(torque=np.array(0.0113), friction=np.float32(0.25)) == built(friction=0.25)
-    assert wheel(slots=np.array(5)) == wheel(slots=np.int8(5)) == wheel(slots=5)
+def test_numbers_of_numpy_are_numbers():
+    single = built(torque=np.float64(0.0113), friction=np.float32(0.25))
+    assert single == built(friction=0.25)
+    assert type(single.friction) is float
+    assert wheel(slots=np.int8(5), internal=np.False_) == wheel(slots=5)
+    with pytest.raises(InvalidValue, match="friction must be a finite number, got masked"):
+        built(friction=np.ma.masked)
 
 
-OBJECTS = {
-    "mechanism": (built, (4, None, "geneva", esc.Geneva, INERTIA)),
-    "inertia": (built, ((1.0, 2.0), None, 1.0, esc.Inertia)),
-    "escapement": (esc.simulate, (None, TIMER.mechanism, esc.Escapement)),
-}
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [(name, value) for name, (_, all_) in OBJECTS.items() for value in all_]
-)
-def test_an_object_of_another_class_is_refused(name, value):
+@pytest.mark.parametrize("settings", [{"engine": ["ivp"]}, {"rtol": [1e-9]}, {"method": {}}])
+def test_settings_of_no_sense_are_refused_like_others(settings):
     with pytest.raises(InvalidValue) as caught:
-        OBJECTS[name][0](**{name: value})
+        ivp(**settings)
+    check_message(str(caught.value), *settings)
+
+
+def test_a_refusal_names_the_unit(refusal):
+    with pytest.raises(InvalidValue, match=r"give the crank radius in m \(in with units in-lbf-s"):
+        wheel(crank_radius=0.0)
+    assert "give the driver speed in rad/s, 0 to start" in refusal(2, "run", "--initial-speed", "x")
+    assert "give the angle in degree, " in refusal(2, "run", "--cell-angle", "x")
+
+
+OBJECTS = [(built, "mechanism", value) for value in (4, None, "geneva", esc.Geneva, INERTIA)]
+OBJECTS += [(built, "inertia", value) for value in ((1.0, 2.0), None, 1.0, esc.Inertia)]
+OBJECTS += [(esc.simulate, "escapement", value) for value in (None, WHEEL, esc.Escapement)]
+
+
+@pytest.mark.parametrize(("call", "name", "value"), OBJECTS)
+def test_an_object_of_another_class_is_refused(call, name, value):
+    with pytest.raises(InvalidValue) as caught:
+        call(**{name: value})
     check_message(str(caught.value), name)
 
 
@@ -104,6 +118,7 @@ TOGETHER = {
     "slots": (lambda: esc.Geneva(10**7), "slots must be a whole number of at most 1000000"),
     "both": (lambda: esc.simulate(TIMER, 3, duration=1.0), "must not both be given, got 3 and 1.0"),
     "method": (lambda: esc.simulate(TIMER, method="RK45"), "left out with engine 'energy'"),
+    "share": (lambda: built(efficiency=2), "efficiency must be at least 0.001 and at most 1, got"),
     "loss": (lambda: built(efficiency=0.9), "efficiency must be 1 for a slotted mechanism"),
     "many": (lambda: esc.simulate(TIMER, 10**8), "engagements must be a whole number of at most"),
     "slow": (lambda: esc.simulate(TIMER, 10_001, engine="ivp"), "whole number of at most 10000"),
@@ -144,9 +159,3 @@ def test_numbers_that_no_double_can_hold_end_in_a_status(changes, speed, engine)
     assert "choose inertias, torques and a speed of similar size" in motion.message
     assert motion.handoff_times.size == 0
     assert math.isnan(figures.velocity_max)
-
-
-def test_such_numbers_end_in_a_status_on_the_command_line_too(command):
-    code, _, err = command("run", *MODEL, "--initial-speed", "1e300")
-    assert code == 3
-    assert "choose inertias, torques and a speed of similar size" in err

@@ -22,6 +22,7 @@ MEYER = [
 TIMER = esc.Escapement(
     esc.Geneva(4), esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.10 * INCH_POUND, 0.35
 )
+RUN = ["run", "--friction", ".35", *MEYER]
 (REFERENCE,) = [
     case
     for case in json.loads((Path(__file__).parent / "reference" / "motions.json").read_text())
@@ -45,17 +46,23 @@ def test_help_names_what_the_solver_knows(command):
     assert {f"{rtol:g}" for rtol in DEFAULT_RTOL.values()} <= {w.strip(")") for w in words}
 
 
+def table(command, *argv):
+    """The rows that a command prints, as words by name."""
+    code, out, _ = command(*argv)
+    assert code == 0
+    return {name: rest.split() for name, rest in (row.split("  ", 1) for row in out.splitlines())}
+
+
 def test_run_json_is_one_object_with_the_promised_keys(command):
-    code, out, err = command("run", "--friction", ".35", *MEYER, "--json")
+    code, out, err = command(*RUN, "--json")
     record = json.loads(out)
     assert (code, err) == (0, "")
     assert set(record) == RUN_KEYS
-    figures = esc.terminal(TIMER).as_dict()
+    figures = esc.terminal(TIMER)
     for name in ("velocity_max", "period", "rise_time", "settling_time", "acceleration_max"):
-        assert record[name] == pytest.approx(figures[name], rel=1e-12)
-    assert record["contact_moment_max"] == pytest.approx(
-        figures["contact_moment_max"] / INCH_POUND, rel=1e-12
-    )
+        assert record[name] == pytest.approx(getattr(figures, name), rel=1e-12)
+    moment = figures.contact_moment_max / INCH_POUND
+    assert record["contact_moment_max"] == pytest.approx(moment, rel=1e-12)
     assert len(record["handoff_times"]) == 20
     for name in ("handoff_times", "handoff_velocities"):
         assert record[name] == pytest.approx([float(x) for x in REFERENCE[name]], rel=1e-9)
@@ -63,59 +70,59 @@ def test_run_json_is_one_object_with_the_promised_keys(command):
     assert (record["status"], record["engine"]) == ("ok", "energy")
 
 
-def test_run_reports_the_force_where_there_is_a_crank_radius(command):
-    options = ["run", "--friction", ".35", *MEYER, "--crank-radius", ".2"]
-    record = json.loads(command(*options, "--json")[1])
+def test_run_reports_the_force_where_there_is_a_crank_radius(command, report):
+    options = [*RUN, "--crank-radius", ".2"]
+    record = report(*options)
     assert set(record) == RUN_KEYS | {"contact_force_max"}
     wheel = esc.Geneva(4, crank_radius=0.2 * INCH)
     force = esc.terminal(replace(TIMER, mechanism=wheel)).contact_force_max / POUND_FORCE
     assert record["contact_force_max"] == pytest.approx(force, rel=1e-12)
-    rows = dict(line.split("  ", 1) for line in command(*options)[1].splitlines())
-    assert rows["contact force max"].split() == [f"{force:.6g}", "lbf"]
+    rows = table(command, *options)
+    moment = f"{record['contact_moment_max']:.6g}"
+    assert rows["contact force max"] == [f"{force:.6g}", "lbf"]
+    assert rows["velocity max"] == [f"{record['velocity_max']:.6g}", "rad", "s-1"]
+    assert rows["contact moment max"] == [moment, "in", "lbf"]
+    assert rows["status"] == ["ok"]
 
 
-def test_run_says_why_a_mesh_has_no_critical_friction(command):
-    lengths = ["--sun-radius", ".6", "--planet-radius", ".3"]
-    options = ["run", "elliptical-planetary", *lengths, *MEYER, "--json"]
-    code, out, _ = command(*options, "--efficiency", ".9")
-    record = json.loads(out)
-    assert (code, record["status"], record["critical_friction"]) == (0, "ok", None)
+def test_run_says_why_a_mesh_has_no_critical_friction(report):
+    options = ["run", "elliptical-planetary", "--sun-radius", ".6", "--planet-radius", ".3", *MEYER]
+    record = report(*options, "--efficiency", ".9")
+    assert (record["status"], record["critical_friction"]) == ("ok", None)
     assert record["message"] == "critical_friction is not given: a mesh has no Painleve limit"
-    record = json.loads(command(*options)[1])
+    record = report(*options)
     assert (record["status"], record["velocity_max"]) == ("no_terminal", None)
     assert "no terminal velocity" in record["message"]
     assert record["message"].endswith("a mesh has no Painleve limit")
 
 
 def test_run_refuses_a_figure_of_very_many_engagements(command, tmp_path):
-    options = ["--friction", ".35", *MEYER, "--engagements", "10001", "--plot", "m.png"]
-    code, out, err = command("run", *options)
+    code, out, err = command(*RUN, "--engagements", "10001", "--plot", "m.png")
     assert (code, out) == (2, "")
     assert "--plot must come with at most 10000 engagements, got 10001" in err
     assert list(tmp_path.iterdir()) == []
 
 
 def test_run_shows_how_far_a_long_motion_is_written(command, monkeypatch):
-    options = ["run", "--friction", ".35", *MEYER, "--engagements", "2", "-o"]
+    options = [*RUN, "--engagements", "2", "-o"]
     assert command(*options, "short.h5")[2] == ""
     monkeypatch.setattr("escapement.cli.run._LONG", 2)
     assert "samples" in command(*options, "long.h5")[2]
 
 
-def test_run_gives_the_same_motion_in_either_system(command):
-    inches = json.loads(command("run", "--friction", ".3", *MEYER, "--json")[1])
+def test_run_gives_the_same_motion_in_either_system(report):
+    inches = report(*RUN)
     options = {"--torque": 0.1, "--driver-inertia": 3e-6, "--follower-inertia": 50e-6}
     metric = [word for name, value in options.items() for word in (name, value * INCH_POUND)]
-    si = json.loads(command("run", "--friction", ".3", *metric, "--json")[1])
+    si = report("run", "--friction", ".35", *metric)
     assert si["period"] == pytest.approx(inches["period"], rel=1e-12)
-    assert si["contact_moment_max"] == pytest.approx(
-        inches["contact_moment_max"] * INCH_POUND, rel=1e-9
-    )
+    moment = inches["contact_moment_max"] * INCH_POUND
+    assert si["contact_moment_max"] == pytest.approx(moment, rel=1e-9)
 
 
 def test_run_tells_what_went_in_in_both_systems_of_units(command, report):
     """Inches taken for metres show at once."""
-    options = ["run", "--friction", ".35", "--crank-radius", "2", *MEYER]
+    options = [*RUN, "--crank-radius", "2"]
     inputs = report(*options)["inputs"]
     assert {key: inputs[key] for key in ("units", "kind", "slots", "pins", "friction")} == {
         "units": "in-lbf-s", "kind": "geneva", "slots": 4, "pins": 4, "friction": 0.35
@@ -126,36 +133,25 @@ def test_run_tells_what_went_in_in_both_systems_of_units(command, report):
         expected = {"SI": number * unit, "in-lbf-s": number}
         assert inputs[name] == pytest.approx(expected, rel=1e-15)
     assert (inputs["initial_speed"], inputs["engagements"], inputs["rtol"]) == (0.0, 20, 1e-12)
-    rows = dict(line.split("  ", 1) for line in command(*options)[1].splitlines())
-    assert rows["torque"].split() == ["0.1", "in", "lbf", "=", "0.0112985", "N", "m"]
-    assert rows["crank radius"].split() == ["2", "in", "=", "0.0508", "m"]
-    lasting = report("run", *MEYER, "--friction", ".3", "--duration", ".1")["inputs"]
+    rows = table(command, *options)
+    assert rows["torque"] == ["0.1", "in", "lbf", "=", "0.0112985", "N", "m"]
+    assert rows["crank radius"] == ["2", "in", "=", "0.0508", "m"]
+    lasting = report(*RUN, "--duration", ".1")["inputs"]
     assert lasting["duration"] == 0.1
     assert "engagements" not in lasting
 
 
-def test_run_table_says_the_same_as_the_json(command, report):
-    record = report("run", "--friction", ".35", *MEYER)
-    code, out, err = command("run", "--friction", ".35", *MEYER)
-    rows = dict(line.split("  ", 1) for line in out.splitlines())
-    assert (code, err) == (0, "")
-    assert rows["velocity max"].split() == [f"{record['velocity_max']:.6g}", "rad", "s-1"]
-    moment = f"{record['contact_moment_max']:.6g}"
-    assert rows["contact moment max"].split() == [moment, "in", "lbf"]
-    assert rows["status"].split() == ["ok"]
-
-
 @pytest.mark.parametrize("extra", [["--engagements", "3"], ["--duration", "0.15"]])
-def test_run_length(command, extra):
-    record = json.loads(command("run", "--friction", ".35", *MEYER, *extra, "--json")[1])
+def test_run_length(report, extra):
+    record = report(*RUN, *extra)
     assert len(record["handoff_times"]) == 3
     expected = float(REFERENCE["terminal"]["velocity_max"])
     assert record["velocity_max"] == pytest.approx(expected, rel=1e-9)
 
 
-def test_run_with_the_reference_engine(command):
+def test_run_with_the_reference_engine(report):
     extra = ["--engine", "ivp", "--rtol", "1e-8", "--method", "RK45", "--max-step", "1e-3"]
-    record = json.loads(command("run", "--friction", ".35", *MEYER, *extra, "--json")[1])
+    record = report(*RUN, *extra)
     assert record["engine"] == "ivp"
     expected = float(REFERENCE["handoff_times"][-1])
     assert record["handoff_times"][-1] == pytest.approx(expected, rel=1e-7)
@@ -185,7 +181,7 @@ def test_painleve_leaves_no_files(command, tmp_path):
 
 
 def test_run_writes_the_motion(command):
-    assert command("run", "--friction", ".35", *MEYER, "--crank-radius", ".2", "-o", "m.h5")[0] == 0
+    assert command(*RUN, "--crank-radius", ".2", "-o", "m.h5")[0] == 0
     motion = esc.simulate(TIMER)
     with xarray.open_dataset("m.h5", engine="h5netcdf") as data:
         assert {"theta_ddot", "phi_dot", "contact_force", "handoff_velocities"} <= set(data)
@@ -199,85 +195,60 @@ def test_run_writes_the_motion(command):
         np.testing.assert_allclose(data["contact_moment"], moments, rtol=1e-12)
 
 
-def test_motion_file_reads_back_as_the_motion(command):
-    options = ["--slots", "5", "--friction", ".35", "--initial-speed", "7", "--engagements", "4"]
-    command("run", *options, *MEYER, "-o", "m.h5")
-    found = read_motion("m.h5")
-    motion = esc.simulate(found.escapement, engagements=4, initial_speed=7.0)
-    np.testing.assert_array_equal(found.handoff_velocities, motion.handoff_velocities)
-    np.testing.assert_array_equal(found.extrema.theta_dot, motion.extrema.theta_dot)
-    times = np.linspace(0.0, motion.end_time, 5000)
-    mine, own = found.at(times), motion.at(times)
-    for name in ("theta", "theta_dot", "phi_dot"):
-        scale = np.abs(getattr(own, name)).max()
-        np.testing.assert_allclose(getattr(mine, name), getattr(own, name), atol=2e-3 * scale)
-    assert found.ledger.residual == pytest.approx(motion.ledger.residual, abs=1e-12)
-
-
-def test_a_motion_is_drawn_in_si(command):
-    command("run", "--friction", ".35", *MEYER, "--engagements", "2", "-o", "m.h5")
+def test_a_motion_is_drawn_in_si(command, report):
+    command(*RUN, "--engagements", "2", "-o", "m.h5")
     code, out, err = command("plot", "m.h5", "--units", "in-lbf-s")
     assert (code, out) == (2, "")
     assert "--units must come with a study, got 'in-lbf-s'" in err
-    assert command("plot", "m.h5", "--units", "SI")[0] == 0
+    record = report("plot", "m.h5", "--units", "SI")
+    assert record == {"input": "m.h5", "holds": "motion", "output": "m.png"}
 
 
 def test_a_geometry_without_dynamics_is_reported_with_a_warning(command):
-    options = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
-    code, out, err = command("mechanism", "gear-driven", *options, "--json")
+    wheel = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
+    code, out, err = command("mechanism", "gear-driven", *wheel, "--json")
     record = json.loads(out)
     assert (code, record["closest_radius_over_fixed"]) == (0, 0.0)
     assert record["message"].startswith("warning: stations 4, lobes 0, curve 'hypo")
     assert err == f"escapement: {record['message']}\n"
-    err = command("mechanism", "gear-driven", *options, "--pins", "9")[2]
+    err = command("mechanism", "gear-driven", *wheel, "--pins", "9")[2]
     assert "pins must be at most 1 for a ratio of times of 1 a pin, got 9; give 1: two" in err
 
 
-def test_what_a_mechanism_lacks_is_null_with_a_reason(command):
+def test_what_a_mechanism_lacks_is_null_with_a_reason(report):
     radii = ("--sun-radius", "1", "--planet-radius", ".5001234")
     inertias = ("--driver-inertia", "1e-6", "--follower-inertia", "1e-6")
-    out, err = command("mechanism", "elliptical-planetary", *radii, *inertias, "--json")[1:]
-    record = json.loads(out)
+    record = report("mechanism", "elliptical-planetary", *radii, *inertias)
     missing = [key for key, value in record.items() if value is None]
     assert missing == ["stations", "critical_friction"]
-    reasons = record["message"].split("; ")
-    for key, reason in zip(missing, reasons, strict=True):
+    for key, reason in zip(missing, record["message"].split("; "), strict=True):
         assert reason.startswith(f"{key} is not given: ")
-    assert err == f"escapement: {record['message']}\n"
-    assert "message" not in json.loads(command("mechanism", "--json")[1])
+    assert "message" not in report("mechanism")
 
 
-def test_existing_motion_is_kept_unless_forced(command, tmp_path):
-    arguments = ["run", "--friction", ".35", *MEYER, "-o", "m.h5"]
-    (tmp_path / "m.h5").write_text("mine")
+def test_an_existing_motion_is_kept_unless_forced_and_a_picture_replaced(command, tmp_path):
+    arguments = [*RUN, "-o", "m.h5", "--plot", "v.png"]
+    for name in ("m.h5", "v.png"):
+        (tmp_path / name).write_text("mine")
     assert command(*arguments)[0] == 73
-    assert (tmp_path / "m.h5").read_text() == "mine"
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"mine"}
     assert command(*arguments, "--force")[0] == 0
     assert read_motion("m.h5").handoff_times.size == 20
-
-
-def test_picture_is_replaced(command, tmp_path):
-    (tmp_path / "v.png").write_text("older")
-    assert command("run", "--friction", ".35", *MEYER, "--plot", "v.png")[0] == 0
     assert (tmp_path / "v.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(("slots", "pins"), [(3, 6), (4, 4), (6, 3)])
-def test_mechanism_of_the_continuous_pairs(command, slots, pins):
-    code, out, _ = command("mechanism", "geneva", "--slots", slots, "--json")
-    record = json.loads(out)
-    assert code == 0
+def test_mechanism_of_the_continuous_pairs(report, slots, pins):
+    record = report("mechanism", "geneva", "--slots", slots)
     assert (record["stations"], record["slots"], record["pins"]) == (slots, slots, pins)
-    assert record["continuous"] is True
-    assert record["motion_ratio"] == 1.0
+    assert (record["continuous"], record["motion_ratio"]) == (True, 1.0)
     assert record["cell_angle_deg"] == pytest.approx(360.0 / pins)
     assert record["follower_step_deg"] == pytest.approx(360.0 / slots)
 
 
-def test_mechanism_with_inertias_and_lengths(command):
+def test_mechanism_with_inertias_and_lengths(report):
     inertias = ["--driver-inertia", "3e-6", "--follower-inertia", "50e-6"]
-    extra = ["--crank-radius", "2", "--units", "in-lbf-s", "--json"]
-    record = json.loads(command("mechanism", *inertias, *extra)[1])
+    record = report("mechanism", *inertias, "--crank-radius", "2", "--units", "in-lbf-s")
     assert record["critical_friction"] == pytest.approx(0.406079, abs=5e-7)
     assert record["centre_distance"] == pytest.approx(2.0 * math.sqrt(2.0))
 
@@ -285,12 +256,6 @@ def test_mechanism_with_inertias_and_lengths(command):
 def test_mechanism_drawing(command, tmp_path):
     assert command("mechanism", "--slots", "5", "--plot", "five.svg", "--angle", "-20")[0] == 0
     assert b"<svg" in (tmp_path / "five.svg").read_bytes()
-
-
-def test_plot_of_a_motion(command):
-    command("run", "--friction", ".35", *MEYER, "--engagements", "3", "-o", "m.h5")
-    record = json.loads(command("plot", "m.h5", "--json")[1])
-    assert record == {"input": "m.h5", "holds": "motion", "output": "m.png"}
 
 
 def test_json_knows_no_nan():

@@ -19,46 +19,71 @@ PROGRAM = [sys.executable, "-m", "escapement"]
 LONG_STUDY = IVP_STUDY.replace("num = 40", "num = 10000")
 
 
+def ended(*words, program=PROGRAM, environment=ENVIRONMENT, **options):
+    """A process that came to its end, with what it said as text."""
+    given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
+    return subprocess.run([*program, *words], env=environment, **given)
+
+
+def code(text, *words):
+    return ended("-c", text, *words, program=[sys.executable])
+
+
 @pytest.mark.parametrize("name", ["", *cli.COMMANDS])
 def test_help_loads_nothing_heavy(name):
     arguments = [*([name] if name else []), "--help"]
-    code = (
+    done = code(
         f"import sys; from escapement.cli import main; code = main({arguments});"
         "heavy = {'numpy', 'scipy', 'numba', 'matplotlib', 'h5py'} & set(sys.modules);"
         "sys.exit(f'{heavy}' if heavy else code)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=ENVIRONMENT
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("usage: escapement")
 
 
 def test_module_runs_as_the_script_does():
-    done = subprocess.run([*PROGRAM, "--version"], capture_output=True, text=True, env=ENVIRONMENT)
-    assert done.stdout == f"escapement {esc.__version__}\n"
+    assert ended("--version").stdout == f"escapement {esc.__version__}\n"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes")
 def test_reader_that_leaves_early_is_no_error():
     reader, writer = os.pipe()
     os.close(reader)
-    arguments = [*PROGRAM, "mechanism"]
     with os.fdopen(writer, "wb") as pipe:
-        done = subprocess.run(arguments, stdout=pipe, stderr=subprocess.PIPE, env=ENVIRONMENT)
-    assert (done.returncode, done.stderr) == (0, b"")
+        done = ended("mechanism", stdout=pipe)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_output_that_cannot_be_written():
-    arguments = [*PROGRAM, "mechanism"]
     with open("/dev/full", "wb") as full:
-        done = subprocess.run(
-            arguments, stdout=full, stderr=subprocess.PIPE, env=ENVIRONMENT, text=True
-        )
+        done = ended("mechanism", stdout=full)
     assert done.returncode == 74
     assert done.stderr.startswith("escapement: error: input or output failed: ")
     assert done.stderr.count("\n") == 1
+
+
+LOADING = """
+import os, signal, sys
+class Finder:
+    def find_spec(self, name, *_):
+        if name == "numpy":
+            try:
+                os.kill(os.getpid(), signal.SIGINT)
+            except KeyboardInterrupt:
+                {}
+sys.meta_path.insert(0, Finder())
+from escapement.cli import program
+program()
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+@pytest.mark.parametrize("error", ["raise", "raise ImportError('numpy') from None"])
+def test_an_interrupt_while_a_library_is_loaded(error):
+    """NumPy makes another error of it."""
+    done = code(LOADING.format(error), "mechanism", "--slots", "5")
+    assert (done.returncode, done.stderr) == (130, "escapement: error: interrupted\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
@@ -80,10 +105,7 @@ def test_interrupted_sweep_leaves_nothing(tmp_path):
 
 def test_letters_that_the_terminal_lacks():
     """They are shown by their numbers."""
-    arguments = [*PROGRAM, "reproduce", "filemon"]
-    done = subprocess.run(
-        arguments, capture_output=True, text=True, env=ENVIRONMENT | {"PYTHONIOENCODING": "ascii"}
-    )
+    done = ended("reproduce", "filemon", environment=ENVIRONMENT | {"PYTHONIOENCODING": "ascii"})
     assert (done.returncode, done.stderr) == (0, "")
     assert "\\u" in done.stdout or "\\x" in done.stdout
 
@@ -95,9 +117,7 @@ def test_working_directory_that_was_removed(tmp_path, arguments):
     (tmp_path / "gone").mkdir()
     words = [shlex.quote(word.format(tmp_path)) for word in [*PROGRAM, *arguments]]
     line = f"cd gone && rmdir ../gone && {' '.join(words)}"
-    done = subprocess.run(
-        ["sh", "-c", line], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT
-    )
+    done = ended("-c", line, program=["sh"], cwd=tmp_path)
     assert done.returncode == 73
     assert "cannot be created: No such file or directory" in done.stderr
     assert done.stderr.count("\n") == 1

@@ -9,11 +9,7 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 import escapement as esc
-
-
-def loaded(slots, inertia, friction, load, internal=False):
-    wheel = esc.Geneva(slots, 1, internal)
-    return esc.Escapement(wheel, esc.Inertia(inertia, 1.0), 1.0, friction, load)
+from natural_units import drive
 
 
 class Frictionless:
@@ -97,8 +93,8 @@ def test_a_pair_is_found_where_the_closed_form_has_it(what, engine):
     for scene, energy, expected in cases(what, 100 if engine == "energy" else 12):
         entry_ratio = float(scene.wheel.transmission(scene.entry).g)
         speed = np.sqrt(energy / (scene.inertia + entry_ratio**2))
-        drive = esc.Escapement(scene.wheel, esc.Inertia(scene.inertia, 1.0), 1.0, 0.0, scene.load)
-        motion = esc.simulate(drive, 1, initial_speed=speed, engine=engine)
+        timer = esc.Escapement(scene.wheel, esc.Inertia(scene.inertia, 1.0), 1.0, 0.0, scene.load)
+        motion = esc.simulate(timer, 1, initial_speed=speed, engine=engine)
         found = (motion.reversals if what == "force" else motion.extrema).theta
         near = found[(found > scene.entry + 1e-9) & (found < scene.exit - 1e-9)]
         assert near == pytest.approx(expected, abs=1e-6), (scene.wheel, scene.inertia, scene.load)
@@ -115,7 +111,7 @@ def test_a_pair_is_found_where_the_closed_form_has_it(what, engine):
     ],
 )
 def test_with_friction_the_speed_depends_on_it(slots, inertia, friction, load, speed):
-    scene = loaded(slots, inertia, friction, load)
+    scene = drive(slots, 1, inertia, friction, load)
     one = esc.simulate(scene, 1, initial_speed=speed)
     two = esc.simulate(scene, 1, initial_speed=speed, engine="ivp", rtol=1e-12)
     assert one.reversals.theta == pytest.approx(two.reversals.theta, abs=1e-8)
@@ -127,8 +123,8 @@ def test_with_friction_the_speed_depends_on_it(slots, inertia, friction, load, s
 
 def test_a_pair_a_hair_behind_the_edge_of_a_panel_is_one():
     """At sixteenths of the engagement, where the fast engine's panels end."""
-    one = loaded(8, 21.229480106477777, 0.0, 0.5605460519473697)
-    two = loaded(4, 19.59796696558348, 0.0, 2.101616849446852, internal=True)
+    one = drive(8, 1, 21.229480106477777, 0.0, 0.5605460519473697)
+    two = drive(4, 1, 19.59796696558348, 0.0, 2.101616849446852, internal=True)
     motions = [
         (esc.simulate(one, 1, initial_speed=0.8372590709099732, engine=engine).reversals.theta,
          esc.simulate(two, 1, initial_speed=2.348679211668878, engine=engine).extrema.theta)
@@ -142,7 +138,7 @@ def test_a_pair_a_hair_behind_the_edge_of_a_panel_is_one():
 @pytest.mark.parametrize("friction", [0.0, 0.002])
 @pytest.mark.parametrize("speed", [299.0375, 299.04, 299.05, 299.1])
 def test_the_last_step_of_a_piece_is_looked_through(friction, speed):
-    scene = loaded(1000, 1.2811205572454039, friction, 280.9483327670186)
+    scene = drive(1000, 1, 1.2811205572454039, friction, 280.9483327670186)
     one, two = (esc.simulate(scene, 1, initial_speed=speed, engine=e) for e in ("energy", "ivp"))
     assert len(one.reversals.theta) == (1 if speed > 299.042 else 2)
     assert one.reversals.theta == pytest.approx(two.reversals.theta, abs=1e-7)
@@ -153,7 +149,7 @@ def test_the_last_step_of_a_piece_is_looked_through(friction, speed):
     [(0.7436058826003106, 0.7153156866920372), (2.697559013652471, 6.6148256530536775)],
 )
 def test_a_pair_of_extrema_may_decide_when_a_motion_has_settled(inertia, friction):
-    scene = loaded(6, inertia, friction, 0.0)
+    scene = drive(6, 1, inertia, friction, 0.0)
     one, two = (esc.terminal(scene, engine=engine) for engine in ("energy", "ivp"))
     assert one.settling_time == pytest.approx(two.settling_time, rel=1e-9)
     study = esc.sweep(scene, friction=[friction])

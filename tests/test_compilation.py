@@ -46,21 +46,33 @@ def write_toy(folder, decorator, factor):
     (toy / "g.py").write_text(f"{decorator}\n\n@jit\ndef g(x):\n    return {factor} * x\n")
 
 
-def test_a_stale_copy_is_what_the_bare_cache_would_serve(tmp_path):
+@pytest.fixture
+def cached(tmp_path):
+    """Environment of a process that finds packages, and keeps its cache, in an empty folder."""
+    return {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+
+
+@pytest.fixture
+def toy(tmp_path, cached):
+    """The environment of `cached` with package `toy` in its folder."""
+    write_toy(tmp_path, "from toy.jit import jit", 2.0)
+    return cached
+
+
+def test_a_stale_copy_is_what_the_bare_cache_would_serve(cached, tmp_path):
     """The reason for the decorator: if this ever fails, Numba has mended it itself."""
-    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     bare = "import numba\n\njit = numba.njit(cache=True)"
     ours = "from toy.jit import jit"
     call = "from toy.f import f; print(f(1.0))"
     for decorator, after in ((bare, "2.0"), (ours, "3.0")):
         write_toy(tmp_path, decorator, 2.0)
-        assert run(call, **here) == "2.0"
+        assert run(call, **cached) == "2.0"
         compiled = len(list(tmp_path.rglob("*.nbc")))
         assert compiled > 0
-        assert run(call, **here) == "2.0"
+        assert run(call, **cached) == "2.0"
         assert len(list(tmp_path.rglob("*.nbc"))) == compiled  # the second run compiles nothing
         write_toy(tmp_path, decorator, 3.0)
-        assert run(call, **here) == after
+        assert run(call, **cached) == after
 
 
 def test_every_kernel_counts_for_the_digest(tmp_path):
@@ -98,7 +110,7 @@ def test_nobody_compiles_but_the_decorator():
 
 
 @pytest.mark.parametrize("place", ["a file", "under a file", "read only"])
-def test_a_folder_that_cannot_be_written_is_done_without(tmp_path, place):
+def test_a_folder_that_cannot_be_written_is_done_without(toy, tmp_path, place):
     if place == "read only" and hasattr(os, "geteuid") and os.geteuid() == 0:
         pytest.skip("nothing is read-only to this user")
     file = tmp_path / "file"
@@ -106,18 +118,15 @@ def test_a_folder_that_cannot_be_written_is_done_without(tmp_path, place):
     locked = tmp_path / "locked"
     locked.mkdir(mode=0o500)
     folder = {"a file": file, "under a file": file / "below", "read only": locked}[place]
-    write_toy(tmp_path, "from toy.jit import jit", 2.0)
     call = "from toy.f import f; print(f(1.0), f.py_func(2.0))"
-    found = run(call, PYTHONPATH=str(tmp_path), NUMBA_CACHE_DIR=str(folder))
-    assert found == "2.0 4.0"
+    assert run(call, **toy | {"NUMBA_CACHE_DIR": str(folder)}) == "2.0 4.0"
     assert not list(tmp_path.rglob("*.nbi"))
 
 
 @pytest.mark.parametrize(
     ("call", "reason"), [("load", "EACCES"), ("_load_data", "EIO"), ("_save_data", "ENOSPC")]
 )
-def test_a_cache_that_fails_costs_a_compilation_only(tmp_path, call, reason):
-    write_toy(tmp_path, "from toy.jit import jit", 2.0)
+def test_a_cache_that_fails_costs_a_compilation_only(toy, call, reason):
     failing = f"""
 import errno
 from numba.core import caching
@@ -126,15 +135,13 @@ def fail(*_):
 caching.IndexDataCacheFile.{call} = fail
 """
     use = "from toy.f import f\nprint(f(1.0))"
-    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     if call != "_save_data":
-        assert run(use, **here) == "2.0"  # a copy to fail on
-    assert run(failing + use, **here) == "2.0"
+        assert run(use, **toy) == "2.0"  # a copy to fail on
+    assert run(failing + use, **toy) == "2.0"
 
 
-def test_kernels_of_the_cache_do_without_what_compiling_takes(tmp_path):
+def test_kernels_of_the_cache_do_without_what_compiling_takes(toy, tmp_path):
     """Arrays come and go, and whoever has to compile after that still can."""
-    write_toy(tmp_path, "from toy.jit import jit", 2.0)
     (tmp_path / "toy" / "h.py").write_text(
         "import numpy as np\nfrom toy.jit import jit\nfrom toy.g import g\n\n"
         "@jit(allocates=True)\ndef h(x):\n"
@@ -150,13 +157,12 @@ x = np.linspace(0.0, 1.0, 1000)
 wrong = sum(abs(h(x) - 2.0 * np.exp(x)).max() > 1e-14 for _ in range(100))
 print(wrong, "scipy.linalg" in sys.modules)
 """
-    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    assert run(code, **here).startswith("0 ")
-    assert run(code, **here) == "0 False"
-    assert run(code + "from toy.f import f; print(f(3.0))", **here) == "0 False\n6.0"
+    assert run(code, **toy).startswith("0 ")
+    assert run(code, **toy) == "0 False"
+    assert run(code + "from toy.f import f; print(f(3.0))", **toy) == "0 False\n6.0"
 
 
-def test_a_kernel_called_by_its_address(tmp_path):
+def test_a_kernel_called_by_its_address(cached, tmp_path):
     """As if it were called by name, from the cache too, and never with other types."""
     toy = tmp_path / "toy"
     toy.mkdir()
@@ -187,11 +193,10 @@ import numpy as np
 from toy.f import address, f
 print(*f((0, address()), np.array([1.0, 2.0, 3.5]), 3))
 """
-    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     for _ in range(2):
-        assert run(call, **here) == "13.0 39.0 4"
+        assert run(call, **cached) == "13.0 39.0 4"
         assert len(list(tmp_path.rglob("*.nbc"))) == 2  # the second run compiles nothing
-    assert run(call, **here, NUMBA_DISABLE_JIT="1") == "13.0 39.0 4"
+    assert run(call, **cached, NUMBA_DISABLE_JIT="1") == "13.0 39.0 4"
     other = """
 import numba, numpy as np
 from toy.f import address, f
@@ -200,14 +205,13 @@ try:
 except numba.core.errors.NumbaError as error:
     print("refused")
 """
-    assert run(other, **here) == "refused"
+    assert run(other, **cached) == "refused"
     (toy / "f.py").write_text((toy / "f.py").read_text().replace("2.0 *", "4.0 *"))
-    assert run(call, **here) == "26.0 78.0 4"
+    assert run(call, **cached) == "26.0 78.0 4"
 
 
 @pytest.mark.parametrize("terminal", [True, False])
-def test_compiling_is_announced_once_and_on_a_terminal_only(tmp_path, terminal):
-    write_toy(tmp_path, "from toy.jit import jit", 2.0)
+def test_compiling_is_announced_once_and_on_a_terminal_only(toy, terminal):
     code = f"""
 import io, sys
 class Stream(io.StringIO):
@@ -218,17 +222,14 @@ from toy.f import f
 f(1.0), f(1)
 print(sys.stderr.getvalue().count("compiling"), sys.stderr.getvalue().count(chr(10)))
 """
-    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    assert run(code, **here) == ("1 1" if terminal else "0 0")
-    assert run(code, **here) == "0 0"
+    assert run(code, **toy) == ("1 1" if terminal else "0 0")
+    assert run(code, **toy) == "0 0"
 
 
-def test_the_cache_is_kept_where_it_was_asked_for(tmp_path):
-    write_toy(tmp_path, "from toy.jit import jit", 2.0)
+def test_the_cache_is_kept_where_it_was_asked_for(toy, tmp_path):
     call = "from toy.f import f; import numba; print(f(1.0), numba.config.CACHE_DIR)"
-    here = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "mine")}
-    assert run(call, **here) == f"2.0 {tmp_path / 'mine'}"
-    (folder,) = (tmp_path / "mine" / "escapement").iterdir()
+    assert run(call, **toy) == f"2.0 {tmp_path / 'cache'}"
+    (folder,) = (tmp_path / "cache" / "escapement").iterdir()
     assert re.fullmatch(r"[0-9a-f]{16}", folder.name)
     assert list(folder.rglob("*.nbi"))
 
@@ -258,9 +259,7 @@ def test_building_a_model_compiles_nothing(tmp_path):
 
 
 def test_the_fast_engine_does_without_scipy():
-    code = (
-        DRIVE
-        + """
+    code = """
 import sys
 motion = esc.simulate(timer)
 motion.at(0.1)
@@ -268,5 +267,4 @@ esc.terminal(timer)
 # Numba looks at the version in the top package; what takes time is below it
 print(len(motion.handoff_times), "scipy.integrate" in sys.modules)
 """
-    )
-    assert run(code) == "20 False"
+    assert run(DRIVE + code) == "20 False"

@@ -139,11 +139,6 @@ REFUSED = [
     ({"sweep": {"frction": [1]}}, "unknown key 'frction' in [sweep]; did you mean 'friction'?"),
     ({"sweep": {"crank_radius": [1]}}, "'crank_radius' in [sweep]; it belongs in [mechanism]"),
     ({"sweep": {"rtol": [1e-6]}}, "unknown key 'rtol' in [sweep]; it belongs in [solver]"),
-    ({"sweep": {"internal": [True]}}, "'internal' in [sweep]; it belongs in [mechanism]"),
-    (
-        {"sweep": {"friction": EVEN | {"num": 1}}},
-        "friction.num must be a whole number",
-    ),
     ({"sweep": {"friction": EVEN | {"nun": 3}}}, "'nun' in axis friction; did you mean 'num'?"),
     ({"torque": ...}, "the study lacks torque (driving torque); give"),
     ({"inertia": {}}, "lacks inertia.driver (moment of inertia of the driver), inertia.follower"),
@@ -153,42 +148,24 @@ REFUSED = [
     ({"mechanism": {"kind": "genva", "slots": 4}}, "mechanism.kind must be one of geneva, "),
     ({"mechanism": {"slots": 2}}, "mechanism.slots must be a whole number of at least 3, got 2"),
     ({"mechanism": {"slots": 4.5}}, "mechanism.slots must be a whole number of at least 3, got"),
-    (
-        {"mechanism": {"slots": True}},
-        "mechanism.slots must be a whole number of at least 3, got True",
-    ),
     ({"mechanism": {"slots": 4, "internal": 1}}, "mechanism.internal must be true or false"),
     ({"mechanism": {"slots": 4, "crank_radius": 0}}, "mechanism.crank_radius must be greater"),
     ({"inertia": {"driver": -1.0, "follower": 1.0}}, "inertia.driver must be greater than 0, got"),
     ({"torque": 0}, "torque must be greater than 0, got 0; give the constant"),
     ({"torque": "much"}, "torque must be a finite number, got 'much'"),
-    ({"torque": float("nan")}, "torque must be a finite number, got nan"),
     ({"friction": -0.1}, "friction must be at least 0, got -0.1; give a coefficient"),
     ({"load_torque": float("inf")}, "load_torque must be a finite number, got inf"),
     ({"units": "cgs"}, "units must be one of SI, in-lbf-s, got 'cgs'"),
     ({"title": "two\nlines"}, "title must be one line of text"),
-    ({"title": 4}, "title must be one line of text, got 4"),
     ({"sweep": {"friction": []}}, "friction must have at least one value, got an empty axis"),
     ({"sweep": {"friction": [0.1, -0.2]}}, "friction[1] must be at least 0, got -0.2"),
     ({"sweep": {"friction": [0.1, float("nan")]}}, "friction[1] must be a finite number, got nan"),
     ({"sweep": {"friction": [0.1, "0.2"]}}, "friction[1] must be a finite number, got '0.2'"),
-    ({"sweep": {"friction": [0.1, True]}}, "friction[1] must be a finite number, got True"),
-    ({"sweep": {"friction": [[0.1]]}}, "friction[0] must be a finite number, got [0.1]"),
     ({"sweep": {"friction": "0.1"}}, "friction[0] must be a finite number, got '0.1'"),
-    ({"sweep": {"slots": [4, 2]}}, "slots[1] must be a whole number of at least 3, got 2"),
     ({"sweep": {"slots": [4, 4.5]}}, "slots[1] must be a whole number of at least 3, got 4.5"),
-    (
-        {"sweep": {"pins": [1e300]}},
-        "pins[0] must be a whole number of at most 9007199254740992, got",
-    ),
     ({"sweep": {"torque": [1.0, 0.0]}}, "torque[1] must be greater than 0, got 0.0"),
     ({"sweep": {"torque": {"start": 1}}}, "torque.stop must be a finite number, got None"),
     ({"sweep": {"torque": EVEN | {"num": 0}}}, "torque.num must be a whole number of at least 2"),
-    ({"sweep": {"torque": EVEN | {"num": 2.5}}}, "torque.num must be a whole number of at least"),
-    (
-        {"sweep": {"torque": EVEN | {"num": 10**8}}},
-        "torque.num must be a whole number of at",
-    ),
     ({"sweep": {"torque": EVEN | {"start": "a"}}}, "torque.start must be a finite number"),
     ({"sweep": {"torque": EVEN | {"log": 1}}}, "torque.log must be true or false, got 1"),
     (
@@ -204,7 +181,6 @@ REFUSED = [
         "the grid must have at most 1e+12 cases, got 1e+14",
     ),
     ({"solver": {"engine": "euler"}}, "engine must be one of"),
-    ({"solver": {"rtol": 1}}, "rtol must be at least 1e-13 and below 1, got 1"),
     ({"solver": {"rtol": 1e-14}}, "rtol must be at least 1e-13 and below 1, got 1e-14"),
     ({"solver": {"engine": "ivp", "atol": -1}}, "atol must be at least 0, got -1"),
     ({"solver": {"engine": "ivp", "atol": 10}}, "atol must be at most 1 unless max_step is given"),
@@ -230,9 +206,7 @@ def test_a_refusal_is_one_line_that_helps(changes, message):
     ("axes", "message"),
     [
         ({"friction": np.zeros((2, 2))}, "friction[0] must be a finite number, got [0.0, 0.0]"),
-        ({"friction": np.array([0.1, None])}, "friction[1] must be a finite number, got None"),
         ({"friction": np.ma.array([0.1, 0.2], mask=[0, 1])}, "friction[1] must be a finite"),
-        ({}, "must sweep at least one parameter"),
     ],
 )
 def test_python_axes_are_refused_alike(axes, message):
@@ -248,20 +222,13 @@ def test_lobes_are_refused_before_anything_is_computed(lobes):
         parse_plan(GOOD | {"mechanism": machine, "sweep": {"lobes": lobes}})
 
 
-def write(path, content):
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return path
-
-
 @pytest.mark.parametrize(
     ("content", "error", "message"),
     [
         (None, MissingInput, "does not exist; check its name"),
         ("torque = 1\nfriction 3\n", InputFileError, "(at line 2, column"),
-        ("torque = 1\ntorque = 2\n", InputFileError, "(at line 2, column"),
         (b"torque = 1\n\xff\xfe = 2\n", InputFileError, "utf-8"),
         ("a = " + "[" * 100_000, InputFileError, "must be valid TOML"),
-        ("a = 1990-13-45\n", InputFileError, "must be valid TOML"),
         ("torque = 1979-05-27\n[sweep]\nfriction=[1]", InvalidValue, "torque must be a finite"),
         ("", InvalidValue, "must sweep at least one parameter"),
     ],
@@ -269,7 +236,7 @@ def write(path, content):
 def test_unusable_files_are_told_from_bad_values(tmp_path, content, error, message):
     path = tmp_path / "study.toml"
     if content is not None:
-        write(path, content)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(EscapementError) as caught:
         load_plan(path)
     assert type(caught.value) is error
@@ -278,17 +245,12 @@ def test_unusable_files_are_told_from_bad_values(tmp_path, content, error, messa
     assert "\n" not in str(caught.value)
 
 
-def test_a_directory_or_a_file_as_folder_is_no_study(tmp_path):
+def test_a_directory_is_no_study_and_a_byte_order_mark_does_no_harm(tmp_path):
     with pytest.raises(InputFileError, match="ordinary file"):
         load_plan(tmp_path)
-    with pytest.raises(MissingInput):
-        load_plan(write(tmp_path / "file", "") / "study.toml")
-
-
-def test_a_byte_order_mark_does_no_harm(tmp_path):
     text = "torque = 1\n[mechanism]\nslots = 4\n[inertia]\ndriver = 1\nfollower = 1\n"
-    text += "[sweep]\nfriction = 0.1\n"
-    assert load_plan(write(tmp_path / "s.toml", b"\xef\xbb\xbf" + text.encode())).cases == 1
+    (tmp_path / "s.toml").write_text(text + "[sweep]\nfriction = 0.1\n", encoding="utf-8-sig")
+    assert load_plan(tmp_path / "s.toml").cases == 1
 
 
 def test_no_engine_is_loaded_to_read_a_configuration():
@@ -335,10 +297,5 @@ def test_logarithmic_steps_have_one_ratio(start, stop, num):
 
 def test_powers_of_two_are_whole():
     form = {"start": 4, "stop": 64, "num": 5, "log": True}
-    assert parse_plan(changed(sweep={"slots": form})).dimensions["slots"].tolist() == [
-        4,
-        8,
-        16,
-        32,
-        64,
-    ]
+    slots = parse_plan(changed(sweep={"slots": form})).dimensions["slots"]
+    assert slots.tolist() == [4, 8, 16, 32, 64]

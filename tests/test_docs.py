@@ -320,28 +320,19 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
-def check_link(target: str, home: Path, page: Path | None) -> None:
-    path, _, anchor = target.partition("#")
-    linked = home / path if path else page
-    assert linked is not None
-    assert linked.exists(), target
-    if anchor:
-        assert anchor in anchors(linked), target
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+@pytest.mark.parametrize("page", [*PAGES, *ROOT.glob("notebooks/*.ipynb")], ids=name_of)
 def test_links_lead_somewhere(page):
-    for target in links(page.read_text(encoding="utf-8")):
-        check_link(target, page.parent, page)
-
-
-def test_links_of_notebooks_lead_somewhere():
-    for path in (ROOT / "notebooks").glob("*.ipynb"):
-        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-        for cell in cells:
-            if cell["cell_type"] == "markdown":
-                for target in links("".join(cell["source"])):
-                    check_link(target, path.parent, None)
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        cells = json.loads(text)["cells"]
+        text = "".join(
+            x for cell in cells if cell["cell_type"] == "markdown" for x in cell["source"]
+        )
+    for target in links(text):
+        path, _, anchor = target.partition("#")
+        linked = page.parent / path if path else page
+        assert linked.exists(), target
+        assert not anchor or anchor in anchors(linked), target
 
 
 def test_every_page_is_on_the_map():

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import escapement as esc
 from any_path import Plain, each_wheel
-from escapement.constant_speed import contact_moment, design, geneva
+from escapement.constant_speed import contact_moment, geneva
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import radius
 from tabulated_drive import DRIVE, measured
@@ -35,7 +35,7 @@ def test_torque_is_power_over_speed_without_friction(wheel):
 
 
 @pytest.mark.parametrize("internal", [False, True])
-@pytest.mark.parametrize("ratio", [0.02, 0.5, 1.7, 30.0])
+@pytest.mark.parametrize("ratio", [1e-4, 0.02, 0.5, 1.7, 30.0, 1e4])
 def test_figures_of_one_drive_agree_with_the_study(ratio, internal):
     for slots in (3, 4, 6, 9, 25):
         drive = esc.Geneva(slots, pins=1, internal=internal)
@@ -51,6 +51,7 @@ def test_figures_of_one_drive_agree_with_the_study(ratio, internal):
         found = many.reversals[~np.isnan(many.reversals)]
         assert one.reversals.size == int(many.reversal_count)
         np.testing.assert_allclose(one.reversals, found, rtol=1e-10)
+        assert (np.abs(1.0 + ratio * drive.transmission(one.reversals).dg) < 1e-13).all()
 
 
 def test_friction_is_the_work_of_the_pin_in_its_slot():
@@ -141,17 +142,6 @@ def test_load_that_varies_with_the_follower_angle():
     assert constant.reversals == pytest.approx(number.reversals, rel=1e-15)
 
 
-def test_load_that_jumps():
-    result = esc.drive_torque(
-        esc.Geneva(5, pins=1), 10.0, lambda phi: np.where(phi < 0.1, 0.2, 1.0), 0.01
-    )
-    wheel = result.mechanism
-    jump = brentq(lambda x: float(wheel.follower_angle(x)) - 0.1, 0.0, 0.5)
-    assert result.reversals[1] == pytest.approx(jump, abs=1e-7)
-    assert (np.diff(result.reversals) > 0).all()
-    assert result.zone == 2
-
-
 def test_a_mechanism_that_counts_from_its_entry():
     """Half the engagement is the middle; a load that helps leaves no mean to compare with."""
 
@@ -194,20 +184,18 @@ def test_a_measured_table_tells_how_well_its_moment_is_known():
     assert max(shares) < 4.0
 
 
-def test_an_even_ratio_never_reverses():
-    theta = np.linspace(0.0, 6.0, 30)
+@pytest.mark.parametrize("rows", [30, 100])
+@pytest.mark.parametrize("load", [0.0, 1.0])
+def test_an_even_ratio_never_reverses(rows, load):
+    """Its g' is a rounding error, whose sign means nothing."""
+    theta = np.linspace(-3.0, 3.0, rows)
     even = esc.Tabulated(theta, 2.0 * theta)
-    for load in (0.0, 1.0):
-        assert design.greatest_speed(even, load, 1.0) == math.inf
-    assert design.greatest_follower_inertia(even, 1.0, 0.0) == math.inf
-    assert design.least_load_torque(even, 1.0, 1.0) == 0.0
-
-
-def test_many_rows_of_an_even_ratio_make_no_reversals():
-    theta = np.linspace(-3.0, 3.0, 100)
-    result = esc.drive_torque(esc.Tabulated(theta, 2.0 * theta), 1e3, 0.0, 1.0)
+    result = esc.drive_torque(even, 1e3, load, 1.0)
     assert (result.zone, result.reversals.size) == (1, 0)
     assert result.reversal_limits == (math.inf, math.inf)
+    assert esc.greatest_speed(even, load, 1.0) == math.inf
+    assert esc.greatest_follower_inertia(even, 1.0, load) == math.inf
+    assert esc.least_load_torque(even, 1.0, 1.0) == 0.0
 
 
 GOOD = {"mechanism": esc.Geneva(6), "speed": 1.0, "load_torque": 1.0, "follower_inertia": 1.0}
@@ -217,14 +205,9 @@ GOOD = {"mechanism": esc.Geneva(6), "speed": 1.0, "load_torque": 1.0, "follower_
     ("change", "message"),
     [
         ({"speed": 0.0}, r"speed must be greater than 0, got 0\.0; give the driver speed"),
-        ({"speed": math.nan}, "speed must be a finite number, got nan"),
-        ({"load_torque": -1.0}, r"load_torque must be at least 0, got -1\.0"),
         ({"load_torque": lambda phi: phi * np.nan}, "load_torque must give a finite torque"),
-        ({"follower_inertia": 0.0}, "follower_inertia must be greater than 0"),
-        ({"efficiency": 0.0}, "efficiency must be greater than 0 and at most 1, got 0"),
         ({"efficiency": 1.01}, "efficiency must be greater than 0 and at most 1, got 1"),
         ({"speed": 1e200}, "must give a torque within the range of a double"),
-        ({"friction": -0.1}, "friction must be at least 0"),
         ({"mechanism": 6}, "mechanism must be a mechanism, got 6; give for example Geneva"),
     ],
 )

@@ -1,7 +1,6 @@
 """Motion of the elliptical planetary drive against the paper's equations."""
 
 import math
-from itertools import pairwise
 
 import mpmath
 import numpy as np
@@ -59,18 +58,6 @@ def test_position_function_is_the_integral_of_equation_9(drive, place):
         integral = mpmath.quad(lambda x: analogue(drive, x), [0, theta / 2, theta])
     scale = 1.0 + drive.follower_step
     assert float(drive.follower_angle(theta)) == pytest.approx(-float(integral), abs=1e-14 * scale)
-
-
-def test_position_function_of_the_paper_to_1e_14():
-    """Three cells of the drive that was measured, by quadrature of (9)."""
-    theta = np.linspace(0.0, 3.0 * PAPER.cell_angle, 13)
-    with mpmath.workdps(20):
-        pieces = [
-            mpmath.quad(lambda x: analogue(PAPER, x), [low, high]) for low, high in pairwise(theta)
-        ]
-    np.testing.assert_allclose(
-        PAPER.follower_angle(theta[1:]), -np.cumsum(pieces).astype(float), rtol=0.0, atol=1e-14
-    )
 
 
 @settings(deadline=None)

@@ -8,9 +8,10 @@ import pytest
 from scipy.integrate import quad
 
 import escapement as esc
-from bad_calls import MODEL, TIMER, WHEEL, built, first_steps, ivp, wheel
+from bad_calls import MODEL, TIMER, WHEEL, built, ivp, wheel
 from escapement.engines.time import piece
 from escapement.status import Status
+from natural_units import drive
 
 
 @pytest.fixture
@@ -37,8 +38,8 @@ def test_too_many_steps_end_in_a_status(options, monkeypatch):
 
 def test_errors_beyond_a_step_end_in_a_status():
     """An atol that allows any error: the corrected end of a step may lie before its start."""
-    drive = esc.EllipticalPlanetary(0.02, 0.009)
-    mesh = esc.Escapement(drive, esc.Inertia(3e-6, 5e-6), 0.01, load_torque=0.001, efficiency=0.8)
+    gears = esc.EllipticalPlanetary(0.02, 0.009)
+    mesh = esc.Escapement(gears, esc.Inertia(3e-6, 5e-6), 0.01, load_torque=0.001, efficiency=0.8)
     loose = {"rtol": 0.9, "atol": 1e6, "max_step": 2e-3, "method": "RK23"}
     motion = esc.simulate(mesh, 3, engine="ivp", **loose)
     assert motion.status is Status.NOT_CONVERGED
@@ -95,7 +96,7 @@ def test_a_missing_figure_has_a_status_or_a_message(name, engine):
 @pytest.mark.parametrize("settings", [{"atol": 0.0}, {"atol": 0.0, "rtol": 1e-13}, {"rtol": 0.5}])
 def test_any_tolerance_that_is_allowed_ends(settings):
     motion = ivp(**settings)
-    best = first_steps()
+    best = esc.simulate(TIMER, 1)
     error = abs(motion.handoff_times[0] / best.handoff_times[0] - 1.0)
     assert error <= 10.0 * settings.get("rtol", 1e-10)
 
@@ -119,3 +120,66 @@ def test_any_speed_that_is_allowed_is_simulated(engine):
         motion = esc.simulate(TIMER, 1, engine=engine, initial_speed=speed)
         assert motion.status is Status.OK
         assert motion.handoff_velocities[0] == pytest.approx(speed * left, rel=1e-6)
+
+
+# hardly any loss, a stop after many turns, no end at all; in natural units
+@pytest.mark.parametrize(
+    ("slots", "pins", "rho", "friction", "load"),
+    [
+        (7, 1, 981.539600105676, 0.28009345558399046, 0.0),
+        (3, 6, 1783041.2109403554, 7.75424409679428e-10, 6.334169734701668e-07),
+        (4, 4, 500.0, 1e-4, 0.0),
+    ],
+)
+def test_a_cycle_that_hardly_loses_loses_what_the_drive_gives(slots, pins, rho, friction, load):
+    """The speed is the root of what is lost, and one part in 1e4 to 1e14 of its energy is.
+
+    Loss is integrated over the contact moment, the work known in closed form.
+    """
+    timer = drive(slots, pins, rho, friction, load)
+    figures = esc.terminal(timer, rtol=1e-13)
+    assert 0.0 < 1.0 - figures.contraction < 1e-3
+    cycle = esc.simulate(timer, 1, initial_speed=figures.handoff_velocity, rtol=1e-13)
+    wheel = timer.mechanism
+    work = wheel.cell_angle - load * wheel.follower_step
+    assert cycle.trajectory.friction_loss.sum() == pytest.approx(work, rel=1e-12)
+
+
+def test_a_stop_is_told_where_it_happens():
+    """Newton's method stalls at once; the motion does after 679 engagements."""
+    timer = drive(27, 2, 233299.4562732638, 44929.73726719754, 12.951931653740314)
+    speed = 177.4613364531827
+    motion = esc.simulate(timer, 1000, initial_speed=speed)
+    assert motion.status is Status.STALL
+    assert motion.handoff_times.size > 500
+    figures = esc.terminal(timer, initial_speed=speed)
+    assert figures.status is Status.STALL
+    assert figures.message == motion.message
+
+
+@pytest.mark.parametrize(("engine", "load"), [("energy", 0.0), ("energy", 0.25), ("ivp", 0.25)])
+def test_a_constant_ratio_speeds_up_without_end(engine, load):
+    """theta_ddot = (1 - p load)/(rho + g p) with p = g/efficiency, whatever the speed."""
+    theta = np.linspace(0.0, 2.0 * np.pi, 19)
+    table, inertia = esc.Tabulated(theta, 0.5 * theta), esc.Inertia(0.5, 1.0)
+    gears = esc.Escapement(table, inertia, 1.0, efficiency=0.9, load_torque=load)
+    bent = 0.5 / 0.9
+    acceleration = (1.0 - bent * load) / (0.5 + 0.5 * bent)
+    motion = esc.simulate(gears, 3, engine=engine)
+    passed = 2.0 * np.pi * np.arange(1, 4)
+    np.testing.assert_allclose(
+        motion.handoff_velocities, np.sqrt(2.0 * acceleration * passed), rtol=1e-9
+    )
+    figures = esc.terminal(gears, engine=engine)
+    assert figures.status is Status.NO_TERMINAL
+    assert "a ratio that varies" in figures.message
+
+
+def test_a_motion_that_loses_at_every_speed_has_no_terminal_cycle():
+    """Fast it turns around in the slot, slow it does not: neither is what it settles to."""
+    heavy = drive(15, 2, 2697136.0225537354, 0.07568599921333452, 7.261626849626713)
+    for speed in (0.04, 0.4, 3.75, 4.5, 8.0, 20.0):
+        motion = esc.simulate(heavy, 1, initial_speed=speed)
+        assert motion.handoff_velocities[0] < speed
+    status = esc.terminal(heavy, initial_speed=20.152993992877356, rtol=1e-5).status
+    assert status in (Status.STALL, Status.NOT_CONVERGED)

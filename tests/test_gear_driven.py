@@ -1,17 +1,131 @@
-"""Gear-driven wheels: their motion, cognates, slots, and what cannot be."""
+"""Gear-driven wheels: roots of equation (8), motion, cognates, slots, and what cannot be."""
 
 import math
 from fractions import Fraction
+from itertools import product
 
+import mpmath
 import numpy as np
 import pytest
 
 from escapement import Escapement, GearDriven, Inertia
 from escapement.constant_speed import jerk_function
 from escapement.errors import InvalidValue
-from escapement.mechanisms.gear_equation import COGNATES, CURVES, lobe_ratios
+from escapement.mechanisms.gear_equation import COGNATES, CURVES, gear_ratio, lobe_ratios
 from escapement.model import Mechanism
-from gear_chart import chart, position
+from gear_chart import LOBES, SOURCES, STATIONS, chart, position
+
+
+def tangency(k, gamma, alpha):
+    """Zero where an arm exists with which the pin stands on a slot and moves along it.
+
+    At -alpha/2 both the pin and its velocity lie on the ray at gamma/2: two equations,
+    linear in the two vectors, whose determinant this is. Nothing of (8) enters.
+    """
+    a, b = (alpha + gamma) / 2.0, ((k - 1.0) * alpha - gamma) / 2.0
+    return (k - 1.0) * np.sin(a) * np.cos(b) - np.cos(a) * np.sin(b)
+
+
+def scan(n, k):
+    """V0 of each sign change of `tangency` over a fine grid of alpha."""
+    gamma = 2.0 * math.pi / n
+    last = min(math.pi - gamma, 2.0 * math.pi / abs(k))
+    alpha = np.linspace(0.0, last * (1.0 - 1e-9), 4001)[1:]
+    sign = np.sign(tangency(k, gamma, alpha))
+    place = np.flatnonzero(sign[1:] != sign[:-1])
+    return abs(k) / (2.0 * math.pi) * alpha[place], last * abs(k) / (2.0 * math.pi) / 4000
+
+
+def test_no_solution_is_missed():
+    """Beside one through the wheel's centre there is never a second mechanism."""
+    missing, found = 0, 0
+    for curve, n, m in product(SOURCES, STATIONS, LOBES):
+        if curve == "hypocycloid" and 2 * (m + 1) >= n:
+            continue
+        every = lobe_ratios(n, m, curve)
+        ratios = [v for v in every if v < 1.0]
+        expected, step = scan(n, float(gear_ratio(n, m, curve)))
+        assert len(ratios) == expected.size, (n, m, curve)
+        assert np.all((ratios >= expected - 1e-12) & (ratios <= expected + step + 1e-12))
+        central = (m + 1) / n == Fraction(1, 2) - Fraction(1, n)
+        assert (every[-1:] == [1.0]) == central
+        assert len(every) <= 1 + (central and curve == "epicycloid")
+        # hypocycloids exist up to the one through the centre
+        assert (not every) == (curve == "hypocycloid" and m + 1 > Fraction(n, 2) - 1)
+        found += len(ratios)
+        missing += not ratios
+    assert found > 4000
+    assert missing > 100
+
+
+def test_follower_turns_by_a_station_and_starts_and_ends_at_rest():
+    assert len(chart()) > 4000
+    for wheel in (*chart(), *(wheel.cognate for wheel in chart()[::3])):
+        ends = np.array([wheel.breaks[0], wheel.breaks[-1]])
+        assert 0.0 <= wheel.transmission(ends).g.min() <= wheel.transmission(ends).g.max() < 1e-13
+        turned = np.diff(wheel.follower_angle(ends))[0]
+        assert turned == pytest.approx(2.0 * math.pi / wheel.stations, abs=1e-13)
+        if wheel.curve in SOURCES:
+            assert 0.0 < wheel.alpha <= math.pi - 2.0 * math.pi / wheel.stations
+        assert 0.0 < wheel.motion_ratio < 1.0
+
+
+def test_no_wheel_turns_back():
+    """g is positive inside the engagement and monotone from dead centre to the exit."""
+    inside = np.linspace(0.0, 1.0, 33)[:-1]
+    for wheel in chart()[::7]:
+        found = wheel.transmission(inside * wheel.breaks[-1])
+        assert found.g.min() > 0.0
+        assert (np.diff(found.g) < 0.0).all()
+        assert (found.dg[1:] < 0.0).all()
+
+
+def test_arm_of_equation_15():
+    """MC/R = k sin(alpha + gamma)/(2 sin(k alpha/2)), and M0C = R0 cos((alpha + gamma)/2)."""
+    for n, m, curve in [(12, 3, "hypocycloid"), (12, 5, "epicycloid"), (4, 1, "epicycloid")]:
+        wheel = GearDriven(n, m, curve)
+        k, end = float(wheel.gear_ratio), wheel.alpha + 2.0 * math.pi / n
+        arm = math.sin(end) / (2.0 * math.sin(0.5 * k * wheel.alpha))
+        assert wheel.arms.second == pytest.approx(arm, rel=1e-13)
+        assert wheel.entry_radius_over_fixed == pytest.approx(math.cos(0.5 * end), rel=1e-13)
+
+
+def test_roots_against_many_digits():
+    mpmath.mp.dps = 40
+    for n, m, curve in [(12, 3, "hypocycloid"), (3, 29, "epicycloid"), (24, "1/5", "epicycloid")]:
+        wheel = GearDriven(n, m, curve)
+        k, gamma = mpmath.mpf(wheel.gear_ratio.numerator) / wheel.gear_ratio.denominator, 0
+        gamma = 2 * mpmath.pi / n
+        alpha = mpmath.findroot(
+            lambda a, k=k, gamma=gamma: (
+                (2 / k - 1) * mpmath.sin(k * a / 2) - mpmath.sin(a * (1 - k / 2) + gamma)
+            ),
+            wheel.alpha,
+        )
+        assert wheel.alpha == pytest.approx(float(alpha), rel=4e-15)
+
+
+def test_two_wheels_are_always_engaged():
+    """p V0 = 1: six pins on an epicycloid for 12 stations, two on a hypocycloid for 24.
+
+    V0 = 1/p and a rational c make the ratio of two sines of rational angles rational,
+    which leaves c = 2 and c = -1/2 only.
+    """
+    continuous = {
+        (curve, n, m, round(1.0 / ratio))
+        for curve, n, m in product(SOURCES, STATIONS, LOBES)
+        if curve == "epicycloid" or 2 * (m + 1) < n
+        for ratio in lobe_ratios(n, m, curve)
+        if ratio < 1.0 and abs(1.0 / ratio - round(1.0 / ratio)) < 1e-9
+    }
+    assert continuous == {("epicycloid", 12, 5, 6), ("hypocycloid", 24, 5, 2)}
+    for curve, n, m, pins in continuous:
+        for name in (curve, COGNATES[curve]):
+            wheel = GearDriven(n, m, name, pins=pins)
+            assert wheel.continuous
+            assert wheel.motion_ratio == 1.0
+            assert wheel.cell_angle == pytest.approx(wheel.alpha, rel=1e-15)
+            assert not GearDriven(n, m, name, pins=pins - 1).continuous
 
 
 @pytest.mark.parametrize("curve", CURVES)
@@ -65,16 +179,6 @@ def test_cognates_trace_the_same_path():
         assert turned.u * abs(1.0 - k) == pytest.approx(u, rel=1e-9, abs=1e-12)
 
 
-def test_dimensions_of_cognates():
-    """R' = R0' - (R/R0) R0', carrier and arm trade places (Dijksman, unnumbered)."""
-    for source in (GearDriven(12, 3), GearDriven(12, 5, "epicycloid")):
-        other = source.cognate
-        assert 1 / other.gear_ratio == 1 - 1 / source.gear_ratio
-        scale = float(source.gear_ratio) * source.arms.second
-        assert scale * other.carrier_over_fixed == pytest.approx(source.arm_over_fixed, rel=1e-14)
-        assert scale * other.arm_over_fixed == pytest.approx(source.carrier_over_fixed, rel=1e-14)
-
-
 def follow(wheel, arrivals):
     """Slots of the wheel that pins enter, in whole parts of its circumference.
 
@@ -114,28 +218,6 @@ def test_slots(arguments, slots):
     cell = 2.0 * math.pi / abs(float(wheel.gear_ratio)) * (wheel.unused_lobes + 1) / wheel.pins
     assert wheel.cell_angle == pytest.approx(cell)
     assert wheel.motion_ratio == pytest.approx(wheel.alpha / cell)
-
-
-def test_unused_lobes_must_find_no_slot():
-    """Where a slot stands in the way of an unused lobe the number is refused, else not."""
-    refused = accepted = 0
-    for n in range(3, 20):
-        for m in range(8):
-            for unused in range(1, 5):
-                free = GearDriven(n, m, "epicycloid")
-                spacing = Fraction((unused + 1) * (m + 1) + 1, n)
-                slots = {i * spacing % 1 for i in range(n)}
-                arrivals = {Fraction(i * (m + 1) + 1, n) % 1 for i in range(1, unused + 1)}
-                if slots & arrivals:
-                    with pytest.raises(InvalidValue, match="unused_lobes must leave the pin"):
-                        GearDriven(n, m, "epicycloid", 1, unused)
-                    refused += 1
-                else:
-                    wheel = GearDriven(n, m, "epicycloid", 1, unused)
-                    assert wheel.slots == len(slots)
-                    assert wheel.motion_ratio == pytest.approx(free.motion_ratio / (unused + 1))
-                    accepted += 1
-    assert min(refused, accepted) > 50
 
 
 @pytest.mark.parametrize("n", [4, 6, 10, 24])

@@ -5,10 +5,12 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.dynamics import acceleration
+from escapement import dynamics
 from escapement.scene import Scene
 from escapement.status import Status
-from random_drives import close, dense, drives, few, speeds, very_few, wheels
+from random_drives import close, dense, drives, few, from_python, speeds, very_few, wheels
+
+acceleration = from_python(dynamics.acceleration)
 
 
 # one motion, however it is asked for
@@ -37,6 +39,7 @@ def test_more_engagements_change_nothing_before(drive, speed, count):
 def test_a_duration_is_a_part_of_the_motion(drive, speed, part):
     whole = esc.simulate(drive, 4, initial_speed=speed)
     cut = esc.simulate(drive, duration=part * whole.end_time, initial_speed=speed)
+    assert cut.end_time == part * whole.end_time
     done = whole.handoff_times <= cut.end_time
     np.testing.assert_array_equal(cut.handoff_times, whole.handoff_times[done])
     found, expected = dense(cut, 30), whole.at(np.linspace(0.0, cut.end_time, 30))

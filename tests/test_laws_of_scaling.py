@@ -8,26 +8,25 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import escapement as esc
-from random_drives import (
-    close,
-    drives,
-    factors,
-    few,
-    settling,
-    speeds,
-)
+from random_drives import close, drives, factors, few, settling, speeds
 
 
 # scaling
 @few
-@given(drives(load=False), speeds, factors)
-def test_speeds_go_as_the_root_of_torque(drive, speed, factor):
+@given(drives(), speeds, factors, factors)
+def test_times_go_as_the_root_of_inertia_over_torque(drive, speed, heavier, stronger):
+    """Equal factors are another unit of force and mass, which changes no time."""
+    inertia = esc.Inertia(heavier * drive.inertia.driver, heavier)
+    load = stronger * drive.load_torque
+    changed = replace(drive, inertia=inertia, torque=stronger, load_torque=load)
+    slower = math.sqrt(heavier / stronger)
     one = esc.simulate(drive, 4, initial_speed=speed)
-    faster = speed * math.sqrt(factor)
-    other = esc.simulate(replace(drive, torque=factor), 4, initial_speed=faster)
-    close(other.handoff_velocities, one.handoff_velocities * math.sqrt(factor))
-    close(other.handoff_times, one.handoff_times / math.sqrt(factor))
+    other = esc.simulate(changed, 4, initial_speed=speed / slower)
+    close(other.handoff_times, one.handoff_times * slower)
+    close(other.handoff_velocities, one.handoff_velocities / slower)
     close(other.reversals.theta, one.reversals.theta, scale=1.0)
+    work = stronger * one.ledger.work
+    close(other.ledger.friction, stronger * one.ledger.friction, scale=work)
 
 
 @few
@@ -39,27 +38,6 @@ def test_accelerations_and_contact_moments_go_as_torque(drive, factor):
     close(other.velocity_min, one.velocity_min * math.sqrt(factor))
     close(other.rise_time, one.rise_time / math.sqrt(factor))
     close(other.contraction, one.contraction, scale=1.0)
-
-
-@few
-@given(drives(), speeds, factors)
-def test_times_go_as_the_root_of_both_inertias(drive, speed, factor):
-    one = esc.simulate(drive, 4, initial_speed=speed)
-    heavy = replace(drive, inertia=esc.Inertia(factor * drive.inertia.driver, factor))
-    other = esc.simulate(heavy, 4, initial_speed=speed / math.sqrt(factor))
-    close(other.handoff_times, one.handoff_times * math.sqrt(factor))
-
-
-@few
-@given(drives(), speeds, factors)
-def test_units_of_force_and_mass_do_not_matter(drive, speed, factor):
-    inertia = esc.Inertia(factor * drive.inertia.driver, factor)
-    other = esc.Escapement(
-        drive.mechanism, inertia, factor, drive.friction, factor * drive.load_torque
-    )
-    one, other = (esc.simulate(scene, 4, initial_speed=speed) for scene in (drive, other))
-    close(other.handoff_times, one.handoff_times)
-    close(other.ledger.friction, factor * one.ledger.friction, scale=factor * one.ledger.work)
 
 
 # monotony

@@ -5,7 +5,6 @@ import math
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import escapement as esc
@@ -64,9 +63,8 @@ def test_report(measure):
     (once,) = [e for e in found["shaft_errors"] if (e["shaft"], e["order"]) == ("output", 1)]
     assert once["amplitude_deg"] == pytest.approx(0.5, abs=4 * once["standard_error_deg"])
     assert found["periodogram_peak"]["false_alarm_probability"] < 1e-6
-    assert found["sensor"]["standard_deg"] == pytest.approx(
-        math.degrees(result.sensor_share.standard)
-    )
+    share = math.degrees(result.sensor_share.standard)
+    assert found["sensor"]["standard_deg"] == pytest.approx(share)
     low, high = found["interval_deg"]
     assert low == pytest.approx(-high)
     assert err == f"escapement: {result.message}\n"
@@ -124,18 +122,6 @@ def test_table_says_what_json_says(measure, command):
         assert f"{value:.6g}" in out
 
 
-def test_columns_and_unit(measure, folder):
-    table = np.loadtxt("geneva.csv", delimiter=",", skiprows=1)
-    rows = "".join(f"{b},{a}\n" for a, b in np.radians(table).tolist())
-    (folder / "rad.csv").write_text("b,a\n" + rows)
-    given = ["--input-column", "a", "--output-column", "b", "--angle-unit", "rad"]
-    found, _ = measure("rad.csv", *given)
-    same, _ = measure("geneva.csv")
-    assert found["standard_deviation_deg"] == pytest.approx(
-        same["standard_deviation_deg"], rel=1e-9
-    )
-
-
 def test_files(command, folder):
     words = ("measure", "planetary.csv", *KIND, "-o", "e.csv")
     assert command(*words, "--plot", "e.png")[0] == 0
@@ -173,22 +159,13 @@ WRONG = {
     "broken": (["broken.csv"], 65, "broken.csv, line 3 must have 2 fields"),
     "not a table": (["there.csv"], 65, "there.csv, line 1", "two columns"),
     "no radii": (["planetary.csv", KIND[0]], 2, "--sun-radius, --planet-radius"),
-    "unknown kind": (["geneva.csv", "genva"], 2, "did you mean 'geneva'?"),
     "unknown column": (["geneva.csv", "--input-column", "x"], 2, "input column", "'x'"),
     "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
     "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase,"),
-    "far zeros": (
-        ["geneva.csv", "--phase", "0", "--offset", "1e300"], 2, "offset must be within 1e10",
-    ),
-    "words": (["geneva.csv", "--offset", "x"], 2, "--offset", "finite number"),
     "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),
-    "few bins": (["geneva.csv", "--bins", "3"], 2, "bins must be", "at least 4", "got 3"),
-    "negative bins": (["geneva.csv", "--bins", "-3"], 2, "bins", "got -3"),
+    "few bins": (["geneva.csv", "--bins", "-3"], 2, "bins must be", "at least 4", "got -3"),
     "sure": (["geneva.csv", "--confidence", "1"], 2, "confidence must be", "between 0 and 1"),
     "resolution": (["geneva.csv", "--resolution", "1"], 2, "--resolution", "at least 2"),
-    "per cent": (
-        ["geneva.csv", "--resolution", "99", "--linearity", "3"], 2, "linearity", "below 0.5",
-    ),
     "linearity alone": (["geneva.csv", "--linearity", ".003"], 2, "--resolution N"),
     "force": (["geneva.csv", "--force"], 2, "--output FILE.csv"),
     "there": (["geneva.csv", "-o", "there.csv"], 73, "there.csv", "--force"),

@@ -47,6 +47,7 @@ GOOD = {
     "semicolon": text(between=";", head="input;output"),
     "tab": text(between="\t", head="Input (deg)\tOutput (deg)"),
     "blanks": text(between="  ", head="input output"),
+    "blanks at the end": text(between="   ", head="input output ", end=" \n"),
     "decimal comma": text(COMMA, between=";", head="input;output"),
     "decimal comma after a tab": text(COMMA, between="\t", head="input\toutput"),
     "no header": text(head=None),
@@ -69,13 +70,15 @@ def test_what_is_understood(file, content):
     check(esc.read_readings(file(content)))
 
 
-def test_radians_by_name_or_by_wish(file):
+def test_columns_and_units_by_name_or_by_wish(file):
     rows = [tuple(repr(float(np.radians(float(field)))) for field in row) for row in ROWS]
     check(esc.read_readings(file(text(rows, head="input_rad,output (rad)"))))
     path = file(text(rows, head="input,output"))
     check(esc.read_readings(path, angle_unit="rad"))
     mixed = [(a, b) for (a, _), (_, b) in zip(ROWS, rows, strict=True)]
     check(esc.read_readings(file(text(mixed, head="input,output_rad"))))
+    path = file(text([(a, a, b, b) for a, b in ROWS], head="in A,in B,out A,out B"))
+    check(esc.read_readings(path, input="in B", output="out A"))
 
 
 def test_degrees_are_not_assumed_in_silence(file):
@@ -92,19 +95,13 @@ def test_degrees_are_not_assumed_in_silence(file):
         assert (said in esc.measure(readings, DRIVE).message) == bool(remark)
 
 
-@pytest.mark.parametrize("unit", ["grad", "gon", "mrad", "µrad", "rev", "arcmin"])
+@pytest.mark.parametrize("unit", ["grad", "mrad", "µrad", "turns", "arcmin"])
 def test_a_foreign_unit_is_not_taken_for_degrees(file, unit):
     path = file(text(head=f"shaft_{unit},wheel_{unit}"))
     names = {"input": f"shaft_{unit}", "output": f"wheel_{unit}"}
     with pytest.raises(InputFileError, match=f"degrees or radians, got 'shaft_{unit}"):
         esc.read_readings(path, **names)
     check(esc.read_readings(path, **names, angle_unit="deg"))
-
-
-def test_columns_by_name(file):
-    rows = [(a, a, b, b) for a, b in ROWS]
-    path = file(text(rows, head="in A,in B,out A,out B"))
-    check(esc.read_readings(path, input="in B", output="out A"))
 
 
 @pytest.mark.parametrize("nothing", ["", "nan", "NaN", "NA", "null", " "])
@@ -131,35 +128,17 @@ BAD = {
     "other separator": (put(5, "45.0;22.5"), "line 5", "2 fields", "','", "'45.0;22.5'"),
     "decimal comma": (put(5, "45,0,22,5"), "line 5", "2 fields", "'45,0,22,5'"),
     "text": (put(62, "x1,2"), "line 62", "numbers in fields 1 and 2", "'x1,2'"),
-    "text in the output": (put(3, "15,7..5"), "line 3", "numbers in fields", "'15,7..5'"),
     "underscore": (put(3, "1_5,7"), "line 3", "numbers in fields", "'1_5,7'"),
     "infinite": (put(9, "inf,1"), "line 9", "within 1e10 turns", "inf rad"),
-    "too great": (put(9, "1,1e400"), "line 9", "output must be within 1e10 turns", "inf rad"),
     "far away": (put(9, "1e300,1"), "line 9", "input must be within 1e10 turns"),
-    "far away in the output": (put(9, "1,-4e12"), "line 9", "output must be within 1e10 turns"),
     "short row": (put(9, "1"), "line 9", "2 fields", "'1'"),
     "second header": (put(9, "input_deg,output_deg"), "line 9", "'input_deg,output_deg'"),
     "long row": (put(9, "1,2" * 99), "line 9", "..."),
     "one column": (text([(a,) for a, _ in ROWS], head="input"), "line 1", "two columns"),
-    "one column of numbers": ("1\n2\n3\n", "line 1", "two columns", "'1'"),
     "three columns of numbers": (text([(a, a, b) for a, b in ROWS], head=None), "line 1", "name"),
     "unknown names": (text(head="x,y"), "line 1", "input or in or driver", "'x,y'"),
     "ambiguous": (text(head="input,in"), "line 1", "one column", "'input,in'"),
-    "gradians": (
-        text(head="input_grad,output_grad"),
-        "line 1",
-        "degrees or rad",
-        "'input_grad,output_grad'",
-    ),
-    "turns": (
-        text(head="input [deg],output [turns]"),
-        "line 1",
-        "degrees",
-        "'input [deg],output [turns]'",
-    ),
     "empty": ("", "must hold rows of angles"),
-    "blank": ("\n\n\n", "must hold rows of angles"),
-    "comments only": ("# a\n# b\n", "must hold rows of angles"),
     "header only": ("input,output\n", "must hold rows of angles"),
     "few rows": (text(ROWS[:19]), "at least 20", "got 19 of 19"),
     "nothing but NaN": (text([("nan", "nan")] * 50), "got 0 of 50"),
@@ -237,7 +216,7 @@ def test_not_a_file(tmp_path):
 
 def test_wrong_names_and_units(file):
     path = file(text())
-    with pytest.raises(InvalidValue, match=r"input column.*'inptu'; did you mean 'input_deg'"):
+    with pytest.raises(InvalidValue, match=r"input column must be one of input_deg, .*'inptu'"):
         esc.read_readings(path, input="inptu")
     with pytest.raises(InvalidValue, match="different columns"):
         esc.read_readings(path, input="input", output="input")
@@ -264,6 +243,9 @@ def test_written_readings_come_back(tmp_path):
         esc.write_readings(readings, path)
     esc.write_readings(readings, path, force=True)
     assert [entry.name for entry in tmp_path.iterdir()] == ["made.csv"]
+    esc.write_readings(esc.Readings(readings.input, readings.output), path, force=True)
+    assert "synthetic" not in path.read_text()
+    assert not esc.read_readings(path).synthetic
 
 
 def test_readings_of_the_documentation_are_those_it_says():
@@ -277,15 +259,6 @@ def test_readings_of_the_documentation_are_those_it_says():
     assert kept.synthetic
     np.testing.assert_allclose(kept.input, made.input, atol=1e-8)
     np.testing.assert_allclose(kept.output, made.output, atol=1e-8)
-
-
-def test_measured_readings_are_not_called_synthetic(tmp_path):
-    made = esc.synthetic_readings(DRIVE, seed=4, noise=0.01)
-    esc.write_readings(esc.Readings(made.input, made.output), tmp_path / "real.csv")
-    assert "synthetic" not in (tmp_path / "real.csv").read_text()
-    result = esc.measure(tmp_path / "real.csv", DRIVE)
-    assert not result.readings.synthetic
-    assert result.message == ""
 
 
 def test_errors_as_a_table(tmp_path):

@@ -14,6 +14,10 @@ from escapement.measurement.readings import unwrapped
 from measurement_tools import DEG, DRIVES, NAMES, PRIKHODKO, read
 
 
+def noise_of(size, seed=0):
+    return np.random.default_rng(seed).standard_normal(size)
+
+
 def test_prikhodko_s_position_over_many_cells():
     sun, planet = 16.0, 9.0
     a, c = 0.5 * (sun + planet), 0.5 * (sun - planet)
@@ -49,9 +53,8 @@ def test_slope_is_the_transmission_and_zero_in_the_dwell(drive):
 @pytest.mark.parametrize("drive", DRIVES, ids=NAMES)
 def test_zeros_come_back_exactly_without_errors_but_one_count(drive, sense):
     fine = esc.Encoder(1 << 24)
-    result = esc.measure(
-        read(drive, phase=17 * DEG, offset=-33 * DEG, sense=sense, encoder=fine), drive
-    )
+    readings = read(drive, phase=17 * DEG, offset=-33 * DEG, sense=sense, encoder=fine)
+    result = esc.measure(readings, drive)
     assert result.fit.sense == sense
     assert result.fit.phase == pytest.approx(17 * DEG, abs=fine.quantum)
     assert result.fit.offset == pytest.approx(-33 * DEG, abs=fine.quantum * 5)
@@ -61,13 +64,8 @@ def test_zeros_come_back_exactly_without_errors_but_one_count(drive, sense):
 
 def test_standard_errors_of_the_zeros_are_what_repetition_shows():
     truth = np.array([9.0, 40.0]) * DEG
-    fits = [
-        esc.measure(
-            read(seed=seed, samples=120, noise=0.5 * DEG, phase=truth[0], offset=truth[1]),
-            PRIKHODKO,
-        ).fit
-        for seed in range(200)
-    ]
+    planted = {"samples": 120, "noise": 0.5 * DEG, "phase": truth[0], "offset": truth[1]}
+    fits = [esc.measure(read(seed=seed, **planted), PRIKHODKO).fit for seed in range(200)]
     for name, value in zip(("phase", "offset"), truth, strict=True):
         found = np.array([getattr(fit, name) for fit in fits])
         told = np.mean([getattr(fit, f"{name}_error") for fit in fits])
@@ -87,9 +85,8 @@ def test_known_zeros_are_kept_and_the_mean_error_remains():
 @pytest.mark.parametrize("start", [-0.2, 10.0, 185.0, 230.0, 359.0])
 def test_with_known_zeros_the_first_turn_of_the_input_is_the_right_one(drive, start):
     angle = np.radians(np.linspace(start, start + 155.0, 200))
-    noise = 0.05 * DEG * np.random.default_rng(0).standard_normal(angle.size)
-    output = measurement.position(drive, angle) + noise
-    readings = esc.Readings(np.mod(angle, 2.0 * np.pi), output)
+    noise = 0.05 * DEG * noise_of(angle.size)
+    readings = esc.Readings(np.mod(angle, 2 * np.pi), measurement.position(drive, angle) + noise)
     result = esc.measure(readings, drive, zeros=(0.0, 0.0))
     assert result.fit.sense == 1
     assert result.standard_deviation == pytest.approx(0.05 * DEG, rel=0.2)
@@ -115,17 +112,14 @@ def test_samples_in_step_with_the_cells_tell_the_phase():
 
 def test_turning_back_and_forth_is_no_obstacle():
     theta = 4.0 * np.sin(np.linspace(0.0, 20.0, 900))
-    readings = esc.Readings(np.mod(theta, 2 * np.pi), measurement.position(PRIKHODKO, theta + 0.2))
-    result = esc.measure(
-        esc.Readings(readings.input, readings.output + 1e-6 * np.sin(np.arange(900.0) ** 2)),
-        PRIKHODKO,
-    )
+    output = measurement.position(PRIKHODKO, theta + 0.2) + 1e-6 * np.sin(np.arange(900.0) ** 2)
+    result = esc.measure(esc.Readings(np.mod(theta, 2 * np.pi), output), PRIKHODKO)
     assert result.fit.phase == pytest.approx(0.2, abs=1e-6)
 
 
 def test_missing_samples_do_not_lose_a_turn():
     theta = np.linspace(0.0, 40.0, 900)  # 2.5 degrees a sample
-    noise = 1e-4 * np.random.default_rng(0).standard_normal(900)
+    noise = 1e-4 * noise_of(900)
     angle = np.mod(theta, 2 * np.pi)
     output = np.mod(measurement.position(PRIKHODKO, theta) + noise, 2 * np.pi)
     angle[200:420] = np.nan  # one turn and a half
@@ -140,7 +134,7 @@ def test_missing_samples_do_not_lose_a_turn():
 @pytest.mark.parametrize("column", ["input", "output"])
 def test_a_masked_reading_is_missing_whatever_lies_below_the_mask(column, junk):
     theta = np.linspace(0.0, 40.0, 900)
-    noise = 1e-4 * np.random.default_rng(0).standard_normal(900)
+    noise = 1e-4 * noise_of(900)
     columns = {"input": theta, "output": measurement.position(PRIKHODKO, theta) + noise}
     lost = np.arange(900) % 37 == 5
     gaps, hidden = dict(columns), dict(columns)
@@ -158,7 +152,7 @@ FASTER = np.radians(np.cumsum(np.linspace(8.0, 60.0, 300)))
 @pytest.mark.parametrize("theta", [SWING, FASTER], ids=["swinging", "ever faster"])
 @pytest.mark.parametrize("first", range(30, 280, 25))
 def test_the_input_is_known_where_the_output_alone_is_missing(theta, first):
-    noise = 0.5 * DEG * np.random.default_rng(first).standard_normal(300)
+    noise = 0.5 * DEG * noise_of(300, first)
     output = np.mod(measurement.position(PRIKHODKO, theta) + noise, 2 * np.pi)
     output[first : first + 11] = np.nan
     result = esc.measure(esc.Readings(np.mod(theta, 2 * np.pi), output), PRIKHODKO)
@@ -172,7 +166,7 @@ def test_a_gap_of_the_input_is_still_remarked_upon():
     theta = np.arange(300) * 30.0 * DEG
     angle, output = np.mod(theta, 2 * np.pi), measurement.position(PRIKHODKO, theta)
     angle[100:110] = np.nan
-    noise = 0.1 * DEG * np.random.default_rng(0).standard_normal(300)
+    noise = 0.1 * DEG * noise_of(300)
     result = esc.measure(esc.Readings(angle, output + noise), PRIKHODKO)
     assert "the input goes on by 330 degrees at line 111" in result.message
 
@@ -202,7 +196,7 @@ def test_unwrapping_adds_whole_turns_only():
 def test_even_output_tells_no_phase(samples):
     drive = esc.Geneva(4, pins=1)  # in its dwell throughout
     theta = np.linspace(1.0, 5.0, samples)
-    noise = 1e-3 * np.random.default_rng(0).standard_normal(samples)
+    noise = 1e-3 * noise_of(samples)
     result = esc.measure(esc.Readings(theta, 0.5 + noise), drive)
     if result.fit.phase_error == result.fit.phase_error:
         # another phase may fit noise a little better, but then its error is large
@@ -248,7 +242,6 @@ def test_a_mechanism_without_dynamics_is_measured():
     wheel = esc.GearDriven(12, 4, "hypocycloid")
     assert wheel.through_centre
     theta = np.linspace(0.0, 12.0, 400)
-    random = np.random.default_rng(3)
-    output = measurement.position(wheel, theta) + 1e-3 * random.normal(size=theta.size)
-    found = measurement.measure(measurement.Readings(theta, output), wheel)
+    output = measurement.position(wheel, theta) + 1e-3 * noise_of(400, 3)
+    found = esc.measure(esc.Readings(theta, output), wheel)
     assert found.standard_deviation == pytest.approx(1e-3, rel=0.15)

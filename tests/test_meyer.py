@@ -9,7 +9,7 @@ import pytest
 
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia, Mechanism
+from escapement.model import Mechanism
 from escapement.sources.meyer import (
     HEADINGS,
     INERTIAS,
@@ -51,11 +51,8 @@ def test_table_as_printed():
     assert table[32] == (4, 4, 0.35, 0.20, 163.0, 25.0, 0.028, 0.031)
     assert table[-1] == (6, 3, 0.35, 0.14, 176.0, 72.0, 0.028, 0.015)
     assert all(row.pins == Geneva(row.slots).pins for row in table)
-
-
-def test_only_the_six_pin_heading_swaps_inertias():
-    assert HEADINGS[3] == INERTIAS[3][::-1]
-    assert {n for n in INERTIAS if HEADINGS[n] != INERTIAS[n]} == {3}
+    # only the heading of the six-pin table swaps its inertias
+    assert {**INERTIAS, 3: INERTIAS[3][::-1]} == HEADINGS
 
 
 @pytest.mark.parametrize(("slots", "entry", "end"), [(3, -30, 60), (4, -45, 45), (6, -60, 30)])
@@ -65,11 +62,6 @@ def test_published_cell_is_90_degrees_from_the_true_entry(slots, entry, end):
     assert cell.cell_angle == math.pi / 2
     np.testing.assert_allclose(np.degrees(cell.breaks), [entry, 0.0, end], atol=1e-12)
     np.testing.assert_array_equal(cell.path.numbers, Geneva(slots).path.numbers)
-
-
-@pytest.mark.parametrize("slots", [3, 4, 6])
-def test_published_follower_step_is_the_integral_of_the_transmission(slots):
-    cell = PublishedCell(slots)
     nodes, weights = np.polynomial.legendre.leggauss(200)
     half = cell.cell_angle / 2
     g = Geneva(slots).transmission(cell.breaks[0] + half * (1 + nodes)).g
@@ -83,12 +75,6 @@ def test_transmission_at_the_published_handoffs():
     assert ends[6] == pytest.approx(0.4767, abs=1e-4)  # short of it
 
 
-@pytest.mark.parametrize("slots", [5, 2, "4", None])
-def test_published_cell_exists_for_meyers_wheels_only(slots):
-    with pytest.raises(InvalidValue, match="slots must be"):
-        PublishedCell(slots)
-
-
 def test_every_row_has_four_columns(rows):
     assert len(rows) == 49
     for row in rows:
@@ -97,21 +83,18 @@ def test_every_row_has_four_columns(rows):
     json.dumps(rows, allow_nan=False)
 
 
-def test_as_published_solution_meets_the_tables(rows):
-    count = agreement(rows, "as_published")
+@pytest.mark.parametrize(
+    ("column", "least"),
+    [
+        ("as_published", {"periods": 49, "minima": 49, "maxima": 44, "rise_times": 46}),
+        ("program_1973", {"periods": 49, "maxima": 47}),
+    ],
+)
+def test_recomputed_tables_meet_the_printed_ones(rows, column, least):
+    count = agreement(rows, column)
     assert count.rows == 49
-    assert count.periods == 49
-    assert count.minima == 49
-    assert count.maxima >= 44
-    assert count.worst_maximum < 0.03
-    assert count.rise_times >= 46
-
-
-def test_replicated_listing_meets_the_maxima_better(rows):
-    count = agreement(rows, "program_1973")
-    assert count.periods == 49
-    assert count.maxima >= 47
-    assert count.worst_maximum < 0.021
+    assert all(getattr(count, name) >= number for name, number in least.items())
+    assert count.worst_maximum < {"as_published": 0.03, "program_1973": 0.021}[column]
 
 
 def test_tables_describe_no_real_mechanism_but_the_four_pin_one(rows):
@@ -160,50 +143,35 @@ def test_causes_are_named_where_they_apply(rows):
             assert any("90-degree" in text for text in row["reasons"])
         if row["slots"] == 3:
             assert any("heading" in text for text in row["reasons"])
-
-
-def test_low_peaks_are_put_down_to_the_print_step(rows):
     for friction, torque in ((0.35, 0.20), (0.30, 0.10)):
         reasons = _row(rows, 4, friction, torque)["reasons"]
         assert any("0.5 ms print step misses the velocity_max" in text for text in reasons)
-
-
-def test_little_is_left_unexplained(rows):
+    assert _row(rows, 4, 0.35, 0.11)["reasons"] == []
     left = [text for row in rows for text in row["reasons"] if "unexplained" in text]
     # six-slot maxima, all within 1.1 rad/s of the exact ones
     assert len(left) <= 6
     assert all("velocity_max" in text for text in left)
 
 
-def test_a_row_that_agrees_has_no_reasons(rows):
-    assert _row(rows, 4, 0.35, 0.11)["reasons"] == []
-
-
-@pytest.mark.parametrize("column", ["as_published", "program_1973", "true"])
-def test_more_torque_runs_faster(rows, column):
-    for figure in ("velocity_max", "velocity_min"):
-        faster = _series(rows, column, "torque_inlbf", figure)
-        assert all((np.diff(values) > 0).all() for values in faster)
-    shorter = _series(rows, column, "torque_inlbf", "period")
-    assert all((np.diff(values) < 0).all() for values in shorter)
-
-
-@pytest.mark.parametrize("column", ["printed", "as_published", "true"])
-def test_more_friction_runs_slower(rows, column):
-    slower = _series(rows, column, "friction", "velocity_max")
-    assert all((np.diff(values) < 0).all() for values in slower)
-    # printed periods tie where 1 ms does not tell them apart
-    longer = _series(rows, column, "friction", "period")
-    assert all((np.diff(values) >= 0).all() for values in longer)
-
-
-@pytest.mark.parametrize("column", ["printed", "as_published", "true"])
-def test_more_friction_settles_in_fewer_periods(rows, column):
-    rise = _series(rows, column, "friction", "rise_time")
-    period = _series(rows, column, "friction", "period")
-    for times, unit in zip(rise, period, strict=True):
-        if len(times) == 4:
-            assert times[-1] / unit[-1] < times[0] / unit[0]
+@pytest.mark.parametrize("column", COLUMNS)
+def test_torque_drives_and_friction_brakes(rows, column):
+    """Sampling moves the listing's maxima by more than a step of friction does."""
+    changes = {
+        (along, figure): [np.diff(it) for it in _series(rows, column, along, figure)]
+        for along in ("torque_inlbf", "friction")
+        for figure in ("velocity_max", "velocity_min", "period")
+    }
+    if column != "printed":
+        for figure in ("velocity_max", "velocity_min"):
+            assert all((change > 0).all() for change in changes["torque_inlbf", figure])
+        assert all((change < 0).all() for change in changes["torque_inlbf", "period"])
+    if column != "program_1973":
+        assert all((change < 0).all() for change in changes["friction", "velocity_max"])
+        # printed periods tie where 1 ms does not tell them apart
+        assert all((change >= 0).all() for change in changes["friction", "period"])
+        rise, period = (_series(rows, column, "friction", it) for it in ("rise_time", "period"))
+        settling = [a / b for a, b in zip(rise, period, strict=True) if len(a) == 4]
+        assert all(periods[-1] < periods[0] for periods in settling)
 
 
 def test_printed_speeds_go_as_the_root_of_torque():
@@ -215,21 +183,6 @@ def test_printed_speeds_go_as_the_root_of_torque():
         assert max(scaled) / min(scaled) < 1.035, key
 
 
-def test_speeds_go_exactly_as_the_root_of_torque():
-    from escapement.simulation import terminal
-
-    inertia = Inertia(*(value * INCH_POUND for value in INERTIAS[4]))
-    low, high = (
-        terminal(Escapement(Geneva(4), inertia, torque * INCH_POUND, 0.25))
-        for torque in (0.08, 0.14)
-    )
-    ratio = math.sqrt(0.14 / 0.08)
-    for name in ("velocity_max", "velocity_min"):
-        assert getattr(high, name) == pytest.approx(getattr(low, name) * ratio, rel=1e-8)
-    for name in ("rise_time", "period"):
-        assert getattr(high, name) == pytest.approx(getattr(low, name) / ratio, rel=1e-8)
-
-
 def test_units_change_the_inputs_and_no_answer(rows):
     si = appendix_e("SI")
     assert si[0]["torque"] == pytest.approx(0.03 * INCH_POUND, rel=1e-15)
@@ -238,3 +191,6 @@ def test_units_change_the_inputs_and_no_answer(rows):
     assert all(a[column] == b[column] for a, b in zip(si, rows, strict=True) for column in COLUMNS)
     with pytest.raises(InvalidValue, match="units must be one of"):
         appendix_e("cgs")
+    for slots in (5, 2, "4", None):
+        with pytest.raises(InvalidValue, match="slots must be"):
+            PublishedCell(slots)

@@ -1,7 +1,5 @@
 """Motions: the check value, and what must hold whichever engine computed them."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -112,19 +110,7 @@ def test_a_piece_that_is_not_there_is_refused(piece):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_load_too_great_stops_the_motion(engine):
-    heavy = timer(load=0.3)
-    motion = esc.simulate(heavy, engine=engine, initial_speed=50.0)
-    assert motion.status is Status.STALL
-    assert "stalls" in motion.message
-    assert "degrees from dead centre" in motion.message
-    assert math.isfinite(motion.end_time)
-    assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=1e-3)
-    assert esc.terminal(heavy, engine=engine).status is Status.STALL
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("load", [0.0, 0.05])
+@pytest.mark.parametrize("load", [0.0, 0.01, 0.05])
 def test_the_painleve_limit_is_decided_before_integrating(engine, load):
     limit = esc.critical_friction(timer().mechanism, timer().inertia)
     beyond = timer(friction=limit, load=load)
@@ -135,12 +121,3 @@ def test_the_painleve_limit_is_decided_before_integrating(engine, load):
     assert esc.terminal(beyond, engine=engine).status is Status.PAINLEVE
     below = timer(friction=limit * (1.0 - 1e-6), load=load / 100.0)
     assert esc.simulate(below, 2, engine=engine).status is Status.OK
-
-
-def test_duration_and_engagements_tell_the_same_motion():
-    whole = esc.simulate(timer(), 5)
-    part = esc.simulate(timer(), duration=0.9 * whole.end_time)
-    assert part.end_time == 0.9 * whole.end_time
-    np.testing.assert_array_equal(part.handoff_times, whole.handoff_times[:4])
-    times = np.linspace(0.0, part.end_time, 33)
-    np.testing.assert_allclose(part.at(times).theta_dot, whole.at(times).theta_dot, rtol=1e-10)

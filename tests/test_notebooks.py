@@ -10,6 +10,7 @@ import nbformat
 import pytest
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[1] / "notebooks").glob("*.ipynb"))
+assert NOTEBOOKS
 LONGEST = 600  # s: all take a few, and far more where kernels are compiled on a busy machine
 
 # In a process of its own: what a notebook server warns of is none of our business
@@ -68,10 +69,6 @@ def executed(tmp_path_factory):
     )
     assert run.returncode == 0, run.stderr
     return folder
-
-
-def test_there_are_notebooks():
-    assert NOTEBOOKS
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

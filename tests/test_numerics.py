@@ -10,16 +10,8 @@ from escapement.study.identity import numerics, sources
 
 PACKAGE = Path(escapement.__file__).parent
 DECIDE_NOTHING = {
-    *(
-        "__init__.py",
-        "engines/__init__.py",
-        "by_address.py",
-        "jit.py",
-        "lazy.py",
-        "peaks.py",
-        "validate.py",
-        "errors.py",
-    ),
+    *("__init__.py", "engines/__init__.py", "by_address.py", "jit.py", "lazy.py", "validate.py"),
+    "errors.py",
 }
 """Names, checks, compilation, and figures that no study holds: results do not depend on them."""
 

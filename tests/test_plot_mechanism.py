@@ -11,7 +11,7 @@ from matplotlib.path import Path as Outline
 import escapement as esc
 from escapement import plots
 from escapement.errors import InvalidValue
-from escapement.outlines.body import Body, locked_angle
+from escapement.outlines import Body, locked_angle
 from escapement.outlines.elliptical import EllipticalOutline
 from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline, locking_disc

@@ -217,11 +217,8 @@ def test_study_with_two_axes_adds_maps_when_fine_enough():
     fine = plots.plot_study(Synthetic(axes))
     maps, bars = fine.axes[2:5], fine.axes[5:]
     assert all(ax.get_xlabel() == "Driving torque (in·lbf)" for ax in maps)
-    assert [ax.get_xlabel() for ax in bars] == [
-        "Period (ms)",
-        "Mean driver velocity (rad/s)",
-        "Rise time (ms)",
-    ]
+    names = ["Period (ms)", "Mean driver velocity (rad/s)", "Rise time (ms)"]
+    assert [ax.get_xlabel() for ax in bars] == names
 
 
 def test_further_axes_stay_at_their_middle_and_the_title_says_so():
@@ -264,7 +261,7 @@ def test_study_without_anything_to_show_is_refused():
 
 
 @pytest.mark.parametrize("name", ["driver_inertia", "load_torque"])
-@pytest.mark.parametrize("last", [4.5e-7, 0.0073, 0.01, 0.1])
+@pytest.mark.parametrize("last", [4.5e-7, 0.0073, 0.1])
 def test_labels_and_powers_of_ten_stay_apart(name, last):
     axes = {name: np.linspace(0.0, last, 12), "friction": np.linspace(0.1, 0.4, 12)}
     study = Synthetic(axes)

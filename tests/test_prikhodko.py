@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -149,15 +150,10 @@ def test_output_turns_in_the_drawing_as_it_should():
     assert turned == pytest.approx(expected, abs=1e-9)
 
 
-def test_an_angle_that_is_no_number_is_refused():
-    with pytest.raises(InvalidValue, match="theta"):
-        planetary.plot_planetary(PAPER, math.nan)
-
-
 # --- command line -------------------------------------------------------------------------
 
 
-def test_mechanism(command):
+def test_mechanism(command, tmp_path):
     code, out, _ = command("mechanism", *DRIVE, "--json")
     record = json.loads(out)
     assert code == 0
@@ -174,11 +170,7 @@ def test_mechanism(command):
     other = json.loads(command("mechanism", *inches)[1])
     assert other["centre_distance"] * INCH == pytest.approx(record["centre_distance"])
     assert other["eccentricity"] == pytest.approx(record["eccentricity"])
-
-
-def test_mechanism_drawing(command, tmp_path):
-    code, out, _ = command("mechanism", *DRIVE, "--plot", "drive.svg", "--angle", "30")
-    assert code == 0
+    out = command("mechanism", *DRIVE, "--plot", "drive.svg", "--angle", "30")[1]
     assert "stop interval" in out
     assert (tmp_path / "drive.svg").stat().st_size > 1000
 
@@ -186,31 +178,14 @@ def test_mechanism_drawing(command, tmp_path):
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        (("--sun-radius", 1), ["--planet-radius", "required"]),
-        (("--sun-radius", 1, "--planet-radius", 2), ["--sun-radius", "greater", "1.0"]),
-        (("--sun-radius", 0, "--planet-radius", 2), ["--sun-radius", "greater than 0"]),
-        ((*DRIVE[1:], "--slots", 4), ["--slots", "elliptical-planetary", "geneva"]),
+        (("--sun-radius", 1), "required with elliptical-planetary: --planet-radius"),
+        (("--sun-radius", 1, "--planet-radius", 2), "sun.radius must be greater than .*1.0"),
+        (("--sun-radius", 0, "--planet-radius", 2), "--sun-radius must be greater than 0"),
+        ((*DRIVE[1:], "--slots", 4), "--slots .*geneva"),
     ],
 )
-def test_wrong_use(command, argv, words):
-    code, out, err = command("mechanism", DRIVE[0], *argv)
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert all(word in err for word in words)
-
-
-def test_study_over_the_planet_s_radius():
-    plan = parse_plan(
-        {
-            "mechanism": {"kind": "elliptical-planetary", "sun_radius": 0.016},
-            "inertia": {"driver": 1e-5, "follower": 2e-5},
-            "torque": 0.01,
-            "sweep": {"planet_radius": [0.008, 0.009]},
-        }
-    )
-    assert plan.shape == (2,)
-    second = plan.escapement(1).mechanism
-    assert second == PAPER
+def test_wrong_use(refusal, argv, words):
+    assert re.search(words, refusal(2, "mechanism", DRIVE[0], *argv))
 
 
 def test_run_with_a_mesh_that_loses(command):
@@ -229,25 +204,6 @@ def test_run_with_a_mesh_that_loses(command):
     assert code == 2
     assert "friction must be 0 for a mechanism without a slot" in err
     assert command("plot", "m.h5")[0] == 0
-
-
-def test_drive_torque(command):
-    code, out, _ = command(
-        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
-        "--efficiency", 0.8, "--json",
-    )  # fmt: skip
-    record = json.loads(out)
-    assert code == 0
-    theta = np.linspace(*PAPER.breaks, 20001)
-    table = PAPER.transmission(theta)
-    torque = table.g * (0.01 + 2e-5 * 100.0 * table.dg) / 0.8
-    assert record["torque_max"] == pytest.approx(torque.max(), rel=1e-7)
-    code, _, err = command(
-        "drive-torque", *DRIVE, "--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-5,
-        "--friction", 0.1,
-    )  # fmt: skip
-    assert code == 2
-    assert "friction must be 0" in err
 
 
 def test_sweep_over_efficiency_is_terminal_case_by_case():
@@ -269,7 +225,7 @@ def test_sweep_over_efficiency_is_terminal_case_by_case():
     ("axes", "words"),
     [
         ({"friction": [0.0, 0.1]}, ["friction"]),
-        ({"efficiency": [0.5, 1.5]}, ["efficiency[1]", "[0.001, 1]", "1.5"]),
+        ({"efficiency": [0.5, 1.5]}, ["efficiency[1]", "at least 0.001 and at most 1", "1.5"]),
         ({"planet_radius": [0.0]}, ["planet_radius[0]", "greater than 0"]),
     ],
 )
@@ -282,14 +238,16 @@ def test_studies_that_cannot_be(axes, words):
 
 def test_a_study_names_the_loss_of_its_mechanism():
     study = {
-        "mechanism": {"kind": "elliptical-planetary", "sun_radius": 2.0, "planet_radius": 1.0},
-        "inertia": {"driver": 1.0, "follower": 1.0},
-        "friction": 0.1,
-        "sweep": {"torque": [1.0]},
+        "mechanism": {"kind": "elliptical-planetary", "sun_radius": 0.016},
+        "inertia": {"driver": 1e-5, "follower": 2e-5},
+        "torque": 0.01,
+        "sweep": {"planet_radius": [0.008, 0.009]},
     }
+    assert parse_plan(study).escapement(1).mechanism == PAPER
+    study["friction"] = 0.1
     with pytest.raises(InvalidValue, match=r"'friction' .* a mechanism with a slot"):
         parse_plan(study)
-    study["mechanism"] = {"slots": 4}
+    study |= {"mechanism": {"slots": 4}, "sweep": {"load_torque": [0.0]}}
     study["efficiency"] = study.pop("friction")
     with pytest.raises(InvalidValue, match=r"'efficiency' .* a mechanism without a slot"):
         parse_plan(study)

@@ -3,10 +3,9 @@
 import copy
 import pickle
 import timeit
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import escapement as esc
@@ -15,7 +14,7 @@ from escapement.cli.run import configure
 from escapement.errors import EscapementError, InvalidValue, UnknownArgument
 from escapement.mechanisms import KINDS, kind_of
 from escapement.model import Run
-from escapement.quantity import Declared, declared, quantities, quantity
+from escapement.quantity import declared, quantities
 from escapement.study.parse import parse_plan
 from escapement.study.plan import PlanKind
 from escapement.units import SYSTEMS, printed, unit_name
@@ -95,32 +94,6 @@ def test_units_are_printed_as_they_are_written():
     assert [printed("torque", system) for system in SYSTEMS] == ["N m", "in-lbf"]
     assert printed("acceleration", "SI") == "rad/s^2"
     assert printed("ratio", "SI") == ""
-
-
-@dataclass(frozen=True)
-class Bearing(Declared):
-    """Stands for any number that is yet to come."""
-
-    offset: float = field(
-        default=0.0, metadata=quantity("offset", "length", minimum=-np.inf, remedy="give it")
-    )
-    share: float = field(
-        default=0.5, metadata=quantity("share", exclusive=True, maximum=1.0, remedy="0.5, say")
-    )
-
-    def __post_init__(self):
-        self.check_fields()
-
-
-def test_ranges():
-    assert Bearing(-3.0, 1).offset == -3.0
-    assert type(Bearing(np.float32(2), 1).share) is float
-    with pytest.raises(InvalidValue, match=r"offset must be a finite number, got nan; give it"):
-        Bearing(float("nan"))
-    with pytest.raises(InvalidValue, match="share must be greater than 0 and at most 1, got 0"):
-        Bearing(share=0)
-    with pytest.raises(InvalidValue, match="share must be a finite number, got None"):
-        Bearing(share=None)
 
 
 def test_what_is_required_is_what_has_no_default():

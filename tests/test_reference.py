@@ -8,6 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+import escapement as esc
+from escapement.engines.time import terminal
+
 CASES = json.loads(
     Path(__file__).with_name("reference").joinpath("motions.json").read_text(encoding="utf-8")
 )
@@ -37,8 +40,6 @@ def numbers(strings):
 
 
 def model(case):
-    import escapement as esc
-
     return esc.Escapement(
         mechanism=esc.Geneva(slots=case["slots"], pins=case["pins"], internal=case["internal"]),
         inertia=esc.Inertia(driver=case["driver_inertia"], follower=case["follower_inertia"]),
@@ -51,8 +52,6 @@ def model(case):
 @cache
 def simulated(name, engine):
     """One motion serves all the tests of a case."""
-    import escapement as esc
-
     case = next(case for case in CASES if case["name"] == name)
     return esc.simulate(
         model(case),
@@ -88,57 +87,31 @@ def test_reference_sees_none_one_and_two_reversals():
 
 @each_engine
 @each_case
-def test_handoffs(case, engine):
-    motion = simulated(case["name"], engine)
-    np.testing.assert_allclose(
-        motion.handoff_times, numbers(case["handoff_times"]), rtol=engine.allowed
-    )
-    np.testing.assert_allclose(
-        motion.handoff_velocities, numbers(case["handoff_velocities"]), rtol=engine.allowed
-    )
-
-
-@each_engine
-@each_case
-def test_reversals(case, engine):
-    motion, expected = simulated(case["name"], engine), case["reversals"]
-    assert len(motion.reversals.time) == len(expected["time"])
-    np.testing.assert_allclose(
-        motion.reversals.time, numbers(expected["time"]), rtol=engine.allowed
-    )
-    np.testing.assert_allclose(
-        motion.reversals.theta, cumulative(case, expected), atol=engine.allowed
-    )
-
-
-@each_engine
-@each_case
-def test_extrema(case, engine):
-    motion, expected = simulated(case["name"], engine), case["extrema"]
-    found, end = motion.extrema, motion.handoff_times[-1]
+def test_handoffs_reversals_and_extrema(case, engine):
+    motion, close = simulated(case["name"], engine), engine.allowed
+    times, speeds = numbers(case["handoff_times"]), numbers(case["handoff_velocities"])
+    np.testing.assert_allclose(motion.handoff_times, times, rtol=close)
+    np.testing.assert_allclose(motion.handoff_velocities, speeds, rtol=close)
+    found, expected = motion.reversals, case["reversals"]
+    assert len(found.time) == len(expected["time"])
+    np.testing.assert_allclose(found.time, numbers(expected["time"]), rtol=close)
+    np.testing.assert_allclose(found.theta, cumulative(case, expected), atol=close)
+    found, expected = motion.extrema, case["extrema"]
     # Start and end of the run are corners only by convention.
-    inner = (found.time > 0) & (found.time < end * (1 - 1e-9))
-    assert np.count_nonzero(inner) == len(expected["time"])
+    inner = (found.time > 0) & (found.time < motion.handoff_times[-1] * (1 - 1e-9))
     assert list(found.maximum[inner]) == expected["maximum"]
-    np.testing.assert_allclose(found.time[inner], numbers(expected["time"]), rtol=engine.allowed)
-    np.testing.assert_allclose(found.theta[inner], cumulative(case, expected), atol=engine.allowed)
-    np.testing.assert_allclose(
-        found.theta_dot[inner], numbers(expected["velocity"]), rtol=engine.allowed
-    )
+    np.testing.assert_allclose(found.time[inner], numbers(expected["time"]), rtol=close)
+    np.testing.assert_allclose(found.theta[inner], cumulative(case, expected), atol=close)
+    np.testing.assert_allclose(found.theta_dot[inner], numbers(expected["velocity"]), rtol=close)
 
 
 @each_engine
 @with_cycle
 def test_terminal_cycle(case, engine, monkeypatch):
-    import escapement as esc
-    from escapement.engines.time import terminal
-
-    # the way there, up to thousands of engagements, is asked for by nothing below
+    # The tests below do not ask for the way there, which may take thousands of engagements.
     monkeypatch.setattr(terminal, "LONGEST_TRANSIENT", 0)
-    cycle, expected = (
-        esc.terminal(model(case), engine=engine.name, rtol=engine.rtol),
-        case["terminal"],
-    )
+    cycle = esc.terminal(model(case), engine=engine.name, rtol=engine.rtol)
+    expected = case["terminal"]
     for name in ("velocity_max", "velocity_min", "period"):
         assert getattr(cycle, name) == pytest.approx(float(expected[name]), rel=engine.allowed)
     # Near the Painleve limit it is 1e-175: only its absolute error means something.
@@ -147,12 +120,9 @@ def test_terminal_cycle(case, engine, monkeypatch):
 
 @each_engine
 def test_without_friction_there_is_no_terminal_cycle(engine):
-    import escapement as esc
-
     for case in (case for case in CASES if not case["terminal"]):
-        assert np.isnan(
-            esc.terminal(model(case), engine=engine.name, rtol=engine.rtol).velocity_max
-        )
+        cycle = esc.terminal(model(case), engine=engine.name, rtol=engine.rtol)
+        assert np.isnan(cycle.velocity_max)
 
 
 def test_next_to_no_driver_is_as_accurate_as_any_other():

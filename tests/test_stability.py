@@ -13,23 +13,14 @@ import pytest
 import escapement as esc
 from escapement.painleve import critical_friction
 from escapement.status import Status
+from natural_units import drive
 
 BOTH = ("energy", "ivp")
 SEED = 1973
 
 
-def timer(slots=4, pins=None, *, rho=0.06, mu=0.35, load=0.0, torque=1.0, internal=False):
-    return esc.Escapement(
-        mechanism=esc.Geneva(slots=slots, pins=pins, internal=internal),
-        inertia=esc.Inertia(driver=rho, follower=1.0),
-        torque=torque,
-        friction=mu,
-        load_torque=load,
-    )
-
-
 def limit(slots=4, pins=None, *, rho=0.06, internal=False):
-    model = timer(slots, pins, rho=rho, internal=internal)
+    model = drive(slots, pins, rho=rho, internal=internal)
     return critical_friction(model.mechanism, model.inertia)
 
 
@@ -51,13 +42,27 @@ def turns(motion):
     return [int(np.sum(motion.reversals.engagement == k)) for k in range(count)]
 
 
+def both(model, **options):
+    """The motion by the fast engine and by the reference engine."""
+    return [run(model, name, **options) for name in BOTH]
+
+
 def assert_same(model, *, tolerance=1e-9, speed=0.0, engagements=3):
     """Both engines tell the same story to within a tolerance; returns theirs."""
-    fast, judge = (run(model, name, speed=speed, engagements=engagements) for name in BOTH)
+    fast, judge = both(model, speed=speed, engagements=engagements)
     assert fast.status is judge.status, (fast.message, judge.message)
     assert turns(fast) == turns(judge)
     np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=tolerance)
     return fast, judge
+
+
+def assert_repeats(model):
+    """The terminal cycle is an engagement that gives back its speed; returns figures, motion."""
+    figures = esc.terminal(model)
+    assert figures.status is Status.OK
+    again = run(model, engagements=1, speed=figures.handoff_velocity)
+    assert again.handoff_velocities[0] == pytest.approx(figures.handoff_velocity, rel=1e-11)
+    return figures, again
 
 
 @cache
@@ -73,18 +78,18 @@ def drawn(index):
         [random.uniform(0, 1), 10 ** random.uniform(-9, 0), 0.0], p=[0.6, 0.3, 0.1]
     )
     mu = min(share, 0.999) * limit(slots, pins, rho=rho, internal=internal)
-    model = timer(slots, pins, rho=rho, mu=mu, internal=internal)
+    model = drive(slots, pins, rho=rho, mu=mu, internal=internal)
     bearable = model.mechanism.cell_angle / model.mechanism.follower_step
     load = random.choice([0.0, random.uniform(0, 0.8) * bearable])
     speed = random.choice([0.0, 10 ** random.uniform(-3, 3)])
-    return timer(slots, pins, rho=rho, mu=mu, load=load, internal=internal), float(speed)
+    return drive(slots, pins, rho=rho, mu=mu, load=load, internal=internal), float(speed)
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10])
 @pytest.mark.parametrize("index", range(50))
 def test_random_cases_at_three_tolerances(index, rtol):
     model, speed = drawn(index)
-    fast, judge = (run(model, name, engagements=2, rtol=rtol, speed=speed) for name in BOTH)
+    fast, judge = both(model, engagements=2, rtol=rtol, speed=speed)
     assert fast.status is judge.status
     np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=20.0 * rtol)
 
@@ -95,7 +100,7 @@ def test_random_cases_at_three_tolerances(index, rtol):
 @pytest.mark.parametrize("mu", [0.0, 1e-3, 0.35])
 @pytest.mark.parametrize("speed", [1e5, 1e6])
 def test_reversal_a_rounding_error_behind_dead_centre(mu, speed):
-    model = timer(mu=mu)
+    model = drive(mu=mu)
     fast, judge = assert_same(model, speed=speed)
     assert turns(fast) == [1, 1, 1]
     top = model.mechanism.transmission(0.0).g
@@ -107,7 +112,7 @@ def test_reversal_a_rounding_error_behind_dead_centre(mu, speed):
 
 def test_none_two_and_one_reversal_under_load():
     """A heavy driver that gains speed passes through all of Filemon's zones."""
-    model = timer(3, 6, rho=400.0, mu=0.1, load=0.1)
+    model = drive(3, 6, rho=400.0, mu=0.1, load=0.1)
     fast, _judge = assert_same(model, engagements=20)
     assert turns(fast)[0] == 0
     assert {0, 1, 2} == set(turns(fast))
@@ -115,7 +120,7 @@ def test_none_two_and_one_reversal_under_load():
 
 def test_two_reversals_that_merge():
     """At the speed where the force just touches zero nothing jumps."""
-    model = timer(3, 6, rho=400.0, mu=0.1, load=0.1)
+    model = drive(3, 6, rho=400.0, mu=0.1, load=0.1)
     low, high = 0.01, 1.0
     while high - low > 4e-16 * high:
         middle = 0.5 * (low + high)
@@ -129,8 +134,8 @@ def test_two_reversals_that_merge():
     assert (turns(below), turns(above)) == ([0], [2])
     np.testing.assert_allclose(numbers(below), numbers(above), rtol=1e-12)
     for factor in (1.0 - 1e-6, 1.0 + 1e-6, 1.0 - 1e-12, 1.0 + 1e-12):
-        pair = [run(model, name, engagements=1, speed=low * factor) for name in BOTH]
-        np.testing.assert_allclose(numbers(pair[0]), numbers(pair[1]), rtol=1e-9)
+        fast, judge = both(model, engagements=1, speed=low * factor)
+        np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=1e-9)
 
 
 @pytest.mark.parametrize("internal", [False, True])
@@ -138,7 +143,7 @@ def test_two_reversals_that_merge():
 def test_start_from_rest_is_a_start_on_the_reversal(slots, internal):
     """There the contact moment is zero but for the rounding error of pin entry."""
     friction = 0.3 * limit(slots, 1, rho=0.5, internal=internal)
-    fast, _judge = assert_same(timer(slots, 1, rho=0.5, mu=friction, internal=internal))
+    fast, _judge = assert_same(drive(slots, 1, rho=0.5, mu=friction, internal=internal))
     assert fast.status is Status.OK
     assert turns(fast) == [1, 1, 1]
 
@@ -146,7 +151,7 @@ def test_start_from_rest_is_a_start_on_the_reversal(slots, internal):
 @pytest.mark.parametrize("change", [0.0, 1e-15, -1e-15, 1e-9, -1e-9])
 def test_start_on_an_extremum_of_the_speed(change):
     """Where friction at entry just balances the drive."""
-    model = timer(4, 2, rho=2.0, mu=0.35)
+    model = drive(4, 2, rho=2.0, mu=0.35)
     at = model.mechanism.transmission(model.mechanism.breaks[0])
     speed = math.sqrt(1.0 / (0.35 * abs(at.u) * at.dg)) * (1.0 + change)
     fast, judge = assert_same(model, speed=speed)
@@ -155,7 +160,7 @@ def test_start_on_an_extremum_of_the_speed(change):
 
 
 @pytest.mark.parametrize("speed", [1e-300, 1e-100, 1e-30, 1e-12, 1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1])
-@pytest.mark.parametrize("model", [timer(), timer(20, 2, rho=0.01, mu=0.5), timer(5, 3, rho=40.0)])
+@pytest.mark.parametrize("model", [drive(), drive(20, 2, rho=0.01, mu=0.5), drive(5, 3, rho=40.0)])
 def test_start_from_almost_rest(model, speed):
     judge = run(model, "ivp", speed=speed, rtol=1e-12)
     assert (judge.status, turns(judge)) == (Status.OK, turns(run(model, speed=speed)))
@@ -170,11 +175,11 @@ def test_start_from_almost_rest(model, speed):
 @pytest.mark.parametrize(
     ("model", "speed"),
     [
-        (timer(29, 1, rho=1.9, mu=0.004, load=13.333), 0.0),
-        (timer(34, 1, rho=0.016, mu=0.14, load=43.7, internal=True), 0.061),
-        (timer(40, 1, rho=470.0, mu=6800.0, load=17.1), 0.0015),
-        (timer(5, 1, rho=2.6, mu=3.5e-4, load=3.86), 0.0),
-        (timer(16, 1, rho=420.0, mu=0.0039, load=12.66), 0.0),
+        (drive(29, 1, rho=1.9, mu=0.004, load=13.333), 0.0),
+        (drive(34, 1, rho=0.016, mu=0.14, load=43.7, internal=True), 0.061),
+        (drive(40, 1, rho=470.0, mu=6800.0, load=17.1), 0.0015),
+        (drive(5, 1, rho=2.6, mu=3.5e-4, load=3.86), 0.0),
+        (drive(16, 1, rho=420.0, mu=0.0039, load=12.66), 0.0),
     ],
 )
 def test_time_and_angle_of_a_stop(model, speed, rtol):
@@ -189,25 +194,20 @@ def test_time_and_angle_of_a_stop(model, speed, rtol):
 @pytest.mark.parametrize("distance", [1e-2, 1e-3, 1e-6])
 def test_start_from_rest_where_the_drive_hardly_moves(distance):
     """Load and friction at entry all but balance the torque; the driver creeps away."""
-    bare = timer(8, 1, rho=0.5, mu=5.3, internal=True).mechanism
+    bare = drive(8, 1, rho=0.5, mu=5.3, internal=True).mechanism
     slide = abs(bare.transmission(bare.breaks[0]).u)
     load = (1.0 - distance) / (5.3 * slide)
-    fast, judge = (
-        run(timer(8, 1, rho=0.5, mu=5.3, load=load, internal=True), name) for name in BOTH
-    )
+    fast, judge = both(drive(8, 1, rho=0.5, mu=5.3, load=load, internal=True))
     np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=1e-14 / distance + 1e-9)
 
 
-@pytest.mark.parametrize(
-    ("slots", "pins", "rho", "share", "internal"),
-    [(4, 4, 0.06, 0.9, False), (6, 3, 2.0, 0.9, False)],
-)
-def test_stop_or_not_at_the_last_instant(slots, pins, rho, share, internal):
+@pytest.mark.parametrize(("slots", "pins", "rho"), [(4, 4, 0.06), (6, 3, 2.0)])
+def test_stop_or_not_at_the_last_instant(slots, pins, rho):
     """Either side of the load at which the first engagement just comes through."""
-    mu = share * limit(slots, pins, rho=rho, internal=internal)
+    mu = 0.9 * limit(slots, pins, rho=rho)
 
     def under(load):
-        return timer(slots, pins, rho=rho, mu=mu, load=load, internal=internal)
+        return drive(slots, pins, rho=rho, mu=mu, load=load)
 
     low, high = 0.0, 100.0
     for _ in range(60):
@@ -219,23 +219,23 @@ def test_stop_or_not_at_the_last_instant(slots, pins, rho, share, internal):
     assert high - low <= 1e-13 * high
     assert run(under(low), engagements=1).status is Status.OK
     for factor in (0.999, 1.0 - 1e-6, 1.0 + 1e-6, 1.001):
-        pair = [run(under(low * factor), name, engagements=1) for name in BOTH]
-        assert pair[0].status is pair[1].status
-        assert pair[0].end_time == pytest.approx(pair[1].end_time, rel=1e-7)
+        fast, judge = both(under(low * factor), engagements=1)
+        assert fast.status is judge.status
+        assert fast.end_time == pytest.approx(judge.end_time, rel=1e-7)
 
 
 # extremes
 
 
 EXTREMES = {
-    "light driver": timer(rho=1e-8, mu=1e-5),
-    "heavy driver": timer(rho=1e8),
-    "no friction to speak of": timer(mu=1e-12),
-    "weak": timer(torque=1e-12),
-    "strong": timer(torque=1e12),
-    "1000 slots": timer(1000, 1, rho=0.06, mu=0.3),
-    "1000 slots, two pins": timer(1000, 2, rho=0.06, mu=0.3),
-    "1000 slots, internal": timer(1000, 1, rho=0.06, mu=0.3, internal=True),
+    "light driver": drive(rho=1e-8, mu=1e-5),
+    "heavy driver": drive(rho=1e8),
+    "no friction to speak of": drive(mu=1e-12),
+    "weak": drive(torque=1e-12),
+    "strong": drive(torque=1e12),
+    "1000 slots": drive(1000, 1, rho=0.06, mu=0.3),
+    "1000 slots, two pins": drive(1000, 2, rho=0.06, mu=0.3),
+    "1000 slots, internal": drive(1000, 1, rho=0.06, mu=0.3, internal=True),
 }
 
 
@@ -244,27 +244,19 @@ def test_extremes(name):
     for motion in assert_same(EXTREMES[name], tolerance=1e-8 if "light" in name else 1e-9):
         assert motion.status is Status.OK
         assert abs(motion.ledger.residual) <= 1e-11
-
-
-@pytest.mark.parametrize("name", EXTREMES)
-def test_terminal_cycle_of_extremes(name):
-    model = EXTREMES[name]
-    figures = esc.terminal(model)
-    assert figures.status is Status.OK
-    again = run(model, engagements=1, speed=figures.handoff_velocity)
-    assert again.handoff_velocities[0] == pytest.approx(figures.handoff_velocity, rel=1e-11)
+    figures, again = assert_repeats(EXTREMES[name])
     assert figures.period == pytest.approx(again.end_time, rel=1e-10)
 
 
 def test_terminal_speed_goes_as_one_over_root_of_little_friction():
-    speeds = [esc.terminal(timer(rho=0.5, mu=mu)).velocity_mean for mu in (1e-9, 1e-12)]
+    speeds = [esc.terminal(drive(rho=0.5, mu=mu)).velocity_mean for mu in (1e-9, 1e-12)]
     assert speeds[1] / speeds[0] == pytest.approx(math.sqrt(1000.0), rel=1e-3)
 
 
 @pytest.mark.parametrize("torque", [1e-12, 1e-3, 1e12])
 @pytest.mark.parametrize("engine", BOTH)
 def test_torque_is_a_change_of_clock(engine, torque):
-    one, other = run(timer(), engine), run(timer(torque=torque), engine)
+    one, other = run(drive(), engine), run(drive(torque=torque), engine)
     np.testing.assert_allclose(
         other.handoff_times * math.sqrt(torque), one.handoff_times, rtol=4e-15
     )
@@ -272,7 +264,7 @@ def test_torque_is_a_change_of_clock(engine, torque):
 
 @pytest.mark.parametrize("rtol", [10.0**-k for k in range(3, 14)])
 @pytest.mark.parametrize(
-    "model", [timer(), timer(6, 3, rho=0.075, mu=0.2), timer(9, 1, rho=3.0, mu=0.5, load=0.4)]
+    "model", [drive(), drive(6, 3, rho=0.075, mu=0.2), drive(9, 1, rho=3.0, mu=0.5, load=0.4)]
 )
 def test_error_is_what_was_asked_for(model, rtol):
     best = numbers(run(model, rtol=1e-13))
@@ -284,40 +276,32 @@ def test_error_is_what_was_asked_for(model, rtol):
 @pytest.mark.parametrize("share", [0.99, 0.9999, 0.999999])
 @pytest.mark.parametrize(("slots", "rho"), [(3, 0.6), (4, 0.06), (6, 0.075), (9, 1e-3), (4, 30.0)])
 def test_just_below_the_painleve_limit(slots, rho, share):
-    model = timer(slots, rho=rho, mu=share * limit(slots, rho=rho))
+    model = drive(slots, rho=rho, mu=share * limit(slots, rho=rho))
     fast, _judge = assert_same(model)
     assert fast.status is Status.OK
     rough = run(model, rtol=1e-6)
     np.testing.assert_allclose(numbers(rough), numbers(fast), rtol=1e-5)
 
 
-def test_load_does_not_move_the_painleve_limit():
-    mu = limit()
-    for load in (0.0, 0.01, 0.1):
-        assert run(timer(mu=0.999999 * mu, load=load)).status is Status.OK
-        for engine in BOTH:
-            assert run(timer(mu=mu, load=load), engine).status is Status.PAINLEVE
-
-
-def test_low_friction_has_a_terminal_cycle_however_slowly_it_is_reached():
-    """The gap 1 - contraction is known to full relative accuracy: small is no excuse."""
-    for model in (
-        timer(497, 1, rho=79.0, mu=1.5e-12),
-        timer(24, 1, rho=860.0, mu=1.2e-12, internal=True),
-        timer(1000, 1, rho=0.06, mu=0.3),
-        timer(18, 1, rho=410.0, mu=5e-12),
-    ):
-        figures = esc.terminal(model)
-        assert figures.status is Status.OK
-        assert figures.contraction <= 1.0
-        again = run(model, engagements=1, speed=figures.handoff_velocity)
-        assert again.handoff_velocities[0] == pytest.approx(figures.handoff_velocity, rel=1e-11)
+@pytest.mark.parametrize(
+    "model",
+    [
+        drive(497, 1, rho=79.0, mu=1.5e-12),
+        drive(24, 1, rho=860.0, mu=1.2e-12, internal=True),
+        drive(18, 1, rho=410.0, mu=5e-12),
+        EXTREMES["1000 slots"],
+    ],
+)
+def test_low_friction_has_a_terminal_cycle_however_slowly_it_is_reached(model):
+    """The gap 1 - contraction is known to full relative accuracy, however small it is."""
+    figures, _again = assert_repeats(model)
+    assert figures.contraction <= 1.0
 
 
 @pytest.mark.parametrize("rho", [3e5, 1e7, 1e8])
 def test_a_driver_too_heavy_to_slow_down_says_so(rho):
     """No extremum in a million engagements: still a terminal cycle, and no NaN with status ok."""
-    figures = esc.terminal(timer(25, 2, rho=rho, mu=0.0026))
+    figures = esc.terminal(drive(25, 2, rho=rho, mu=0.0026))
     if figures.status is Status.OK:
         assert math.isfinite(figures.velocity_max)
         assert math.isfinite(figures.period)
@@ -329,20 +313,15 @@ def test_a_driver_too_heavy_to_slow_down_says_so(rho):
 @pytest.mark.parametrize("share", [0.5, 0.9, 0.999, 1.0, 1.001, 1.1, 10.0, 1e6])
 @pytest.mark.parametrize(
     ("slots", "pins", "mu", "internal"),
-    [
-        (4, 4, 0.0, False),
-        (4, 4, 0.3, False),
-        (3, 2, 0.2, False),
-        (7, 1, 0.1, False),
-        (5, 1, 0.2, True),
-    ],
+    [(4, 4, 0.0, 0), (4, 4, 0.3, 0), (3, 2, 0.2, 0), (7, 1, 0.1, 0), (5, 1, 0.2, 1)],
 )
 def test_load_at_and_above_what_the_drive_can_carry(slots, pins, mu, internal, share):
     """The work of the load over a cell against that of the drive."""
-    bare = timer(slots, pins, mu=mu, internal=internal).mechanism
+    internal = bool(internal)
+    bare = drive(slots, pins, mu=mu, internal=internal).mechanism
     load = share * bare.cell_angle / bare.follower_step
-    model = timer(slots, pins, mu=mu, load=load, internal=internal, rho=0.5)
-    fast, judge = (run(model, name, engagements=6, speed=2.0) for name in BOTH)
+    model = drive(slots, pins, mu=mu, load=load, internal=internal, rho=0.5)
+    fast, judge = both(model, engagements=6, speed=2.0)
     assert fast.status is judge.status
     np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=1e-7)
     if share > 1.001:
@@ -350,14 +329,18 @@ def test_load_at_and_above_what_the_drive_can_carry(slots, pins, mu, internal, s
     if fast.status is Status.STALL:
         ends = [float(motion.at(motion.end_time).theta) for motion in (fast, judge)]
         assert ends[0] == pytest.approx(ends[1], abs=1e-8)
-        assert "degrees from dead centre" in fast.message
-        assert esc.terminal(model, initial_speed=2.0).status is Status.STALL
+        for engine, motion in zip(BOTH, (fast, judge), strict=True):
+            assert "stalls" in motion.message
+            assert "degrees from dead centre" in motion.message
+            if share <= 10.0:  # a greater load stops the driver within the error of its time
+                assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=4e-5)
+            assert esc.terminal(model, engine=engine, initial_speed=2.0).status is Status.STALL
 
 
 @pytest.mark.parametrize("engine", BOTH)
 def test_a_drive_that_cannot_start(engine):
     """From rest, with friction at entry times load above the torque: no time passes."""
-    motion = run(timer(11, 2, rho=3.0, mu=1.0, load=4.4), engine)
+    motion = run(drive(11, 2, rho=3.0, mu=1.0, load=4.4), engine)
     assert motion.status is Status.STALL
     assert motion.end_time == 0.0
     assert float(motion.at(0.0).theta_dot) == 0.0
@@ -367,24 +350,19 @@ def test_a_drive_that_cannot_start(engine):
 # long runs
 
 
-@pytest.fixture(scope="module")
-def million():
-    """A million engagements that never settle: the contraction is 1 - 4e-6."""
-    return run(timer(rho=1.0, mu=1e-6), engagements=1_000_000)
-
-
-def test_a_million_engagements_do_not_drift_in_time(million):
-    """Against pieces of a thousand, whose times are added exactly."""
+def test_a_million_engagements_do_not_drift_in_time():
+    """They never settle, for the contraction is 1 - 4e-6; times of parts are added exactly."""
+    million = run(drive(rho=1.0, mu=1e-6), engagements=1_000_000)
     speeds = np.concatenate([[0.0], million.handoff_velocities])
     pieces = []
     for k in range(0, 1_000_000, 1000):
-        part = run(timer(rho=1.0, mu=1e-6), engagements=1000, speed=float(speeds[k]))
+        part = run(drive(rho=1.0, mu=1e-6), engagements=1000, speed=float(speeds[k]))
         pieces.append(float(part.handoff_times[-1]))
     assert million.handoff_times[-1] == pytest.approx(math.fsum(pieces), rel=1e-13)
 
 
 def test_a_million_engagements_do_not_drift_in_energy():
     """Without friction the speed at every handoff has a closed form."""
-    motion = run(timer(rho=1.0, mu=0.0), engagements=1_000_000)
+    motion = run(drive(rho=1.0, mu=0.0), engagements=1_000_000)
     work = np.arange(1, 1_000_001) * math.pi / 2.0
     np.testing.assert_allclose(motion.handoff_velocities**2, 2.0 * work, rtol=2e-13)

@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -33,7 +34,12 @@ WHEELS = [
 ]
 
 
-@pytest.mark.parametrize("wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}")
+each_wheel = pytest.mark.parametrize(
+    "wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}"
+)
+
+
+@each_wheel
 def test_peaks_are_those_of_the_transmission(wheel):
     found, angle, step = motion_peaks(wheel), wheel.engagement_angle, wheel.follower_step
     extrema = transmission_extrema(wheel)
@@ -72,7 +78,7 @@ def test_a_pin_that_all_but_meets_the_axis(n, m):
     assert found.jerk_start == pytest.approx(jerk, rel=1e-8)
 
 
-@pytest.mark.parametrize("wheel", WHEELS, ids=lambda w: f"{type(w).__name__} {w.follower_step:.3f}")
+@each_wheel
 def test_motion_over_a_cycle(wheel):
     """Each is the derivative of the one before; the follower rests in the dwell."""
     share, h = wheel.motion_ratio, 1e-5
@@ -80,11 +86,7 @@ def test_motion_over_a_cycle(wheel):
     nodes = time[:, None] + h * np.array([-2.0, -1.0, 1.0, 2.0])
     found, near = follower_motion(wheel, time), follower_motion(wheel, nodes - 3.0)
     weights = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * h)
-    for low, high in [
-        ("angle", "velocity"),
-        ("velocity", "acceleration"),
-        ("acceleration", "jerk"),
-    ]:
+    for low, high in pairwise(("angle", "velocity", "acceleration", "jerk")):
         value = getattr(found, high)
         assert getattr(near, low) @ weights == pytest.approx(value, abs=3e-7 * abs(value).max())
     ends = follower_motion(wheel, [0.0, 0.5 * share, share, 0.999, 1.0, -2.0])
@@ -143,6 +145,10 @@ def test_charts_are_read_both_ways():
     assert np.isnan(motion_ratio_chart(5, [0.51, 1.0, 3.0], "hypocycloid")).all()
     assert motion_ratio_chart(5, 0.5, "hypocycloid") == 1.0
     assert lobes_for(24, 0.47) == pytest.approx([1.5604, 2.6916], abs=1e-4)
+    assert lobes_for(6, 1e-6, "epicycloid") == []
+    assert lobes_for(6, 1e-4, "epicycloid") != []
+    with pytest.raises(InvalidValue, match="lobes must be at least 0 and at most 100000"):
+        motion_ratio_chart(3, [1e6], "epicycloid")
     assert lobes_for(24, 0.46) == lobes_for(4, 0.5) == lobes_for(7, 0.3, "epicycloid") == []
 
 
@@ -152,13 +158,6 @@ def test_lobes_are_those_of_a_mechanism(stations, curve):
     for ratio in np.linspace(0.005, 0.995, 100):
         for m in lobes_for(stations, ratio, curve):
             assert motion_ratio_chart(stations, m, curve) == pytest.approx(ratio, rel=1e-9)
-
-
-def test_charts_end():
-    assert lobes_for(6, 1e-6, "epicycloid") == []
-    assert lobes_for(6, 1e-4, "epicycloid") != []
-    with pytest.raises(InvalidValue, match="lobes must be at least 0 and at most 100000"):
-        motion_ratio_chart(3, [1e6], "epicycloid")
 
 
 def test_an_epicycloid_takes_less_than_this():
@@ -208,6 +207,8 @@ def test_what_is_just_on_a_limit_is_found():
 
 
 def test_generous_limits_cost_nothing():
+    one, several = (find_mechanisms(6, 0.1, curves=c) for c in ("epicycloid", ["epicycloid"]))
+    assert one == several != []
     few = find_mechanisms(6, 0.5, most_pins=60, most_unused=30)
     assert find_mechanisms(6, 0.5, most_pins=10**12, most_unused=100_000) == few
     wheel = GearDriven(12, 3)
@@ -234,13 +235,9 @@ def test_sizes_are_kept():
     ("arguments", "words"),
     [
         ({}, "motion_ratio or dwell_ratio must be given"),
-        ({"motion_ratio": 0.3, "dwell_ratio": 0.7}, "and not both"),
         ({"motion_ratio": 1.3}, "motion_ratio must be at most 1"),
         ({"dwell_ratio": -0.3}, "dwell_ratio must be at least 0"),
-        ({"motion_ratio": 0.3, "curves": ["circle"]}, "curves must be one of"),
         ({"motion_ratio": 0.3, "curves": "circle"}, "curves must be one of .*got 'circle'"),
-        ({"motion_ratio": 0.3, "curves": 3}, "curves must be one of .*got 3"),
-        ({"motion_ratio": 0.3, "most_slots": "a"}, "most_slots must be a whole number"),
         ({"motion_ratio": 0.3, "finest": 10**4}, "most_lobes and finest must"),
         ({"motion_ratio": 0.3, "most_unused": 10**6}, "most_unused must be .* at most 100000"),
         ({"motion_ratio": 0.3, "largest_radius": 0.0}, "largest_radius must be greater than 0"),
@@ -249,21 +246,6 @@ def test_sizes_are_kept():
 def test_impossible_wishes(arguments, words):
     with pytest.raises(InvalidValue, match=words):
         find_mechanisms(6, **arguments)
-
-
-@pytest.mark.parametrize("wrong", [["a"], [1.0, math.nan], [[1.0], [1.0, 2.0]]])
-def test_what_are_no_numbers_is_refused(wrong):
-    for call in (
-        lambda: motion_ratio_chart(6, wrong),
-        lambda: follower_motion(GearDriven(12, 3), wrong),
-    ):
-        with pytest.raises(InvalidValue, match="must be"):
-            call()
-
-
-def test_one_curve_may_be_named():
-    one, several = (find_mechanisms(6, 0.1, curves=c) for c in ("epicycloid", ["epicycloid"]))
-    assert one == several != []
 
 
 @pytest.mark.parametrize("call", [gear_pairs, planet_inertia])

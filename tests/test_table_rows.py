@@ -44,12 +44,8 @@ def test_both_ends_of_the_cell_may_be_given_with_its_angle(rows):
 @given(st.floats(-20.0, 20.0), st.integers(41, 120), st.sampled_from([-1.0, 1.0]))
 def test_both_ends_of_the_cell_of_a_drive(start, rows, sense):
     theta = start + np.linspace(0.0, DRIVE.cell_angle, rows)
-    table = esc.Tabulated(
-        theta,
-        sense * DRIVE.follower_angle(theta),
-        cell_angle=DRIVE.cell_angle,
-        follower_step=DRIVE.follower_step,
-    )
+    cell = {"cell_angle": DRIVE.cell_angle, "follower_step": DRIVE.follower_step}
+    table = esc.Tabulated(theta, sense * DRIVE.follower_angle(theta), **cell)
     assert table.sense == sense
     found, truth = table.transmission(ANGLES).g, DRIVE.transmission(ANGLES).g
     assert np.abs(found - truth).max() < 1e-2 * (41 / rows) ** 4

@@ -100,20 +100,12 @@ def test_smooth_tables_follow_the_drive():
     assert np.abs(found.g - DRIVE.transmission(ANGLES).g).max() < 0.01
     assert np.abs(table.follower_angle(ANGLES) - table.follower_angle(0.0)
                   - DRIVE.follower_angle(ANGLES)).max() < math.radians(0.05)  # fmt: skip
-
-
-def test_a_cell_begins_at_a_stop():
-    """Rows of any cells: the cell about zero that begins where the follower is slowest."""
-    table = measured(1000, math.radians(0.05))
+    # rows of any cells: the cell about zero that begins where the follower is slowest
     assert table.breaks[0] <= 0.0 < table.breaks[1]
     assert table.breaks[0] == pytest.approx(DRIVE.breaks[0], abs=0.1)
     assert float(table.transmission(table.breaks[0]).g) < 0.01
     assert exact(60).breaks == DRIVE.breaks
-
-
-def test_an_exact_table_makes_no_doubt():
-    doubt = exact(60).deviation([0.0, 1.0])
-    np.testing.assert_array_equal(doubt.g, 0.0)
+    np.testing.assert_array_equal(exact(60).deviation([0.0, 1.0]).g, 0.0)
     assert exact(60).noise == 0.0
 
 
@@ -177,13 +169,9 @@ def test_everything_else_takes_a_table(tmp_path):
     timer = esc.Escapement(table, INERTIA, 0.01, efficiency=0.9)
     study = esc.sweep(timer, efficiency=[0.7, 0.9], path=tmp_path / "study.h5")
     assert np.isfinite(study.results["period"]).all()
-
-
-def test_a_measured_table_is_swept():
     timer = esc.Escapement(measured(200, 0.005), INERTIA, 0.01, efficiency=0.9)
     study = esc.sweep(timer, efficiency=[0.7, 0.9])
-    one = esc.terminal(timer)
-    assert study.results["period"][1] == pytest.approx(one.period, rel=1e-9)
+    assert study.results["period"][1] == pytest.approx(esc.terminal(timer).period, rel=1e-9)
 
 
 @pytest.mark.parametrize("table", [exact(24), measured(40, 0.005)], ids=["exact", "measured"])

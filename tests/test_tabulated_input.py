@@ -1,6 +1,5 @@
 """Tables that are read, refused, or named on the command line."""
 
-import json
 import math
 import re
 
@@ -8,7 +7,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InputFileError, InvalidValue, MissingInput
+from escapement.errors import InputFileError, InvalidValue
+from escapement.study.parse import parse_plan
 from tabulated_drive import ANGLES, DRIVE, INERTIA, exact
 
 
@@ -25,30 +25,10 @@ def test_csv(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "line",
-    ["{:.3f} {:.3f}", "{:.3f}   {:.3f} ", "{:.3f}; {:.3f}", "{:.3f}\t{:.3f}", '"{:.3f}","{:.3f}"'],
-)
-def test_what_parts_the_columns(tmp_path, line):
-    theta = np.linspace(0.0, 90.0, 31)
-    phi = theta - 20.0 * np.sin(np.radians(4.0 * theta)) / 4.0
-    place = tmp_path / "table.csv"
-    lines = [line.format(*row) for row in zip(theta, phi, strict=True)]
-    for text in (lines, [row.replace(".", ",") for row in lines]):
-        if text is lines or line[6] in ";\t":
-            place.write_text("# angles\n" + "\n".join(text) + "\n")
-            table = esc.Tabulated.from_csv(place)
-            np.testing.assert_allclose(table.theta, np.radians(theta), rtol=1e-12)
-            np.testing.assert_allclose(table.phi, np.radians(phi), atol=1e-5)
-
-
-@pytest.mark.parametrize(
     ("heading", "turned", "units"),
     [
         ("theta,phi", False, (1.0, 1.0)),
-        ("deg,deg", False, (1.0, 1.0)),
-        ("x,y", False, (1.0, 1.0)),
         ("first,second", False, (1.0, 1.0)),
-        ("theta_rad,phi_rad", False, (180.0 / math.pi, 180.0 / math.pi)),
         ("rad,rad", False, (180.0 / math.pi, 180.0 / math.pi)),
         ("driver (deg),follower (rad)", False, (1.0, 180.0 / math.pi)),
         ("phi_deg,theta_deg", True, (1.0, 1.0)),
@@ -72,17 +52,11 @@ def test_headings_tell_order_and_unit(tmp_path, heading, turned, units):
     ("text", "words"),
     [
         ("1 2\n3 4 5\n", ["2 fields apart by blanks", "line 2", "'3 4 5'"]),
-        ("a,b\n1,2\n3\n", ["2 fields", "line 3", "'3'"]),
-        ("1,2\n3,four\n", ["numbers in fields 1 and 2", "line 2", "four"]),
         ("1,2\n3,nan\n", ["two finite numbers", "line 2"]),
         ("O.0,0.0\n1,2\n", ["numbers in fields", "line 1", "'O.0,0.0'"]),
-        ("# first\n0.0,nan\n1,2\n", ["two finite numbers", "line 2"]),
         ("0,0,\n1,2\n", ["name its 3 columns", "line 1", "'0,0,'"]),
         ("theta rad phi rad\n1 2\n", ["4 fields apart by blanks", "line 2", "'1 2'"]),
         ("theta_rad,phi\n1,2\n", ["units of both columns", "theta_deg,phi_deg"]),
-        ("theta_mrad,phi_mrad\n1,2\n", ["degrees or radians", "line 1"]),
-        ("theta (turns),phi\n1,2\n", ["degrees or radians", "line 1"]),
-        ("theta,driver\n1,2\n", ["line 1", "one column called input or in"]),
     ],
 )
 def test_tables_that_cannot_be_read(tmp_path, text, words):
@@ -94,15 +68,6 @@ def test_tables_that_cannot_be_read(tmp_path, text, words):
     assert all(word in str(caught.value) for word in words)
 
 
-def test_tables_that_are_not_there_or_no_text(tmp_path):
-    with pytest.raises(MissingInput, match="does not exist"):
-        esc.Tabulated.from_csv(tmp_path / "nothing.csv")
-    place = tmp_path / "binary.csv"
-    place.write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputFileError, match="text file"):
-        esc.Tabulated.from_csv(place)
-
-
 LINE = np.linspace(0.0, 1.0, 20)
 
 
@@ -112,16 +77,10 @@ LINE = np.linspace(0.0, 1.0, 20)
         (lambda: esc.Tabulated([0, 1, 2], [0, 1, 2]), ["theta", "at least 12 rows", "3"]),
         (lambda: esc.Tabulated(LINE, LINE[:-1]), ["phi", "as long as theta, 20", "19"]),
         (lambda: esc.Tabulated(LINE, np.where(LINE > 0.9, np.nan, LINE)), ["phi", "finite"]),
-        (lambda: esc.Tabulated("abc", LINE), ["theta", "list of numbers", "'abc'"]),
-        (lambda: esc.Tabulated([LINE], [LINE]), ["theta", "one-dimensional"]),
         (lambda: esc.Tabulated(LINE[::-1], LINE), ["must ascend", "got 0.9", "sort the table"]),
         (lambda: esc.Tabulated(LINE, 0.0 * LINE), ["follower_step", "greater than 0", "turned on"]),
-        (lambda: esc.Tabulated(LINE, LINE, measured="yes"), ["measured", "true or false"]),
         (lambda: esc.Tabulated(LINE, LINE, cell_angle=1.0), ["must come with", "both"]),
-        (
-            lambda: esc.Tabulated(np.arange(700.0), np.arange(700.0)),
-            ["theta", "at most 601 rows", "700", "measured"],
-        ),
+        (lambda: esc.Tabulated(np.arange(7e2), np.arange(7e2)), ["at most 601 rows", "700"]),
         (
             lambda: esc.Tabulated(LINE % 0.5, LINE, cell_angle=0.5, follower_step=1.0).spline,
             ["theta must differ", "measured"],
@@ -260,7 +219,7 @@ def test_a_step_that_measured_rows_do_not_turn_by_is_refused(wrong):
 
 
 def test_a_study_holds_the_table():
-    plan_text = json.dumps(
+    plan = parse_plan(
         {
             "mechanism": {"kind": "tabulated", "theta": LINE.tolist(), "phi": LINE.tolist()},
             "inertia": {"driver": 1.0, "follower": 1.0},
@@ -268,9 +227,6 @@ def test_a_study_holds_the_table():
             "sweep": {"efficiency": [0.5, 0.9]},
         }
     )
-    from escapement.study.parse import parse_plan
-
-    plan = parse_plan(json.loads(plan_text))
     assert plan.escapement(1).mechanism == esc.Tabulated(LINE, LINE)
 
 
@@ -322,19 +278,15 @@ def test_commands_warn_of_a_table_with_a_gap(command):
 
 
 @pytest.mark.parametrize(
-    ("argv", "code", "words"),
+    ("line", "code", "words"),
     [
-        ((), 2, ["--table", "required"]),
-        (("--table", "no.csv"), 66, ["no.csv", "does not exist"]),
-        (("--table", "table.csv", "--slots", 4), 2, ["--slots", "tabulated"]),
-        (
-            ("--table", "table.csv", "--cell-angle", 100),
-            2,
-            ["--cell-angle must", "with --follower-step"],
-        ),
+        ("", 2, ["--table", "required"]),
+        ("--table no.csv", 66, ["no.csv", "does not exist"]),
+        ("--table table.csv --slots 4", 2, ["--slots", "tabulated"]),
+        ("--table table.csv --cell-angle 100", 2, ["must come with", "give both"]),
     ],
 )
 @pytest.mark.usefixtures("table_file")
-def test_wrong_use(refusal, argv, code, words):
-    said = refusal(code, "mechanism", "tabulated", *argv)
+def test_wrong_use(refusal, line, code, words):
+    said = refusal(code, "mechanism", "tabulated", *line.split())
     assert all(word in said for word in words)

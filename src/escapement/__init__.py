@@ -12,8 +12,6 @@
 Names are imported on first use, so that importing the package loads and compiles nothing.
 """
 
-from typing import TYPE_CHECKING
-
 __version__ = "0.1.0"
 
 _NAMES = {
@@ -42,7 +40,9 @@ _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()
 __all__ = sorted([*_HOMES, "__version__"])
 
 # Type checkers and editors read these imports, Python runs the function below. The function is
-# hidden from type checkers, for which it would give every unknown name a type.
+# hidden from type checkers, for which it would give every unknown name a type. They know this
+# constant by its name; to import `typing` takes longer than all that stands here.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from escapement import plots as plots
     from escapement import sources as sources

@@ -12,6 +12,7 @@ chapters 3, 18 and 19.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -52,17 +53,18 @@ class Series(NamedTuple):
 
     def derivative(self) -> Series:
         """Series of the derivative by x."""
-        slopes = chebyshev.chebder(self.rows, axis=1)
+        slopes = self.rows @ _slope_matrix(self.rows.shape[1])
         return Series(self.edges, slopes * (2.0 / np.diff(self.edges))[:, None])
 
     def integrals(self) -> Array:
         """Integral from each edge to the next."""
-        rising = chebyshev.chebint(self.rows, lbnd=-1, axis=1)
-        return np.asarray(0.5 * np.diff(self.edges) * rising.sum(axis=1))
+        orders = np.arange(0, self.rows.shape[1], 2)  # the odd polynomials give nothing
+        return np.asarray(np.diff(self.edges) * (self.rows[:, ::2] @ (1.0 / (1.0 - orders**2))))
 
     def limits(self) -> Array:
         """Values of each series at both of its ends, shape (n, 2)."""
-        return np.asarray(chebyshev.chebval(np.array([-1.0, 1.0]), self.rows.T))
+        signs = (-1.0) ** np.arange(self.rows.shape[1])
+        return np.array([self.rows @ signs, self.rows.sum(axis=1)]).T
 
     def roots(self) -> tuple[Array, NDArray[np.intp]]:
         """Real zeros, those at the ends of a piece included, and the piece that each is of."""
@@ -81,20 +83,30 @@ class Series(NamedTuple):
         return np.concatenate(found), np.concatenate(pieces)
 
 
-def interpolate(function: Function, low: Array, high: Array, order: int) -> tuple[Array, Array]:
-    """Series of a function between each `low` and `high`, and the values that they go through.
+@lru_cache
+def _slope_matrix(order: int) -> Array:
+    """Coefficients of the derivative of each Chebyshev polynomial, a row each."""
+    return np.asarray(chebyshev.chebder(np.eye(order), axis=1))
 
-    Returns
-    -------
-    rows, values : ndarray, shape (low.size, order)
-        The values are those at the Chebyshev points, from `high` down to `low`.
-    """
+
+@lru_cache
+def _nodes_and_transform(order: int) -> tuple[Array, Array]:
+    """Chebyshev points from 1 down to -1, and the matrix from values there to coefficients."""
     angles = np.pi * (np.arange(order) + 0.5) / order
     transform = np.cos(np.outer(np.arange(order), angles)) * (2.0 / order)
     transform[0] /= 2.0
-    x = low[:, None] + 0.5 * (high - low)[:, None] * (1.0 + np.cos(angles))
-    values = np.asarray(function(x.reshape(-1)), dtype=float).reshape(x.shape)
-    return np.matmul(transform, values[:, :, None])[:, :, 0], values
+    return np.cos(angles), transform
+
+
+def nodes(low: Array, high: Array, order: int) -> Array:
+    """Chebyshev points between each `low` and `high`, from `high` down, a row a pair."""
+    return low[:, None] + 0.5 * (high - low)[:, None] * (1.0 + _nodes_and_transform(order)[0])
+
+
+def interpolate(values: Array) -> Array:
+    """Coefficients of the series that go through values at `nodes`, of the same shape."""
+    transform = _nodes_and_transform(values.shape[1])[1]
+    return np.asarray(np.matmul(transform, values[:, :, None])[:, :, 0])
 
 
 def fit(
@@ -102,7 +114,7 @@ def fit(
     points: Iterable[float],
     order: int = 33,
     tail: int = 4,
-    decayed: float = 2e-15,
+    decayed: float = 4e-15,
     kinks: int = MOST_KINKS,
 ) -> Series:
     """Series of a function to rounding.
@@ -132,14 +144,16 @@ def fit(
     low, high, scale = edges[:-1], edges[1:], 0.0
     starts, done = [], []
     for depth in range(_DEEPEST + 1):
-        rows, values = interpolate(function, low, high, order)
-        ends = np.asarray(function(np.concatenate([low, high]))).reshape(2, -1)
+        x = np.column_stack([nodes(low, high, order), low, high])
+        known = np.asarray(function(x.reshape(-1)), dtype=float).reshape(x.shape)
+        values, ends = known[:, :order], known[:, order:]
+        rows = interpolate(values)
         scale = max(scale, float(np.abs(values).max()))
         tails = np.abs(rows[:, -tail:]).max(axis=1)
         # a kernel's table, which has no kinks, is resolved to the greatest value alone
         floor = np.maximum(decayed * scale, _rounding(values, low, high) if kinks else 0.0)
         # no point sees a kink close to an end, but the value there does
-        misses = np.abs(Series(edges, rows).limits().T - ends).max(axis=0)
+        misses = np.abs(Series(edges, rows).limits() - ends).max(axis=1)
         rough = (tails > floor) | (misses > np.maximum(_JUMP * scale, 4.0 * floor))
         if rough.sum() > MOST_KINKS:
             # what ripples as rounding does is left at that
@@ -152,7 +166,7 @@ def fit(
             )
         if depth == _DEEPEST:
             rows[rough] = 0.0
-            rows[rough, :2] = 0.5 * np.array([ends[0] + ends[1], ends[1] - ends[0]])[:, rough].T
+            rows[rough, :2] = 0.5 * ends[rough] @ np.array([[1.0, -1.0], [1.0, 1.0]])
             rough[:] = False
         starts.append(low[~rough])
         done.append(rows[~rough])
@@ -168,8 +182,8 @@ def fit(
 
 def _rounding(values: Array, low: Array, high: Array) -> Array:
     """What the rounding of x does to the values that `interpolate` gives."""
-    nodes = np.cos(np.pi * (np.arange(values.shape[1]) + 0.5) / values.shape[1])
-    steepest = np.abs(np.diff(values) / np.diff(nodes)).max(axis=1) / (0.5 * (high - low))
+    steps = np.diff(_nodes_and_transform(values.shape[1])[0])
+    steepest = np.abs(np.diff(values) / steps).max(axis=1) / (0.5 * (high - low))
     return np.asarray(_NOISE * steepest * np.maximum(np.abs(low), np.abs(high)))
 
 
@@ -196,6 +210,8 @@ def _polish(function: Function, series: Series, roots: Array, piece: NDArray[np.
         trial = np.clip(np.where(np.isfinite(steps), roots - steps, roots), low, high)
         tried = function(trial)
         better = np.abs(tried) < np.abs(values)
+        if not better.any():
+            break
         roots, values = np.where(better, trial, roots), np.where(better, tried, values)
     for end in (low, high):
         roots = np.where(np.abs(roots - end) < _VANISHING * (high - low), end, roots)

@@ -119,11 +119,25 @@ class Figures:
         return {name: getattr(self, name) for name in _NAMES}
 
 
+FIGURES = {
+    "velocity_max": "speed",
+    "velocity_min": "speed",
+    "velocity_mean": "speed",
+    "velocity_average_published": "speed",
+    "period": "time",
+    "rise_time": "time",
+    "settling_time": "time",
+    "critical_friction": "ratio",
+    "acceleration_max": "acceleration",
+    "follower_acceleration_max": "acceleration",
+    "contact_moment_max": "torque",
+    "contact_force_max": "force",
+}
+"""Figures of merit in the order in which they are reported, with the kind of unit of each."""
 _NAMES = (
-    *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
-    *("rise_time", "settling_time", "handoff_velocity", "contraction", "acceleration_max"),
-    *("follower_acceleration_max", "contact_moment_max", "contact_force_max"),
-    *("critical_friction", "energy_residual", "reversal_angles", "status", "message"),
+    *FIGURES,
+    *("handoff_velocity", "contraction", "energy_residual", "reversal_angles"),
+    *("status", "message"),
 )
 
 
@@ -165,13 +179,10 @@ def _extremes(extrema: Extrema) -> np.ndarray:
     Other extrema tend to limits of their own and say nothing of the terminal
     extremes. An extremum on a handoff belongs to the engagement that begins there.
     """
-    chosen: list[int] = []
-    for engagement in np.unique(extrema.engagement):
-        for kind, best in ((True, np.argmax), (False, np.argmin)):
-            same = np.nonzero((extrema.engagement == engagement) & (extrema.maximum == kind))[0]
-            if same.size:
-                chosen.append(int(same[best(extrema.theta_dot[same])]))
-    return np.array(sorted(chosen), dtype=int)
+    heights = np.where(extrema.maximum, extrema.theta_dot, -extrema.theta_dot)
+    order = np.lexsort((-heights, extrema.maximum, extrema.engagement))
+    kinds = np.column_stack([extrema.engagement, extrema.maximum])[order]
+    return np.sort(order[np.unique(kinds, axis=0, return_index=True)[1]])
 
 
 def _find_peaks(motion: Motion) -> list[float]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from escapement import validate
 from escapement.lazy import Lazy
-from escapement.quantity import Declared, Quantity, per_class, quantities, quantity
+from escapement.quantity import Declared, quantities, quantity
 from escapement.scene import Path, Scene, smooth_intervals, writeable
 
 if TYPE_CHECKING:
@@ -19,11 +19,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 else:
-    np = Lazy("numpy")
-
-    class FloatArray:
-        """An array of doubles; type checkers know it as numpy.typing.NDArray[numpy.float64]."""
-
+    np, FloatArray = Lazy("numpy"), Any  # importing NumPy takes longer than the rest of help
 
 MOST_UNEQUAL = 1e100
 """Beyond this ratio of two numbers of a model the squares and products of kernels overflow."""
@@ -171,26 +167,17 @@ class Escapement(Declared):
         if not isinstance(path, Path):
             remedy = "make it with two_vector_path or chebyshev_table"
             raise validate.fail("mechanism.path", "a Path", path, remedy)
-        check_losses(self, self._meshed)
-
-    @property
-    def _meshed(self) -> bool:
-        return self.mechanism.path.table
+        check_losses(self, path.table)
 
     @cached_property
     def scene(self) -> Scene:
         """The escapement as an engine sees it."""
         mechanism = self.mechanism
-        values = vars(self) | {
-            "driver_inertia": self.inertia.driver,
-            "follower_inertia": self.inertia.follower,
-        }
-        return Scene(
-            writeable(mechanism.path),
-            smooth_intervals(mechanism.path, mechanism.breaks),
-            dwell_angle(mechanism),
-            **natural(values, self._meshed),
-        )
+        path, own = mechanism.path, self.inertia
+        values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
+        edges = smooth_intervals(path, mechanism.breaks)
+        numbers = natural(values, path.table)
+        return Scene(writeable(path), edges, dwell_angle(mechanism), **numbers)
 
     @cached_property
     def kept(self) -> dict[str, Any]:
@@ -239,19 +226,12 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
 
 def check_losses(owner: Declared, meshed: bool) -> None:
     """Refuse a loss that its mechanism cannot have: a slot has friction, a mesh an efficiency."""
-    for entry in _losses(type(owner))[meshed]:
+    for entry in quantities(type(owner)).values():
         value = getattr(owner, entry.key)
-        if value != entry.default:
+        if value != entry.default and not entry.fits(meshed):
             mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
             rule = f"{entry.default:g} for a {mechanism}"
             raise validate.fail(entry.name, rule, value, f"give its {entry.instead}")
-
-
-@per_class
-def _losses(owner: type) -> dict[bool, list[Quantity]]:
-    """What a class declares and a mechanism without a slot (True), or with it, cannot have."""
-    every = quantities(owner).values()
-    return {meshed: [e for e in every if not e.fits(meshed)] for meshed in (True, False)}
 
 
 @dataclass(frozen=True)

@@ -74,11 +74,9 @@ class Setting:
         taken = self.typical if self.required else self.default
         shown = f"{taken:g}" if isinstance(taken, float) else taken
         told = "" if taken is None or isinstance(taken, bool) else f" (default: {shown})"
-        return self.long_name + self.note + self.units_shown + told
+        return self.long_name + self.note + self._units_shown() + told
 
-    @property
-    def units_shown(self) -> str:
-        """Its units in brackets, where it has any."""
+    def _units_shown(self) -> str:
         return ""
 
     def check(self, label: str, value: Any) -> Any:
@@ -123,9 +121,7 @@ class Quantity(Setting):
     instead: str = ""
     function: bool = False
 
-    @property
-    def units_shown(self) -> str:
-        """Its units in brackets, where it has any."""
+    def _units_shown(self) -> str:
         shown = dict.fromkeys(units.printed(self.unit, system) for system in units.SYSTEMS)
         return f" [{', '.join(shown)}]" if any(shown) else ""
 
@@ -142,9 +138,10 @@ class Quantity(Setting):
             return validate.rational(label, value, self.remedy, self.maximum)
         if self.function and callable(value):
             return value
-        number = validate.number(label, value, self.remedy)
+        remedy = _with_unit(self.remedy, self.unit)
+        number = validate.number(label, value, remedy)
         if not self._within(number):
-            raise validate.fail(label, self.rule, value, self.remedy)
+            raise validate.fail(label, self.rule, value, remedy)
         return number
 
     def _within(self, values: Any) -> Any:
@@ -172,6 +169,7 @@ class Quantity(Setting):
 
         if self.fraction:
             return np.array([self.read(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
+        # an axis may be long: only the first number that breaks the rule is checked alone
         good = np.isfinite(values) & self._within(values)
         if self.whole:
             good &= (values == np.rint(values)) & (values <= _LAST_WHOLE)
@@ -183,6 +181,7 @@ class Quantity(Setting):
         """As `check`, of a word on the command line."""
         value: Any = text
         if not self.fraction:
+            # what is no number is refused by the check, which shows it as typed
             with contextlib.suppress(ValueError):
                 value = int(text) if self.whole else float(text)
         return self.check(label, value)
@@ -192,6 +191,17 @@ class Quantity(Setting):
         if self.whole or self.fraction:
             return values
         return values * units.factor(self.unit, system)
+
+
+@cache  # composed for every check, since the unit may differ on the command line
+def _with_unit(remedy: str, unit: str) -> str:
+    """A remedy that names its unit: "give the crank radius in m (in with units in-lbf-s)"."""
+    metric, other = (units.printed(unit, system) for system in units.SYSTEMS)
+    if not metric:
+        return remedy
+    what, comma, rest = remedy.partition(",")
+    inches = f" ({other} with units {units.SYSTEMS[1]})" if other != metric else ""
+    return f"{what} in {metric}{inches}{comma}{rest}"
 
 
 class Truth(Setting):
@@ -250,6 +260,7 @@ class Declared:
 
     def __new__(cls, *args: Any, **keywords: Any) -> Self:
         """Refuse a keyword that there is none of, and name the nearest."""
+        # Python's own TypeError would not name the nearest
         known = _arguments(cls)
         for name in keywords:
             if name not in known:
@@ -263,6 +274,7 @@ class Declared:
         values = vars(self)
         for entry in declared(type(self)).values():
             value = values[entry.key]
+            # a default keeps its rule, and most fields hold theirs
             if value is not entry.default or entry.required:
                 values[entry.key] = entry.check(entry.name, value)
 
@@ -280,6 +292,7 @@ def declared(owner: type) -> dict[str, Setting]:
         entry: Setting | None = field.metadata.get(_KEY)
         if entry is None:
             continue
+        # a declaration may have a default for files that the constructor has not
         open_ = field.default is MISSING
         entry = replace(
             entry,

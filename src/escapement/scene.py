@@ -73,6 +73,7 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
 
 def writeable(path: Path) -> Path:
     """A copy of a path; kernels are compiled for contiguous arrays that may be written to."""
+    # read-only arrays and those with gaps have types of their own, for which nothing is compiled
     numbers, corners = (np.array(row, dtype=float) for row in path[1:])
     return Path(path.table, numbers, corners)
 

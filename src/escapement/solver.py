@@ -93,8 +93,6 @@ class Solver(Declared):
         }
 
 
-# checked settings are kept: their check takes longer than solving an engagement
-@lru_cache(typed=True)
 def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
     """The `solver` that was given, or one of separate settings, of which None is not given.
 
@@ -105,6 +103,15 @@ def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
     InvalidValue
         When both are given, or a setting breaks its rule.
     """
+    try:
+        return _kept(solver, *separate)
+    except TypeError:  # a list, say, is no key of a cache: the check tells which rule it breaks
+        return _kept.__wrapped__(solver, *separate)
+
+
+# checked settings are kept: their check takes longer than solving an engagement
+@lru_cache(typed=True)
+def _kept(solver: Solver | None, *separate: Any) -> Solver:
     pairs = zip(fields(Solver), separate, strict=False)
     given = {setting.name: value for setting, value in pairs if value is not None}
     if solver is None:

@@ -19,17 +19,13 @@ DEGREE = math.pi / 180.0
 SYSTEMS = ("SI", "in-lbf-s")
 """Unit systems a user may choose: SI, or inch, pound-force and second."""
 
-_FACTORS = {"torque": INCH_POUND, "inertia": INCH_POUND, "length": INCH, "force": POUND_FORCE}
-_FACTORS["power"] = INCH_POUND
-_NAMES = {
-    "SI": {"torque": "N m", "inertia": "kg m2", "length": "m", "force": "N", "power": "W"},
-    "in-lbf-s": {
-        "torque": "in lbf",
-        "inertia": "in lbf s2",
-        "length": "in",
-        "force": "lbf",
-        "power": "in lbf s-1",
-    },
+# kind of unit: its names in the systems, and the SI value of one of the inch-pound system
+_UNITS = {
+    "torque": ("N m", "in lbf", INCH_POUND),
+    "inertia": ("kg m2", "in lbf s2", INCH_POUND),
+    "length": ("m", "in", INCH),
+    "force": ("N", "lbf", POUND_FORCE),
+    "power": ("W", "in lbf s-1", INCH_POUND),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
@@ -50,24 +46,20 @@ def factor(quantity: str, system: str) -> float:
     """
     if quantity == "degrees":
         return DEGREE
-    return _FACTORS.get(quantity, 1.0) if system == "in-lbf-s" else 1.0
+    return _UNITS[quantity][2] if system != "SI" and quantity in _UNITS else 1.0
 
 
 def unit_name(quantity: str, system: str) -> str:
     """UDUNITS spelling of the unit of `quantity` in `system`."""
-    return _COMMON.get(quantity) or _NAMES[system][quantity]
+    return _COMMON.get(quantity) or _UNITS[quantity][SYSTEMS.index(system)]  # type: ignore[return-value]
 
 
 def printed(quantity: str, system: str) -> str:
     """The unit as help and messages write it: "kg m^2", "in-lbf-s^2", "rad/s"; "" for a ratio."""
-    above: list[str] = []
-    below: list[str] = []
-    for part in unit_name(quantity, system).split():
-        symbol, sign, power = re.fullmatch(r"([a-z]+|1)(-?)(\d*)", part, re.IGNORECASE).groups()  # type: ignore[union-attr]
-        raised = symbol + (f"^{power}" if power not in ("", "1") else "")
-        (below if sign else above).append("" if raised == "1" else raised)
-    joint = "-" if system != "SI" else " "
-    return "/".join([joint.join(above), *below])
+    # "rad s-2" is to be rad/s^2, and "kg m2" kg m^2
+    name = re.sub(r" (\w+)-(\d)", r"/\1\2", unit_name(quantity, system))
+    name = re.sub(r"(?<=[a-z])(\d)", r"^\1", name).removesuffix("^1").removeprefix("1")
+    return name if system == "SI" else name.replace(" ", "-")
 
 
 def degrees(angle: float) -> float:

@@ -1,8 +1,8 @@
 """Small checks, each raising one line: argument, rule, value received, remedy."""
 
+import contextlib
 import difflib
 import math
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from numbers import Integral, Real
@@ -23,36 +23,29 @@ def fail(name: str, rule: str, value: Any, remedy: str) -> InvalidValue:
     return InvalidValue(f"{name} must be {rule}, got {shown}; {remedy}")
 
 
-def _single(value: Any) -> Any:
-    """A NumPy scalar, or an array without dimensions, as a value of Python."""
-    return value.item() if getattr(value, "shape", None) == () else value
-
-
 def number(name: str, value: Any, remedy: str = "give a finite real number") -> float:
-    """`value` as a finite float; of an array only one without dimensions will do."""
+    """`value` as a finite float."""
     if type(value) is float and math.isfinite(value):  # nearly always: the rest takes a microsecond
         return value
-    plain = _single(value)
-    real = isinstance(plain, Real) and not isinstance(plain, bool)
-    if not real or not abs(plain) <= sys.float_info.max:
-        raise fail(name, "a finite number", value, remedy)
-    return float(plain)
+    real = isinstance(value, Real) and not isinstance(value, bool)
+    with contextlib.suppress(OverflowError):  # of a whole number too great for a double
+        if real and math.isfinite(value):
+            return float(value)
+    raise fail(name, "a finite number", value, remedy)
 
 
 def positive(name: str, value: Any, remedy: str) -> float:
     """`value` as a finite float greater than zero."""
-    result = number(name, value, remedy)
-    if not result > 0.0:
-        raise fail(name, "greater than 0", value, remedy)
-    return result
+    if (result := number(name, value, remedy)) > 0.0:
+        return result
+    raise fail(name, "greater than 0", value, remedy)
 
 
 def non_negative(name: str, value: Any, remedy: str) -> float:
     """`value` as a finite float of at least zero."""
-    result = number(name, value, remedy)
-    if not result >= 0.0:
-        raise fail(name, "at least 0", value, remedy)
-    return result
+    if (result := number(name, value, remedy)) >= 0.0:
+        return result
+    raise fail(name, "at least 0", value, remedy)
 
 
 def numbers(name: str, values: Any, remedy: str) -> "NDArray[float64]":
@@ -70,19 +63,17 @@ def numbers(name: str, values: Any, remedy: str) -> "NDArray[float64]":
 
 def integer(name: str, value: Any, minimum: int, remedy: str, maximum: float | None = None) -> int:
     """`value` as an int of at least `minimum`, and at most `maximum` where there is one."""
-    plain = _single(value)
-    if isinstance(plain, bool) or not isinstance(plain, Integral) or int(plain) < minimum:
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < minimum:
         raise fail(name, f"a whole number of at least {minimum}", value, remedy)
-    if maximum is not None and int(plain) > maximum:
+    if maximum is not None and int(value) > maximum:
         raise fail(name, f"a whole number of at most {maximum}", value, remedy)
-    return int(plain)
+    return int(value)
 
 
 def truth(name: str, value: Any, remedy: str = "give a truth value") -> bool:
     """`value` as a bool, Python's or NumPy's; numbers are none."""
-    plain = _single(value)
-    if isinstance(plain, bool):
-        return plain
+    if type(value).__name__ in ("bool", "bool_"):  # NumPy has one of its own
+        return bool(value)
     raise fail(name, "true or false", value, remedy)
 
 
@@ -92,13 +83,11 @@ def rational(name: str, value: Any, remedy: str, maximum: float = math.inf) -> F
     Text such as "1/2" counts, and so does a double that rounds such a fraction.
     """
     rule = "a rational number of at least 0, its denominator at most 1000"
-    plain = _single(value)
     try:
-        if isinstance(plain, bool):
-            raise TypeError
-        exact = Fraction(plain)
+        exact = Fraction(value if type(value) is not bool else "")
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
         raise fail(name, rule, value, remedy) from None
+    # 0.333... stands for 1/3, which no double is
     result = exact.limit_denominator(1000)
     if result < 0 or abs(result - exact) > Fraction(1, 10**12) * (1 + result):
         raise fail(name, rule, value, remedy)
@@ -111,6 +100,7 @@ def choice(name: str, value: Any, allowed: Sequence[str]) -> str:
     """`value` as one of `allowed`, else an error naming the nearest."""
     if isinstance(value, str) and value in allowed:
         return str(value)
+    # what was typed may be close to one of them
     remedy = nearest(value, allowed, f"for example {allowed[0]!r}")
     raise fail(name, "one of " + ", ".join(allowed), value, remedy)
 

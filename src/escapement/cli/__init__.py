@@ -5,16 +5,18 @@ and `execute(args) -> exit code`. Only the module asked for is imported, and it 
 nothing heavy before its arguments are understood, so that help answers at once.
 """
 
-import contextlib
-import io
+from __future__ import annotations
+
 import os
 import sys
-import warnings
-from collections.abc import Sequence
-from importlib import import_module
-from typing import Any, NoReturn
 
 from escapement.errors import EscapementError, InvalidValue, StorageError
+
+# what takes time to load is imported within `main`, which ends in order after Ctrl-C
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any, NoReturn
 
 COMMANDS = {
     "run": "one motion and its figures of merit",
@@ -48,10 +50,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         failed; 65 unreadable input file; 66 missing input; 73 cannot create
         output; 74 input/output error; 130 interrupted.
     """
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        # a letter that the terminal's encoding lacks is shown by its number
-        sys.stdout.reconfigure(errors="backslashreplace")
     try:
+        import warnings
+
+        if hasattr(sys.stdout, "reconfigure"):
+            # a letter that the terminal's encoding lacks is shown by its number
+            sys.stdout.reconfigure(errors="backslashreplace")
         with warnings.catch_warnings():
             warnings.showwarning = _warn
             code = _dispatch(sys.argv[1:] if argv is None else argv)
@@ -78,7 +82,24 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def program() -> NoReturn:
     """The command line as a process of its own."""
-    code = main()
+    struck = []
+
+    def interrupt(*_: object) -> None:
+        struck.append(True)
+        raise KeyboardInterrupt
+
+    try:
+        import signal
+
+        # a shell's background job ignores Ctrl-C, and is to go on doing so
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, interrupt)
+        code = main()
+    except BaseException:
+        # libraries that are being loaded turn Ctrl-C into errors of their own
+        if not struck:
+            raise
+        code = _complain("interrupted", INTERRUPTED)
     if code == INTERRUPTED:
         # an orderly exit would wait for threads that nobody wants any more; all files are closed
         os._exit(code)
@@ -87,6 +108,8 @@ def program() -> NoReturn:
 
 def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
+    from importlib import import_module
+
     from escapement.cli._arguments import Parser, understand_command
 
     try:
@@ -108,7 +131,9 @@ def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
 
 def _complain(message: str, code: int) -> int:
     """One line on stderr, whatever line breaks the message has."""
-    with contextlib.suppress(OSError):
+    import contextlib
+
+    with contextlib.suppress(OSError):  # of a reader that left, as in `escapement ... 2>&1 | head`
         print("escapement: error: " + " ".join(message.split()), file=sys.stderr)
     return code
 

@@ -128,6 +128,13 @@ def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: A
     group.add_argument(option(entry.name), default=None, **keywords)
 
 
+def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> None:
+    """Add the options of what a class declares."""
+    group = parser.add_argument_group(title)
+    for entry in settings.values():
+        add_setting(group, entry)
+
+
 def typed(args: argparse.Namespace, settings: Mapping[str, Setting]) -> dict[str, Any]:
     """What was typed of some settings, in SI, by the key of each."""
     return {
@@ -197,6 +204,12 @@ def add_output(group: argparse._ActionsContainer, file: str, text: str) -> None:
     """Add a file to write, never over another unless it may: `_output.check_wanted` looks."""
     group.add_argument("-o", "--output", type=Path, metavar=file, help=text)
     group.add_argument("--force", action="store_true", help=f"replace {file} where it exists")
+
+
+def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
+    """Add a folder to fill; `_output.make_folder` makes it."""
+    text = f"folder for {what}; created, files in it replaced{otherwise}"
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help=text)
 
 
 def add_plot(group: argparse._ActionsContainer, text: str) -> None:

@@ -18,11 +18,20 @@ from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, unit_name
 
 _INPUTS = ("data", "study", "table")
-_NOT_GIVEN = {
+_NO_LIMIT = "no finite value makes the pin reverse"
+_REASONS = {
     "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
     "stops in the same direction again",
     "critical_friction": "a mesh has no Painleve limit",
+    "inertia_ratio": "there is no F without a load",
+    "reversal_limits": "the follower's deceleration ends at zero, so no inertia ratio lets it "
+    "drive up to the end",
+    "torque_max_over_mean": "the mean torque is not above zero",
+    "greatest_speed": _NO_LIMIT,
+    "greatest_follower_inertia": _NO_LIMIT,
+    "least_load_torque": _NO_LIMIT,
 }
+"""Why a number is missing, of those for which there is but one reason."""
 
 
 def report(
@@ -30,32 +39,36 @@ def report(
     record: Mapping[str, Any],
     quantities: Mapping[str, str],
     labels: Mapping[str, str] | None = None,
+    warning: str = "",
 ) -> None:
     """Print what a command found, in the user's units, as JSON or as a table.
+
+    A `message` is added, and shown on stderr too, where there is a warning or a number is missing.
 
     Parameters
     ----------
     args : Namespace
         With `_arguments.add_common`.
     record : Mapping
-        Numbers in SI, texts and lists by JSON key; a `message` goes to stderr too.
+        Numbers in SI, texts and lists by JSON key.
     quantities : Mapping
         Kind of unit of those numbers that have one, see `escapement.units`.
     labels : Mapping, optional
         What the table calls a key, where that is not the key in words.
+    warning : str
+        What the user should know of the numbers.
     """
     shown = {
-        key: in_units(value, quantities[key], args.units)
-        if key in quantities and value is not None
-        else value
+        key: in_units(value, quantities.get(key, "ratio"), args.units)
         for key, value in record.items()
     }
+    message = "; ".join([*filter(None, [warning]), *not_given(record)])
     if args.json:
-        print_json(shown)
+        print_json(shown | ({"message": message} if message else {}))
     else:
         _print_table(shown, quantities, args.units, labels or {})
-    if "message" in shown:
-        note(str(shown["message"]))
+    if message:
+        note(message)
 
 
 def _print_table(
@@ -70,11 +83,13 @@ def _print_table(
         if isinstance(value, list) and value and isinstance(value[0], dict)
     }
     print_values(
-        (labels.get(key, words(key)), value, units.get(key, ""))
+        # an empty list is shown as a word
+        (labels.get(key, words(key)), value, "" if value == [] else units.get(key, ""))
         for key, value in record.items()
-        if key not in tables and key != "message"
+        if key not in tables
     )
     for key, rows in tables.items():
+        # a single row repeats what stands above
         if len(rows) > 1:
             print(f"\n{words(key)}")
             header = [words(name) + " (deg)" * name.endswith("_deg") for name in rows[0]]
@@ -87,17 +102,20 @@ def print_json(record: Mapping[str, Any]) -> None:
 
 
 def not_given(record: Mapping[str, Any]) -> list[str]:
-    """Why keys hold nothing, of those for which there is but one reason."""
+    """Why numbers are missing from what a command found."""
+    # what is not a number or not finite becomes None, as in JSON
+    found = {key: plain(value) for key, value in record.items() if key in _REASONS}
     return [
-        f"{key} is not given: {why}"
-        for key, why in _NOT_GIVEN.items()
-        if key in record and plain(record[key]) is None
+        f"{key} is not given: {_REASONS[key]}"
+        for key, value in found.items()
+        if value is None or (isinstance(value, list) and None in value)
     ]
 
 
-def in_units(value: float, quantity: str, system: str) -> float:
-    """An SI value in the user's units."""
-    return value / factor(quantity, system)
+def in_units(value: Any, quantity: str, system: str) -> Any:
+    """An SI value in the user's units; what has no unit, or is None, stays as it is."""
+    scale = factor(quantity, system)
+    return value if scale == 1.0 or value is None else value / scale
 
 
 def note(message: str) -> None:
@@ -151,6 +169,7 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
     """
     folder = check_target(path, force).parent
     for other in others:
+        # links are followed, or a result would replace what it is computed from
         if os.path.realpath(path) == os.path.realpath(other):
             raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
     _try_writing(path, folder)
@@ -170,8 +189,6 @@ def make_folder(path: Path) -> None:
     """Create the folder `path` where it is not there; its parent must be."""
     try:
         path.mkdir(exist_ok=True)
-    except FileExistsError:
-        raise CannotCreate(f"output {path} must be a folder, got a file; name another") from None
     except OSError as error:
         raise cannot_create(path, error) from None
     _try_writing(path, path)

@@ -19,14 +19,8 @@ FOLDER = Path("benchmarks") / "results"
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help=f"folder for tables (CSV), the figure and the machine's description; "
-        f"created, files in it replaced (default: {FOLDER}; with --quick none)",
-    )
+    what = "tables (CSV), the figure and the machine's description"
+    _arguments.add_folder(parser, what, f" (default: {FOLDER}; with --quick none)")
     parser.add_argument("--quick", action="store_true", help="ten seconds instead of many minutes")
     _arguments.add_common(parser)
 

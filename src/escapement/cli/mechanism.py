@@ -17,9 +17,7 @@ SUMMARY = "Geometry, transmission, motion ratio and dwell of a mechanism."
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
-    inertia = parser.add_argument_group("inertia, for the critical friction")
-    for entry in declared(Inertia).values():
-        _arguments.add_setting(inertia, entry)
+    _arguments.add_group(parser, "inertia, for the critical friction", declared(Inertia))
     drawing = parser.add_argument_group("drawing")
     _arguments.add_plot(drawing, "draw it to scale")
     drawing.add_argument(
@@ -46,15 +44,14 @@ def execute(args: argparse.Namespace) -> int:
 
         record["critical_friction"] = critical_friction(mechanism, Inertia(**given))
     if args.plot is not None:
-        from escapement.plots import plot_mechanism
-        from escapement.plots.saving import save
+        from escapement import plots
 
-        save(plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
-    reasons = _output.not_given(record)
+        plots.save(plots.plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    warning = ""
     try:
         _ = mechanism.path
-    except InvalidValue as error:  # a geometry that no motion can be computed for
-        reasons = [f"warning: {error}", *reasons]
-    message = {"message": "; ".join(reasons)} if reasons else {}
-    _output.report(args, record | message, mechanism.report_units)
+    except InvalidValue as error:
+        # a geometry that no motion can be computed for is reported all the same
+        warning = f"warning: {error}"
+    _output.report(args, record, mechanism.report_units, warning=warning)
     return 0

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from escapement.cli import _arguments, _output
+from escapement.cli import _arguments, _cases, _output
 from escapement.cli._arguments import Parser, UsageError
 from escapement.errors import InvalidValue
 from escapement.files import check_input
@@ -18,25 +18,17 @@ SUMMARY = "The right figures for what a file holds: a study or a motion."
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="OUT",
-        help=".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)",
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
+    text = ".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)"
+    add("-o", "--output", type=Path, metavar="OUT", help=text)
+    text = (
+        "only the cases at these values, in the units of the file: slots=6 of a study of "
+        "slots, friction and torque"
     )
-    parser.add_argument(
-        "--select",
-        metavar="NAME=VALUE,...",
-        help="only the cases at these values, in the units of the file: slots=6 of a study of "
-        "slots, friction and torque",
-    )
-    _arguments.add_common(
-        parser,
-        units=None,
-        text="units of the axes of a study (default: those of the file); motions are drawn in SI",
-    )
+    add("--select", metavar="NAME=VALUE,...", help=text)
+    text = "units of the axes of a study (default: those of the file); motions are drawn in SI"
+    _arguments.add_common(parser, units=None, text=text)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -55,9 +47,7 @@ def execute(args: argparse.Namespace) -> int:
                 raise UsageError(
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
-        from escapement.plots.motion import plot_motion
-
-        holds, figure = "motion", plot_motion(read_motion(args.file))
+        holds, figure = "motion", plots.motion.plot_motion(read_motion(args.file))
     else:
         study = _selected(read_study(args.file), args)
         gaps = _gaps(study)
@@ -84,10 +74,8 @@ def _gaps(study: "Study") -> str:
 
 
 def _selected(study: "Study", args: argparse.Namespace) -> "Study":
-    from escapement.cli._cases import parse
-
     try:
-        return study.at(**parse(args.select or ""))
+        return study.at(**_cases.parse(args.select or ""))
     except InvalidValue as error:
         raise UsageError(f"--select, of {args.file}: {error}") from None
 
@@ -96,11 +84,9 @@ def in_units(study: "Study", system: str | None) -> "Study":
     """A study with its parameters in another unit system; None leaves them."""
     from dataclasses import replace
 
-    from escapement.cli._cases import in_system
-
     axes, sampled, units = dict(study.axes), dict(study.sampled), dict(study.units)
     for values in (axes, sampled):
         for name in values:
-            scale, units[name] = in_system(units[name], system)
+            scale, units[name] = _cases.in_system(units[name], system)
             values[name] = values[name] * scale
     return replace(study, axes=axes, sampled=sampled, units=units)

@@ -30,14 +30,8 @@ def configure(parser: Parser) -> None:
         "dijksman: gear-driven wheels (1974); "
         "prikhodko: the planetary drive with elliptical gears (2020); all: each after the other",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help="folder for tables (CSV, JSON) and figures, for all a folder of each source in it; "
-        "created, files in it replaced",
-    )
+    what = "tables (CSV, JSON) and figures, for all a folder of each source in it"
+    _arguments.add_folder(parser, what)
     _arguments.add_common(parser)
 
 

@@ -9,7 +9,7 @@ from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Parser, UsageError, option
 from escapement.errors import InvalidValue
 from escapement.model import Escapement, Inertia, Run
-from escapement.quantity import Numbers, Quantity, Setting, declared
+from escapement.quantity import Numbers, Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
@@ -24,22 +24,7 @@ SUMMARY = "One motion from pin entry, and its figures of merit."
 _LONG = 10_000  # engagements from which writing them takes seconds, and shows its progress
 _LONGEST_PLOT = 10_000  # engagements: a gigabyte of points
 _START = "initial_speed"
-
-FIGURES = {
-    "velocity_max": "speed",
-    "velocity_min": "speed",
-    "velocity_mean": "speed",
-    "velocity_average_published": "speed",
-    "period": "time",
-    "rise_time": "time",
-    "settling_time": "time",
-    "critical_friction": "ratio",
-    "acceleration_max": "acceleration",
-    "follower_acceleration_max": "acceleration",
-    "contact_moment_max": "torque",
-    "contact_force_max": "force",
-}
-"""Figures of merit as printed, with the kind of unit of each; the force with a crank radius."""
+_Input = tuple[str, Any, str]  # its name, its value in SI and its kind of unit
 
 
 def configure(parser: Parser) -> None:
@@ -54,15 +39,10 @@ def configure(parser: Parser) -> None:
         help="a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1",
     )
     _arguments.add_mechanism(parser)
-    model, length = parser.add_argument_group("model"), declared(Run)
-    for entry in _model().values():
-        _arguments.add_setting(model, entry)
-    group = parser.add_argument_group("length of the motion")
-    for name in ("engagements", "duration"):
-        _arguments.add_setting(group, length[name])
-    solver = parser.add_argument_group("solver")
-    for entry in declared(Solver).values():
-        _arguments.add_setting(solver, entry)
+    length = {name: entry for name, entry in declared(Run).items() if name != _START}
+    _arguments.add_group(parser, "model", _model())
+    _arguments.add_group(parser, "length of the motion", length)
+    _arguments.add_group(parser, "solver", declared(Solver))
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.h5", "write the motion")
     _arguments.add_plot(output, "draw the velocities")
@@ -84,17 +64,24 @@ def execute(args: argparse.Namespace) -> int:
 
     motion = simulate(escapement, args.engagements, duration=args.duration, **settings)
     _check_plot(motion, args)
+    # the figures are those of the terminal cycle, however short the motion
     figures = terminal(escapement, **settings)
     _write(motion, args)
-    record = summarise(motion, figures, args.units)
     length = "engagements" if args.duration is None else "duration"
-    taken = args.duration or args.engagements or declared(Run)["engagements"].default
-    inputs = describe(escapement) | {_START: settings[_START], length: taken, "rtol": motion.rtol}
-    if args.json:
-        _output.print_json({"inputs": {"units": args.units} | inputs} | record)
-    else:
-        print_table(inputs, record, args.units)
+    taken = args.duration or args.engagements or quantities(Run)["engagements"].default
+    inputs = [*_settings_of(escapement), (_START, settings[_START], "speed")]
+    inputs += [(length, taken, quantities(Run)[length].unit), ("rtol", motion.rtol, "ratio")]
     outcome = motion if motion.status.failed else figures
+    record = _summarise(motion, figures, args.units) | {
+        "status": outcome.status.label,
+        "message": _message(outcome.message, figures),
+        "engine": motion.engine,
+    }
+    if args.json:
+        told = {name: _in_systems(value, unit) for name, value, unit in inputs}
+        _output.print_json({"inputs": {"units": args.units} | told} | record)
+    else:
+        _print_table(inputs, record, args.units)
     if record["message"] != MESSAGES[Status.OK]:
         _output.note(record["message"])
     return SOME_FAILED if outcome.status.failed else 0
@@ -112,6 +99,7 @@ def _read_case(args: argparse.Namespace) -> "tuple[Escapement, dict[str, Any]]":
     from escapement.cli._cases import load_case
 
     plan, case = load_case(args.study, args.select)
+    # another engine than the study's does not take its tolerances
     own = {} if "engine" in given else plan.solver.given
     speed = plan.values(case)[_START]
     try:
@@ -157,78 +145,72 @@ def _write(motion: "Motion", args: argparse.Namespace) -> None:
             options = {"units": args.units, "force": args.force, "progress": progress}
             write_motion(motion, args.output, **options)
     if args.plot is not None:
-        from escapement.plots import plot_velocities
-        from escapement.plots.saving import save
+        from escapement import plots
 
-        save(plot_velocities(motion), args.plot)
+        plots.save(plots.plot_velocities(motion), args.plot)
 
 
-def summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:
-    """What `run` reports, by JSON key, in the user's units."""
-    outcome = motion if motion.status.failed else figures
-    values = figures.as_dict()
+def _summarise(motion: "Motion", figures: "Figures", units: str) -> dict[str, Any]:
+    """The numbers that `run` reports, by JSON key, in the user's units."""
+    from escapement.metrics import FIGURES
+
+    found = {
+        key: _output.in_units(getattr(figures, key), unit, units) for key, unit in FIGURES.items()
+    }
     if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
-        del values["contact_force_max"]
-    return {
-        **{
-            key: _output.in_units(values[key], kind, units)
-            for key, kind in FIGURES.items()
-            if key in values
-        },
+        del found["contact_force_max"]
+    return found | {
         "handoff_times": motion.handoff_times,
         "handoff_velocities": motion.handoff_velocities,
         "energy_residual": motion.ledger.residual,
-        "status": outcome.status.label,
-        "message": _message(outcome.message, values),
-        "engine": motion.engine,
     }
 
 
-def _message(message: str, values: dict[str, Any]) -> str:
+def _message(message: str, figures: "Figures") -> str:
     """What became of the run, and why it names no critical friction where there is none."""
-    reasons = _output.not_given(values)
+    reasons = _output.not_given({"critical_friction": figures.critical_friction})
     return "; ".join(reasons if reasons and message == MESSAGES[Status.OK] else [message, *reasons])
 
 
-def describe(escapement: Escapement) -> dict[str, Any]:
-    """Every number and choice of an escapement by name: with units, in each system of units."""
+def _settings_of(escapement: Escapement) -> list[_Input]:
+    """Every number and choice of an escapement: its name, its value in SI and its unit."""
     mechanism: Any = escapement.mechanism
-    found: dict[str, Any] = {"kind": mechanism.kind}
+    found: list[_Input] = [("kind", mechanism.kind, "ratio")]
     for owner in (mechanism, escapement.inertia, escapement):
         for name, entry in declared(type(owner)).items():
-            value = getattr(owner, entry.key)
-            if value is None or isinstance(entry, Numbers):
-                continue
+            value, unit = getattr(owner, entry.key), "ratio"
             if isinstance(entry, Quantity):
                 if not entry.fits(mechanism.meshed):
                     continue
-                scales = {system: factor(entry.unit, system) for system in SYSTEMS}
-                if len({*scales.values()}) > 1:
-                    value = {system: value / scale for system, scale in scales.items()}
-            found[name] = str(value) if isinstance(value, Fraction) else value
+                unit = entry.unit
+            # the angles of a table are too many to be shown
+            if value is not None and not isinstance(entry, Numbers):
+                found.append((name, str(value) if isinstance(value, Fraction) else value, unit))
     return found
 
 
-def print_table(inputs: dict[str, Any], record: dict[str, Any], units: str) -> None:
+def _in_systems(value: Any, unit: str) -> Any:
+    """A value in SI and in inches and pounds, by system; alone where these are the same."""
+    scales = {system: factor(unit, system) for system in SYSTEMS}
+    alike = len({*scales.values()}) == 1
+    return value if alike else {system: value / scale for system, scale in scales.items()}
+
+
+def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> None:
     """What was simulated, with units in both systems, and what came of it."""
-    quantities = {
-        name: entry.unit
-        for owner in (Inertia, Escapement, Run)
-        for name, entry in declared(owner).items()
-        if isinstance(entry, Quantity)
-    }
+    from escapement.metrics import FIGURES
+
     (other,) = (system for system in SYSTEMS if system != units)
-    rows: list[tuple[str, Any, str]] = []
-    for name, value in inputs.items():
-        unit = quantities.get(name, "length" if isinstance(value, dict) else "ratio")
-        if isinstance(value, dict):
-            also = f"{show(value[other])} {unit_name(unit, other)}"
-            rows.append((words(name), value[units], f"{unit_name(unit, units)} = {also}"))
-        else:
-            rows.append((words(name), value, unit_name(unit, units)))
+    rows = []
+    for name, value, unit in inputs:
+        # speeds are the same in both systems: only this row tells of numbers typed in the other
+        shown = unit_name(unit, units)
+        if shown != unit_name(unit, other):
+            shown += f" = {show(_output.in_units(value, unit, other))} {unit_name(unit, other)}"
+        rows.append((words(name), _output.in_units(value, unit, units), shown))
     rows += [
-        (words(key), record[key], unit_name(kind, units))
-        for key, kind in FIGURES.items()
+        (words(key), record[key], unit_name(unit, units))
+        for key, unit in FIGURES.items()
         if key in record
     ]
     times, speeds = record["handoff_times"], record["handoff_velocities"]

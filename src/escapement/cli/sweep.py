@@ -20,33 +20,20 @@ SUMMARY = "A study on a grid or a sample of parameters, to an HDF5 file."
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("config", type=Path, metavar="CONFIG.toml", help="what to compute")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="OUT.h5",
-        help="default: the name of CONFIG with .h5, in the current folder",
-    )
-    parser.add_argument("--force", action="store_true", help="replace OUT.h5 where it exists")
-    parser.add_argument(
-        "--resume", action="store_true", help="continue an interrupted run where it stopped"
-    )
-    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
-    parser.add_argument(
-        "--workers",
-        type=whole("--workers", 1, "give the number of threads"),
-        metavar="N",
-        help="threads, or processes of a local cluster (default: one for each processor)",
-    )
-    parser.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="compute on a Dask cluster, as tcp://host:8786; 'local' starts one here",
-    )
-    _arguments.add_common(
-        parser, units=None, text="units of the axes printed (default: those of the study)"
-    )
+    add = parser.add_argument
+    add("config", type=Path, metavar="CONFIG.toml", help="what to compute")
+    default = "default: the name of CONFIG with .h5, in the current folder"
+    _arguments.add_output(parser, "OUT.h5", default)
+    text = "continue an interrupted run where it stopped"
+    add("--resume", action="store_true", help=text)
+    add("--quiet", action="store_true", help="no progress on stderr")
+    count = whole("--workers", 1, "give the number of threads")
+    text = "threads, or processes of a local cluster (default: one for each processor)"
+    add("--workers", type=count, metavar="N", help=text)
+    text = "compute on a Dask cluster, as tcp://host:8786; 'local' starts one here"
+    add("--scheduler", metavar="ADDRESS", help=text)
+    text = "units of the axes printed (default: those of the study)"
+    _arguments.add_common(parser, units=None, text=text)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -92,15 +79,9 @@ def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
     # a job scheduler ends a process by SIGTERM: it keeps what is finished, as after Ctrl-C
     previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        return write_plan(
-            plan,
-            path,
-            force=args.force,
-            resume=args.resume,
-            progress=not args.quiet,
-            workers=args.workers or os.cpu_count() or 1,
-            scheduler=args.scheduler,
-        )
+        options = {"force": args.force, "resume": args.resume, "scheduler": args.scheduler}
+        workers = args.workers or os.cpu_count() or 1
+        return write_plan(plan, path, progress=not args.quiet, workers=workers, **options)
     except KeyboardInterrupt:
         partial = partial_path(path)
         if partial.exists():

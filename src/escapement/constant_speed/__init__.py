@@ -8,17 +8,15 @@ from typing import TYPE_CHECKING, Any
 from escapement.lazy import offered
 
 if TYPE_CHECKING:
-    from escapement.constant_speed.contact import contact_moment
-    from escapement.constant_speed.design import (
-        fewest_slots,
-        greatest_follower_inertia,
-        greatest_speed,
-        least_load_torque,
-    )
+    from escapement.constant_speed.case import contact_moment
     from escapement.constant_speed.extrema import (
         Extremum,
         TransmissionExtrema,
+        fewest_slots,
+        greatest_follower_inertia,
+        greatest_speed,
         jerk_function,
+        least_load_torque,
         transmission_extrema,
     )
     from escapement.constant_speed.study import ReversalStudy, reversal_study
@@ -47,7 +45,7 @@ __all__ = [
     "transmission_extrema",
 ]
 
-_MODULES = ("torque", "contact", "extrema", "design", "study")
+_MODULES = ("torque", "case", "extrema", "study")
 
 
 def __getattr__(name: str) -> Any:

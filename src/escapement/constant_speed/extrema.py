@@ -1,22 +1,38 @@
-"""Transmission, acceleration and jerk functions of a mechanism and their extrema."""
+"""Extrema of the transmission, acceleration and jerk functions, and the limits that they set.
+
+The pin stays on its side of the slot as long as F = I_f omega^2/M_load does not exceed F12 of
+the mechanism: Filemon's question the other way round is how far a drive may go to there.
+"""
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from escapement import validate
 from escapement.chebyshev import Function, Series, extremes, fit
 from escapement.constant_speed import geneva
-from escapement.constant_speed.case import checked
+from escapement.constant_speed.case import Case, checked
+from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.mechanisms.slotted import transmission
-from escapement.model import FloatArray, Mechanism
+from escapement.model import Escapement, FloatArray, Mechanism
+from escapement.quantity import check_number
 from escapement.scene import smooth_intervals
 
 _CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
+
+LIMITS = {
+    "greatest_speed": "speed",
+    "greatest_follower_inertia": "inertia",
+    "least_load_torque": "torque",
+}
+"""How far a drive may go without a pin reversal: kind of unit of each figure."""
 
 
 class Extremum(NamedTuple):
@@ -59,9 +75,9 @@ class TransmissionExtrema:
         return -1.0 / deepest, -1.0 / last if last < _NOTHING * deepest else math.inf
 
 
-def rounding_of_acceleration(ratio: float) -> float:
+def rounding_of_acceleration(ratio: ArrayLike) -> FloatArray:
     """What rounding alone may make of g' where g is `ratio` [-]."""
-    return _CONSTANT * abs(ratio)
+    return _CONSTANT * np.abs(ratio)
 
 
 def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
@@ -80,6 +96,7 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
     Source: Filemon (1960), eqs. 2 to 5 and Table I.
     """
     points = edges(checked(mechanism))
+    # without a closed form of g'' it is the slope of the series of g'
     known: Function | None = getattr(mechanism, "jerk", None)
     jerk = fit(known, points) if known else _rate(mechanism).derivative()
     bent = _extrema(known or jerk, jerk)
@@ -108,17 +125,12 @@ def edges(mechanism: Mechanism) -> FloatArray:
 
 
 def _closed_forms(wheel: Geneva) -> tuple[Extremum, float, float, Extremum, Extremum]:
+    # about dead centre g is even and g' odd, so the least g' mirrors the greatest
     n, internal = wheel.slots, wheel.internal
-    start = float(geneva.acceleration_start(n))
+    start, ratio = float(geneva.acceleration_start(n)), float(geneva.ratio_max(n, internal))
     top = float(geneva.acceleration_max(n, internal))
     angle = float(geneva.acceleration_max_angle(n, internal))
-    return (
-        Extremum(float(geneva.ratio_max(n, internal)), 0.0),
-        start,
-        -start,
-        Extremum(top, -angle),
-        Extremum(-top, angle),
-    )
+    return Extremum(ratio, 0.0), start, -start, Extremum(top, -angle), Extremum(-top, angle)
 
 
 def _reader(mechanism: Mechanism, name: str) -> Function:
@@ -133,3 +145,103 @@ def _rate(mechanism: Mechanism) -> Series:
 def _extrema(function: Function | Series, series: Series) -> tuple[Extremum, Extremum]:
     top, top_at, bottom, bottom_at = extremes(function, series)
     return Extremum(top, top_at), Extremum(bottom, bottom_at)
+
+
+def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
+    """Greatest driver speed without a pin reversal, sqrt(F12 M_load/I_f) [rad/s].
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    load_torque : float
+        Constant torque opposing the follower [N m], >= 0.
+    follower_inertia : float
+        Follower and everything that turns with it [kg m^2], > 0.
+    """
+    inertia: float = check_number(Case, "follower_inertia", follower_inertia)
+    return math.sqrt(_greatest_inertia_torque(mechanism, load_torque) / inertia)
+
+
+def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: float) -> float:
+    """Greatest follower inertia without a pin reversal, F12 M_load/omega^2 [kg m^2].
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    speed : float
+        Driver speed [rad/s], > 0.
+    load_torque : float
+        Constant torque opposing the follower [N m], >= 0.
+    """
+    omega: float = check_number(Case, "speed", speed)
+    return _greatest_inertia_torque(mechanism, load_torque) / omega / omega
+
+
+def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: float) -> float:
+    """Least constant load without a pin reversal, I_f omega^2/F12 [N m].
+
+    A brake on the follower that adds up to it keeps the pin from knocking.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry.
+    speed : float
+        Driver speed [rad/s], > 0.
+    follower_inertia : float
+        Follower and everything that turns with it [kg m^2], > 0.
+    """
+    omega: float = check_number(Case, "speed", speed)
+    inertia: float = check_number(Case, "follower_inertia", follower_inertia)
+    return inertia * omega * omega / transmission_extrema(mechanism).reversal_limits[0]
+
+
+def limits_without_reversal(case: Case) -> dict[str, float]:
+    """`LIMITS` of a drive under a constant load, one of its numbers changed at a time, in SI."""
+    mechanism, load = case.mechanism, case.load_torque
+    assert not callable(load)
+    limits = (
+        greatest_speed(mechanism, load, case.follower_inertia),
+        greatest_follower_inertia(mechanism, case.speed, load),
+        least_load_torque(mechanism, case.speed, case.follower_inertia),
+    )
+    return dict(zip(LIMITS, limits, strict=True))
+
+
+def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
+    """Least number of slots of a Geneva wheel without a pin reversal at F.
+
+    Parameters
+    ----------
+    inertia_ratio : float
+        F = I_f omega^2/M_load [-], >= 0.
+    internal : bool
+        Whether the wheel is an internal one.
+
+    Raises
+    ------
+    InvalidValue
+        When F is below 0, or too great even for a million slots, the most that a
+        `Geneva` has.
+    """
+    remedy = "give F = I_f omega^2/M_load"
+    ratio = validate.non_negative("inertia_ratio", inertia_ratio, remedy)
+    # F12 grows with the number of slots, so bisection over the numbers finds the first
+    fewest = 3 + bisect_left(
+        range(3, MOST_SLOTS + 1), ratio, key=lambda n: float(geneva.reversal_limits(n, internal)[0])
+    )
+    if fewest > MOST_SLOTS:
+        raise InvalidValue(
+            f"inertia_ratio must be below the limit of any wheel, of {MOST_SLOTS:,} slots at "
+            f"most, got {ratio!r}; lower the speed or the inertia, or brake the follower"
+        )
+    return fewest
+
+
+def _greatest_inertia_torque(mechanism: Mechanism, load_torque: float) -> float:
+    """I_f omega^2 without a pin reversal [N m]; no load is needed where none threatens."""
+    load: float = check_number(Escapement, "load_torque", load_torque)
+    limit = transmission_extrema(mechanism).reversal_limits[0]
+    return limit if math.isinf(limit) else limit * load

@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,8 +18,7 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.chebyshev import extremes, fit, zeros
-from escapement.constant_speed.case import Case
-from escapement.constant_speed.contact import table, within_cell
+from escapement.constant_speed.case import Case, table, within_cell
 from escapement.constant_speed.extrema import (
     edges,
     rounding_of_acceleration,
@@ -137,6 +135,7 @@ class DriveTorque(Case):
         angles, exit_ = validate.numbers("theta", theta, "give angles"), self.mechanism.breaks[-1]
         flat = within_cell(self.mechanism, angles).reshape(-1)
         phi, load, values = table(self, np.minimum(flat, exit_))
+        # the locked follower carries its load by itself
         values[1:, flat > exit_] = 0.0
         columns = (angles, phi, values[2], values[1], load)
         return TorqueState(*(column.reshape(angles.shape) for column in columns))
@@ -226,31 +225,25 @@ def _find_reversals(case: Case) -> tuple[FloatArray, int]:
     points = _places(case, edges(case.mechanism))
     found = zeros(lambda theta: table(case, theta)[2][1], points)
     places = np.unique(np.concatenate([[points[0]], found, [points[-1]]]))
-    sides = [_side(case, low, high) for low, high in pairwise(places)]
-    reversals, side = [], 0.0
-    for place, following in zip(places[:-1], sides, strict=True):
-        if following * side < 0.0:
-            reversals.append(place)
-        side = following or side
-    if not reversals:
-        return np.empty(0), 1
-    return np.array(reversals), 3 if side < 0.0 else 2
+    # the moment keeps its sign between zeros; a touching zero has the same one on both sides
+    _, load, (ratio, moment, _) = table(case, 0.5 * (places[:-1] + places[1:]))
+    rounding = _ROUNDING * np.abs(load) + case.inertial * rounding_of_acceleration(ratio)
+    sides = np.where(np.abs(moment) > rounding, np.sign(moment), 0.0)
+    carried = np.flatnonzero(sides)
+    turned = carried[1:][np.diff(sides[carried]) != 0.0]
+    zone = 1 if turned.size == 0 else 3 if sides[carried[-1]] < 0.0 else 2
+    return places[turned], zone
 
 
 def _places(case: Case, points: Iterable[float]) -> FloatArray:
     """`points`, and between them more where a load may hide something narrow."""
     places = np.unique(np.fromiter(points, dtype=float))
-    if not case.load_varies:
+    if not callable(case.load_torque):
         return places
-    return np.unique(np.concatenate([places, np.linspace(places[0], places[-1], _PIECES + 1)]))
-
-
-def _side(case: Case, low: float, high: float) -> float:
-    """Sign of the contact moment between two of its zeros; 0 where it is rounding."""
-    middle = np.array([0.5 * (low + high)])
-    _, load, (ratio, moment, _) = table(case, middle)
-    rounding = _ROUNDING * abs(load[0]) + case.inertial * rounding_of_acceleration(ratio[0])
-    return float(np.sign(moment[0]) if abs(moment[0]) > rounding else 0.0)
+    # each interval is cut evenly, as a sliver beside a point would be all rounding
+    counts = np.ceil(np.diff(places) * (_PIECES / (places[-1] - places[0]))).astype(int)
+    cuts = map(np.linspace, places[:-1], places[1:], counts + 1)
+    return np.unique(np.concatenate([*cuts]))
 
 
 def _torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
@@ -262,6 +255,7 @@ def _torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
         values: FloatArray = table(case, theta)[2][2]
         return values
 
+    # the torque bends where the pin changes sides and where the power turns round
     series = fit(torque, _places(case, kinks))
     first_half = series.edges[1:] <= half
     names = ("torque_max", "torque_max_angle", "torque_min", "torque_min_angle")

@@ -1,51 +1,26 @@
 """Encoder readings against a mechanism's position function (Prikhodko 2020)."""
 
-from escapement.measurement.comparison import Measurement, measure, write_errors
-from escapement.measurement.encoder import (
-    Encoder,
-    SensorShare,
-    sensor_share,
-    sensor_uncertainty,
-    synthetic_readings,
-)
-from escapement.measurement.fit import Fit, position, slope
-from escapement.measurement.normality import (
-    Histogram,
-    NormalityTest,
-    anderson_darling,
-    chi_squared,
-    class_count,
-    histogram,
-    published_chi_squared,
-    sturges,
-)
-from escapement.measurement.readings import Readings, read_readings, write_readings
-from escapement.measurement.shafts import ShaftError
-from escapement.measurement.spectrum import Periodogram
-
-__all__ = [
-    "Encoder",
-    "Fit",
-    "Histogram",
-    "Measurement",
-    "NormalityTest",
-    "Periodogram",
-    "Readings",
-    "SensorShare",
-    "ShaftError",
-    "anderson_darling",
-    "chi_squared",
-    "class_count",
-    "histogram",
-    "measure",
-    "position",
-    "published_chi_squared",
-    "read_readings",
-    "sensor_share",
-    "sensor_uncertainty",
-    "slope",
-    "sturges",
-    "synthetic_readings",
-    "write_errors",
-    "write_readings",
-]
+from escapement.measurement.comparison import Measurement as Measurement
+from escapement.measurement.comparison import measure as measure
+from escapement.measurement.comparison import write_errors as write_errors
+from escapement.measurement.encoder import Encoder as Encoder
+from escapement.measurement.encoder import SensorShare as SensorShare
+from escapement.measurement.encoder import sensor_share as sensor_share
+from escapement.measurement.encoder import sensor_uncertainty as sensor_uncertainty
+from escapement.measurement.encoder import synthetic_readings as synthetic_readings
+from escapement.measurement.fit import Fit as Fit
+from escapement.measurement.fit import position as position
+from escapement.measurement.fit import slope as slope
+from escapement.measurement.normality import Histogram as Histogram
+from escapement.measurement.normality import NormalityTest as NormalityTest
+from escapement.measurement.normality import anderson_darling as anderson_darling
+from escapement.measurement.normality import chi_squared as chi_squared
+from escapement.measurement.normality import class_count as class_count
+from escapement.measurement.normality import histogram as histogram
+from escapement.measurement.normality import published_chi_squared as published_chi_squared
+from escapement.measurement.normality import sturges as sturges
+from escapement.measurement.readings import Readings as Readings
+from escapement.measurement.readings import read_readings as read_readings
+from escapement.measurement.readings import write_readings as write_readings
+from escapement.measurement.shafts import ShaftError as ShaftError
+from escapement.measurement.spectrum import Periodogram as Periodogram

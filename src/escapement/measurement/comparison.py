@@ -10,23 +10,11 @@ import numpy as np
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.measurement.encoder import (
-    Encoder,
-    SensorShare,
-    check_drive,
-    checked_zero,
-    sensor_share,
-)
+from escapement.measurement import encoder as sensors
+from escapement.measurement import normality
+from escapement.measurement.encoder import Encoder, SensorShare
 from escapement.measurement.fit import Fit, fit, position
-from escapement.measurement.normality import (
-    Histogram,
-    NormalityTest,
-    anderson_darling,
-    chi_squared,
-    class_count,
-    histogram,
-    published_chi_squared,
-)
+from escapement.measurement.normality import Histogram, NormalityTest
 from escapement.measurement.readings import TURN, Readings, read_readings, wraps, write_table
 from escapement.measurement.shafts import ShaftError, shaft_errors
 from escapement.measurement.spectrum import Periodogram, periodogram
@@ -84,12 +72,12 @@ class Measurement:
     @cached_property
     def histogram(self) -> Histogram:
         """Errors in classes of equal width, and what a normal law expects."""
-        return histogram(self.errors, self.bins)
+        return normality.histogram(self.errors, self.bins)
 
     @cached_property
     def published_test(self) -> NormalityTest:
         """Normality as the paper tests it; see `published_chi_squared`."""
-        return published_chi_squared(self.histogram)
+        return normality.published_chi_squared(self.histogram)
 
     @cached_property
     def chi_squared_test(self) -> NormalityTest:
@@ -97,12 +85,13 @@ class Measurement:
 
         With the same number of classes, or as many as leave five errors in each.
         """
-        return chi_squared(self.errors, min(self.bins, self.errors.size // _EXPECTED))
+        bins = min(self.bins, self.errors.size // _EXPECTED)
+        return normality.chi_squared(self.errors, bins)
 
     @cached_property
     def anderson_darling_test(self) -> NormalityTest:
         """Normality by the Anderson-Darling test."""
-        return anderson_darling(self.errors)
+        return normality.anderson_darling(self.errors)
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -113,8 +102,7 @@ class Measurement:
         """
         from scipy.special import ndtri
 
-        half = float(ndtri(0.5 + 0.5 * self.confidence)) * self.standard_deviation
-        return self.mean - half, self.mean + half
+        return self._about_mean(float(ndtri(0.5 + 0.5 * self.confidence)))
 
     @property
     def mean_interval(self) -> tuple[float, float]:
@@ -122,8 +110,10 @@ class Measurement:
         from scipy.special import stdtrit
 
         n = self.errors.size
-        share = 0.5 + 0.5 * self.confidence
-        half = float(stdtrit(n - 1, share)) * self.standard_deviation / math.sqrt(n)
+        return self._about_mean(float(stdtrit(n - 1, 0.5 + 0.5 * self.confidence)) / math.sqrt(n))
+
+    def _about_mean(self, deviations: float) -> tuple[float, float]:
+        half = deviations * self.standard_deviation
         return self.mean - half, self.mean + half
 
     @cached_property
@@ -157,9 +147,7 @@ class Measurement:
     @cached_property
     def sensor_share(self) -> SensorShare | None:
         """Errors that the encoders alone explain; None without an encoder."""
-        if self.encoder is None:
-            return None
-        return sensor_share(self.encoder, self.fit.slope)
+        return sensors.sensor_share(self.encoder, self.fit.slope) if self.encoder else None
 
     @cached_property
     def message(self) -> str:
@@ -211,11 +199,11 @@ def measure(
 
     Source: Prikhodko (2020), section 3.
     """
-    check_drive(mechanism, encoder)
-    share = validate.number("confidence", confidence, "give a share, as 0.99")
+    sensors.check_drive(mechanism, encoder)
+    share = validate.number("confidence", confidence, remedy := "give a share, as 0.99")
     if not 0.0 < share < 1.0:
-        raise validate.fail("confidence", "between 0 and 1", confidence, "give a share, as 0.99")
-    known = None if zeros is None else _checked_zeros(zeros)
+        raise validate.fail("confidence", "between 0 and 1", confidence, remedy)
+    known = None if zeros is None else sensors.checked_zeros(zeros)
     if not isinstance(readings, Readings | str | PathLike):
         raise validate.fail(
             "readings", "Readings or a path", readings, "give Readings(input, output) in rad"
@@ -237,18 +225,8 @@ def measure(
         raise InvalidValue(
             "readings must differ from theory in some way, got theory itself; give measured ones"
         )
-    count = class_count(found.errors, bins)
+    count = normality.class_count(found.errors, bins)
     return Measurement(mechanism, taken, encoder, share, count, angle, output, found)
-
-
-def _checked_zeros(zeros: tuple[float, float]) -> tuple[float, float]:
-    try:
-        phase, offset = zeros
-    except (TypeError, ValueError):
-        raise validate.fail(
-            "zeros", "a phase and an offset in rad", zeros, "give both, or leave it out"
-        ) from None
-    return checked_zero("phase", phase), checked_zero("offset", offset)
 
 
 def write_errors(result: Measurement, path: str | PathLike[str], *, force: bool = False) -> None:
@@ -261,12 +239,8 @@ def write_errors(result: Measurement, path: str | PathLike[str], *, force: bool 
     path, force :
         As for `write_readings`.
     """
-    columns = {
-        "input_deg": result.input,
-        "output_deg": result.output,
-        "theory_deg": result.fit.theory,
-        "error_deg": result.errors,
-    }
+    columns = {"input_deg": result.input, "output_deg": result.output}
+    columns |= {"theory_deg": result.fit.theory, "error_deg": result.errors}
     write_table(path, columns, result.readings.synthetic, "", force)
 
 
@@ -312,16 +286,16 @@ def _on_the_fit(result: Measurement) -> Iterator[str]:
 
 
 def _on_independence(result: Measurement) -> Iterator[str]:
+    # independent errors have a correlation beyond 3.3/sqrt(n) once in a thousand times
     least = max(3.3 / math.sqrt(result.errors.size), _ALIKE)
-    alike, rest = result.autocorrelation, result.rest_autocorrelation
+    alike = max(result.autocorrelation, result.rest_autocorrelation)
+    spoilt = "tests of normality, errors of phase and offset and intervals of the mean"
     # a wave that is found makes neighbours alike, but spoils no test for waves
-    if rest > least:
+    if result.rest_autocorrelation > least:
         spoilt = "all tests, false alarms, standard errors and intervals of the mean"
-    else:
-        spoilt = "tests of normality, errors of phase and offset and intervals of the mean"
-    if max(alike, rest) > least:
+    if alike > least:
         yield (
-            f"neighbouring errors are alike (correlation {max(alike, rest):.2f}), while {spoilt} "
+            f"neighbouring errors are alike (correlation {alike:.2f}), while {spoilt} "
             "take them for independent: do not trust those"
         )
 

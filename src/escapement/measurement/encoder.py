@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,15 +34,11 @@ class Encoder:
 
     def __post_init__(self) -> None:
         counts = validate.integer("resolution", self.resolution, 2, "give the counts of a turn")
-        share = validate.non_negative(
-            "linearity", self.linearity, "give a share of a turn, 0.003 for 0.3 %"
-        )
+        remedy = "give a share of a turn, 0.003 for 0.3 %"
+        share = validate.non_negative("linearity", self.linearity, remedy)
         if share >= 0.5:
-            raise validate.fail(
-                "linearity", "below 0.5", share, "give a share of a turn, 0.003 for 0.3 %"
-            )
-        object.__setattr__(self, "resolution", counts)
-        object.__setattr__(self, "linearity", share)
+            raise validate.fail("linearity", "below 0.5", share, remedy)
+        vars(self).update(resolution=counts, linearity=share)
 
     @property
     def quantum(self) -> float:
@@ -103,13 +100,15 @@ def check_drive(mechanism: Any, encoder: Any) -> None:
         raise validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
 
 
-def checked_zero(name: str, angle: Any) -> float:
-    """Zero of an encoder [rad]."""
-    remedy = "give an angle in rad"
-    value = validate.number(name, angle, remedy)
-    if abs(value) > FARTHEST:
-        raise validate.fail(name, WITHIN, angle, remedy)
-    return value
+def checked_zeros(zeros: Any) -> tuple[float, float]:
+    """Phase and offset, the zeros of two encoders [rad]."""
+    if not hasattr(zeros, "__len__") or len(zeros) != 2:
+        remedy = "give both, or leave it out"
+        raise validate.fail("zeros", "a phase and an offset in rad", zeros, remedy)
+    for name, angle in zip(("phase", "offset"), zeros, strict=True):
+        if abs(validate.number(name, angle, "give an angle in rad")) > FARTHEST:
+            raise validate.fail(name, WITHIN, angle, "give an angle in rad")
+    return float(zeros[0]), float(zeros[1])
 
 
 def synthetic_readings(
@@ -168,17 +167,15 @@ def synthetic_readings(
         When an argument breaks its rule.
     """
     check_drive(mechanism, encoder)
-    start, zero = checked_zero("phase", phase), checked_zero("offset", offset)
+    start, zero = checked_zeros((phase, offset))
     count = validate.integer("samples", samples, LEAST_SAMPLES, "give how many to compute")
     whole = validate.integer("seed", seed, 0, "give any whole number")
-    checked = {
-        name: validate.non_negative(name, value, "give an angle in rad, 0 for none")
-        for name, value in (
-            ("noise", noise), ("backlash", backlash),
-            ("input_eccentricity", input_eccentricity),
-            ("output_eccentricity", output_eccentricity),
-        )
-    }  # fmt: skip
+    eccentric = {
+        "input_eccentricity": input_eccentricity,
+        "output_eccentricity": output_eccentricity,
+    }
+    for name, size in {"noise": noise, "backlash": backlash, **eccentric}.items():
+        validate.non_negative(name, size, "give an angle in rad, 0 for none")
     if validate.number("sense", sense) not in (1.0, -1.0):
         raise validate.fail("sense", "1 or -1", sense, "give the sense of the output encoder")
     if not 0.0 <= validate.number("missing", missing) < 1.0:
@@ -186,15 +183,15 @@ def synthetic_readings(
     random = np.random.default_rng(whole)
     travel = TURN * validate.number("turns", turns)
     theta = start + np.linspace(0.0, travel, count, endpoint=False)
-    phi = _with_play(position(mechanism, theta), checked["backlash"])
+    phi = _with_play(position(mechanism, theta), backlash)
     bend = 0.0 if encoder is None else encoder.greatest_deviation
-    angle = theta - start + _shaft(random, theta, checked["input_eccentricity"], bend)
-    output = sense * (phi + _shaft(random, phi, checked["output_eccentricity"], bend)) + zero
-    output += checked["noise"] * random.standard_normal(count)
+    angle = theta - start + _shaft(random, theta, input_eccentricity, bend)
+    read = sense * (phi + _shaft(random, phi, output_eccentricity, bend)) + zero
+    read = read + noise * random.standard_normal(count)
     if encoder is not None:
-        angle, output = _digital(angle, encoder), _digital(output, encoder)
-    output[random.random(count) < missing] = np.nan
-    return Readings(angle, output, synthetic=True)
+        angle, read = _digital(angle, encoder), _digital(read, encoder)
+    read[random.random(count) < missing] = np.nan
+    return Readings(angle, read, synthetic=True)
 
 
 def _shaft(
@@ -202,14 +199,11 @@ def _shaft(
 ) -> FloatArray:
     """Error of a shaft: once a turn, and a smooth one of known greatest value."""
     start = random.uniform(0.0, TURN)
-    weights = [random.standard_normal(2) for _ in _HARMONICS]
+    weights = random.standard_normal((len(_HARMONICS), 2))
 
     def bent(at: FloatArray) -> FloatArray:
-        waves = [
-            a * np.cos(k * at) + b * np.sin(k * at)
-            for k, (a, b) in zip(_HARMONICS, weights, strict=True)
-        ]
-        return np.asarray(sum(waves))
+        waves = np.multiply.outer(_HARMONICS, at)
+        return weights[:, 0] @ np.cos(waves) + weights[:, 1] @ np.sin(waves)
 
     greatest = float(np.abs(bent(np.linspace(0.0, TURN, 3600))).max())
     return eccentricity * np.sin(angle + start) + deviation / greatest * bent(angle)
@@ -217,14 +211,11 @@ def _shaft(
 
 def _with_play(phi: FloatArray, backlash: float) -> FloatArray:
     """Output that is pushed at either end of its free play and stays in between."""
-    if backlash == 0.0:
-        return phi
-    half, place = 0.5 * backlash, float(phi[0])
-    lagging = np.empty_like(phi)
-    for i, pushed in enumerate(phi.tolist()):
-        place = min(max(place, pushed - half), pushed + half)
-        lagging[i] = place
-    return lagging
+    half = 0.5 * backlash
+    lagging = accumulate(
+        phi.tolist(), lambda at, pushed: min(max(at, pushed - half), pushed + half)
+    )
+    return np.array(list(lagging))
 
 
 def _digital(angle: FloatArray, encoder: Encoder) -> FloatArray:

@@ -124,6 +124,7 @@ class _FitTask(NamedTuple):
         return rest
 
     def at(self, sense: int, phase: float, offset: float) -> _Zeros:
+        """How well these zeros fit."""
         rest = self.residual(sense, phase, offset)
         return _Zeros(float(rest @ rest), sense, phase, offset)
 

@@ -49,12 +49,12 @@ class Periodogram:
 
         Source: Baluev (2008), Mon. Not. R. Astron. Soc. 385, eqs. 5 and 6.
         """
+        from scipy.special import poch
+
         height, n = np.clip(np.asarray(power, dtype=float), 0.0, 1.0), self.samples
         one = (1.0 - height) ** ((n - 3) / 2.0)
-        # sqrt(2/(n - 1)) Gamma((n - 1)/2)/Gamma((n - 2)/2), near 1
-        ratio = math.sqrt(2.0 / (n - 1)) * math.exp(
-            math.lgamma((n - 1) / 2.0) - math.lgamma((n - 2) / 2.0)
-        )
+        # the Pochhammer symbol is Gamma((n - 1)/2)/Gamma((n - 2)/2), so the ratio is near 1
+        ratio = math.sqrt(2.0 / (n - 1)) * float(poch((n - 2) / 2.0, 0.5))
         slopes = (1.0 - height) ** ((n - 4) / 2.0) * np.sqrt(0.5 * (n - 1) * height)
         many = self.bandwidth * ratio * slopes
         bound: FloatArray = -np.expm1(-many) + one * np.exp(-many)

@@ -288,15 +288,15 @@ class EllipticalPlanetary(Kind):
         outside = _OUTSIDE * math.ulp(exit_)
         parts = (
             (entry, lambda x: self._from_stop(x + outside), away),
-            (0.0, lambda x: self.transmission(x).g, np.array([-away[-1], away[-1]])),
+            (0.0, lambda x: self.transmission(x).g, away[[-1, -1]] * [-1.0, 1.0]),
             (exit_, lambda x: self._from_stop(x - outside), -away[::-1]),
         )
-        tables = [
-            read_table(chebyshev_table(function, edges.tolist())) for _, function, edges in parts
-        ]
-        starts = [zero + edges[:-1] for (zero, _, _), (edges, _) in zip(parts, tables, strict=True)]
-        series = np.concatenate([series for _, series in tables])
-        return table_path(np.concatenate([*starts, [exit_]]), series)
+        starts, series = [], []
+        for zero, function, places in parts:
+            edges, table = read_table(chebyshev_table(function, places.tolist()))
+            starts.append(zero + edges[:-1])
+            series.append(table)
+        return table_path(np.concatenate([*starts, [exit_]]), np.concatenate(series))
 
     def _from_stop(self, angle: FloatArray) -> FloatArray:
         """Transmission at driver angles from a stop."""
@@ -388,10 +388,9 @@ class EllipticalPlanetary(Kind):
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI."""
-        record = super().report()
-        rests = [(deg, self.dwell_within(math.radians(deg))) for deg in TOLERANCES]
-        return {
-            **record,
+        dwells = [(deg, self.dwell_within(math.radians(deg))) for deg in TOLERANCES]
+        record, cell = super().report(), self.cell_angle
+        return record | {
             "stop_interval_deg": record["cell_angle_deg"],
             "output_per_stop_deg": -record["follower_step_deg"],
             "eccentricity": self.eccentricity,
@@ -400,12 +399,8 @@ class EllipticalPlanetary(Kind):
             **{name: getattr(self, name) for name in _LENGTHS},
             "fewest_teeth": teeth.fewest_teeth(self),
             "dwell_within": [
-                {
-                    "tolerance_deg": deg,
-                    "dwell_deg": math.degrees(dwell),
-                    "share": min(dwell / self.cell_angle, 1.0),
-                }
-                for deg, dwell in rests
+                {"tolerance_deg": deg, "dwell_deg": math.degrees(x), "share": min(x / cell, 1.0)}
+                for deg, x in dwells
             ],
         }
 

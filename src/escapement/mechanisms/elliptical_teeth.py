@@ -81,10 +81,7 @@ class PitchEllipse:
         m = self.eccentricity**2
         # ellipeinc counts from the minor axis, the vertex is on the major one
         quarter = ellipe(m)
-        result: FloatArray = self.semi_major_axis * (
-            quarter - ellipeinc(0.5 * math.pi - anomaly, m)
-        )
-        return result
+        return np.asarray(self.semi_major_axis * (quarter - ellipeinc(0.5 * math.pi - anomaly, m)))
 
     def curvature(self, angle: ArrayLike) -> FloatArray:
         """Curvature of the curve at angles from the vertex [1/m]; b/a^2 at its least."""
@@ -96,15 +93,7 @@ class PitchEllipse:
         """Angle from the radius to the tangent, pi/2 on a circle [rad]."""
         angles = np.asarray(angle, dtype=float)
         e = self.eccentricity
-        result: FloatArray = 0.5 * math.pi + np.arctan2(
-            e * np.sin(angles), 1.0 - e * np.cos(angles)
-        )
-        return result
-
-
-def perimeter(mechanism: EllipticalPlanetary) -> float:
-    """Length of the pitch ellipses [m], 4 a E(e)."""
-    return float(mechanism.pitch_ellipses[0].arc(2.0 * math.pi))
+        return np.asarray(0.5 * math.pi + np.arctan2(e * np.sin(angles), 1.0 - e * np.cos(angles)))
 
 
 def tooth_module(mechanism: EllipticalPlanetary, teeth: int) -> float:
@@ -119,7 +108,8 @@ def tooth_module(mechanism: EllipticalPlanetary, teeth: int) -> float:
         symmetrical about their long axes: a tooth at one end, a gap at the other.
     """
     count = validate.integer("teeth", teeth, 3, "give the teeth of one elliptical gear")
-    return perimeter(mechanism) / (math.pi * count)
+    around = float(mechanism.pitch_ellipses[0].arc(2.0 * math.pi))
+    return around / (math.pi * count)
 
 
 def fewest_teeth(

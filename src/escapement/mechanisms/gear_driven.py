@@ -188,13 +188,12 @@ class GearDriven(Wheel):
     def arms(self) -> Arms:
         """Carrier and the planet's arm, in radii of the fixed gear."""
         source = self.curve if self.curve in CURVES[:2] else COGNATES[self.curve]
-        k, gamma = (
-            float(gear_ratio(self.stations, self.lobes, source)),
-            2.0 * math.pi / self.stations,
-        )
+        k = float(gear_ratio(self.stations, self.lobes, source))
         alpha = 2.0 * math.pi * self.lobe_ratio / abs(k)
         carrier = 1.0 - 1.0 / k
-        arm = carrier if self.through_centre else arm_length(k, alpha, gamma)
+        arm = (
+            carrier if self.through_centre else arm_length(k, alpha, 2.0 * math.pi / self.stations)
+        )
         if source == self.curve:
             return Arms(carrier, 1.0, arm, 1.0 - k)
         # the cognate's carrier is the other vector; its fixed gear has the radius k MC
@@ -224,8 +223,7 @@ class GearDriven(Wheel):
     def reach_over_fixed(self) -> float:
         """Radius of the circle that holds both gears and the pin path, over R0 [-]."""
         planet = abs(1.0 / float(self.gear_ratio))
-        longest = self.carrier_over_fixed + max(self.arm_over_fixed, planet)
-        return max(1.0, longest)
+        return max(1.0, self.carrier_over_fixed + max(self.arm_over_fixed, planet))
 
     @property
     def slots(self) -> int:
@@ -320,7 +318,7 @@ class GearDriven(Wheel):
                 f"the wheel turns uniformly, g = {self._uniform:.6g}, and has no dynamics here; "
                 "choose another number of lobes"
             )
-        return slotted.two_vector_path(*self.arms, self._forward, self.breaks[-1])
+        return super().path
 
     def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles from dead centre [rad], pin engaged.
@@ -334,9 +332,8 @@ class GearDriven(Wheel):
         ends = -np.copysign(np.inf, half * angles)
         inside = np.abs(angles) < self.alpha / 2.0
         slide = np.where(inside, -half * np.tan(half * angles), ends)
-        return slotted.Transmission(
-            np.full_like(angles, self._uniform), slide, np.zeros_like(angles)
-        )
+        g = np.full_like(angles, self._uniform)
+        return slotted.Transmission(g, slide, np.zeros_like(angles))
 
     def jerk(self, theta: ArrayLike) -> FloatArray:
         """g'' at driver angles from dead centre [rad], pin engaged [-]."""
@@ -352,7 +349,12 @@ class GearDriven(Wheel):
         """Its geometry by JSON key, in SI, and that of every other solution."""
         count = len(lobe_ratios(self.stations, self.lobes, self.curve))
         solutions = [self._with_solution(place)._geometry() for place in range(1, count + 1)]
-        return self._geometry() | self._lengths() | {"solutions": solutions}
+        lengths = {}
+        if self.fixed_radius is not None:
+            lengths["planet_radius"] = self.fixed_radius / abs(float(self.gear_ratio))
+            for name in _LENGTHS:
+                lengths[name] = getattr(self, f"{name}_over_fixed") * self.fixed_radius
+        return self._geometry() | lengths | {"solutions": solutions}
 
     def _with_solution(self, place: int) -> GearDriven:
         """Another solution with the same pins and lobes, or with one pin where these do not fit."""
@@ -363,13 +365,3 @@ class GearDriven(Wheel):
 
     def _geometry(self) -> dict[str, Any]:
         return super().report() | {"gear_ratio": float(self.gear_ratio)}
-
-    def _lengths(self) -> dict[str, float]:
-        """Its lengths [m], where the size of the fixed gear is known."""
-        if self.fixed_radius is None:
-            return {}
-        planet = self.fixed_radius / abs(float(self.gear_ratio))
-        others = {
-            name: getattr(self, f"{name}_over_fixed") * self.fixed_radius for name in _LENGTHS
-        }
-        return {"planet_radius": planet} | others

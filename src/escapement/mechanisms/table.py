@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from escapement.chebyshev import Series, fit, interpolate
+from escapement.chebyshev import Series, fit, interpolate, nodes
 from escapement.jit import inner_jit
 from escapement.model import FloatArray
 from escapement.scene import Path
@@ -104,7 +104,7 @@ def chebyshev_table(
     low, high = knots[:-1], knots[1:]
     # The pieces of a spline are all but even. Rounding of their sums would be a slope of one
     # sign, and add up to a step over the cell, so each is fitted to what differs from its middle.
-    middle = function(0.5 * (low + high))
-    series, _ = interpolate(lambda x: function(x) - np.repeat(middle, order), low, high, order)
+    middle, x = function(0.5 * (low + high)), nodes(low, high, order)
+    series = interpolate(function(x.reshape(-1)).reshape(x.shape) - middle[:, None])
     series[:, 0] += middle
     return table_path(knots, series)

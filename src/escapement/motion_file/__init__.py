@@ -26,7 +26,7 @@ from escapement.status import Status
 from escapement.study.parse import parse_plan
 from escapement.study.reader import DAMAGE, configuration_of
 from escapement.study.sweep import plan_from
-from escapement.units import factor, unit_name
+from escapement.units import SYSTEMS, factor, unit_name
 
 __all__ = ["is_motion", "read_motion", "write_motion"]
 
@@ -35,6 +35,9 @@ CONTENT = "motion"
 SCHEMA_VERSION = 1
 """Version of the file layout: raised when an older reader would misread a newer file."""
 _BLOCK = 65536  # samples computed and written at a time, and the length of a chunk
+_FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
+Progress = Callable[[int, int, int], None]
+"""Called with the samples written, their number and 0."""
 _TYPES = {"f": "<f8", "i": "<i8", "b": "u1"}
 
 
@@ -86,7 +89,7 @@ def write_motion(
     *,
     units: str = "SI",
     force: bool = False,
-    progress: Callable[[int, int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Write a motion to HDF5.
 
@@ -151,38 +154,29 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
         created=datetime.now(UTC).isoformat(timespec="seconds"),
     )
     scene = motion.escapement
-    study = plan_from(
-        scene,
-        {"torque": [scene.torque]},
-        initial_speed=float(motion.at(0.0).theta_dot),
-        engine=motion.engine,
-        rtol=motion.rtol,
-    )
+    run: dict[str, Any] = {"initial_speed": float(motion.at(0.0).theta_dot), "rtol": motion.rtol}
+    # so written, the file says all that it takes to simulate the motion again
+    study = plan_from(scene, {"torque": [scene.torque]}, engine=motion.engine, **run)
     text = json.dumps(study.configuration, allow_nan=False)
     configuration = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
     configuration.attrs.update(units="1", long_name="the escapement as a study of one case, JSON")
 
 
 def _write_samples(
-    hdf5: Any,
-    motion: Motion,
-    times: FloatArray,
-    units: str,
-    progress: Callable[[int, int, int], None] | None,
+    hdf5: Any, motion: Motion, times: FloatArray, units: str, progress: Progress | None
 ) -> None:
     """Columns over `t` in blocks, so that memory does not grow with the motion."""
     forced = getattr(motion.escapement.mechanism, "crank_radius", None) is not None
-    names = [name for name in SAMPLES if forced or name != "contact_force"]
-    for name in names:
-        _create(hdf5, name, SAMPLES[name], times.size, "<f8", units)
+    columns = {name: SAMPLES[name] for name in SAMPLES if forced or name != "contact_force"}
+    made = [_create(hdf5, name, columns[name], times.size, "f", units) for name in columns]
     for start in range(0, times.size, _BLOCK):
-        state = motion.at(times[start : start + _BLOCK])
-        for name in names:
-            scale = factor(SAMPLES[name].quantity, units)
-            hdf5[name][start : start + _BLOCK] = getattr(state, name) / scale
+        rows = slice(start, start + _BLOCK)
+        state = motion.at(times[rows])
+        for (name, column), dataset in zip(columns.items(), made, strict=True):
+            dataset[rows] = getattr(state, name) / factor(column.quantity, units)
         if progress is not None:
-            progress(min(start + _BLOCK, times.size), times.size, 0)
-    _attach(hdf5, names)
+            progress(min(rows.stop, times.size), times.size, 0)
+    _attach(made)
 
 
 def _sample_times(motion: Motion) -> FloatArray:
@@ -193,31 +187,34 @@ def _sample_times(motion: Motion) -> FloatArray:
 def _write_group(hdf5: Any, group: str, columns: dict[str, Column], motion: Motion) -> None:
     """The events or pieces of a motion, a dataset for each column."""
     owners = {"reversal": motion.reversals, "extremum": motion.extrema, "piece": motion.trajectory}
+    made = []
     for key, column in columns.items():
         name = f"{group}_{key}"
-        values = np.asarray(
-            getattr(owners[group], key) if group in owners else getattr(motion, name)
-        )
-        _create(hdf5, name, column, values.size, _TYPES[values.dtype.kind], "SI")
-        hdf5[name][...] = values
-        if values.dtype.kind == "b":
-            hdf5[name].attrs["flag_values"] = np.array([0, 1], "u1")
-            hdf5[name].attrs["flag_meanings"] = "minimum maximum"
-    _attach(hdf5, [f"{group}_{key}" for key in columns])
+        values = getattr(owners[group], key) if group in owners else getattr(motion, name)
+        values = np.asarray(values)
+        made.append(_create(hdf5, name, column, values.size, values.dtype.kind))
+        made[-1][...] = values
+    _attach(made)
 
 
-def _create(hdf5: Any, name: str, column: Column, size: int, kind: str, units: str) -> None:
-    """A dataset; an empty one has no chunks to filter."""
-    filters: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
-    options = filters | {"chunks": (min(size, _BLOCK),)} if size else {}
-    dataset = hdf5.create_dataset(name, (size,), kind, **options)
-    dataset.attrs["units"] = unit_name(column.quantity, units)
-    dataset.attrs["long_name"] = column.long_name
+def _create(
+    hdf5: Any, name: str, column: Column, size: int, kind: str, units: str = SYSTEMS[0]
+) -> Any:
+    """A dataset of numbers of a NumPy kind."""
+    # an empty one has no chunks that could be filtered
+    options = _FILTERS | {"chunks": (min(size, _BLOCK),)} if size else {}
+    dataset = hdf5.create_dataset(name, (size,), _TYPES[kind], **options)
+    dataset.attrs.update(units=unit_name(column.quantity, units), long_name=column.long_name)
+    if kind == "b":
+        flags = np.array([0, 1], "u1")
+        dataset.attrs.update(flag_values=flags, flag_meanings="minimum maximum")
+    return dataset
 
 
-def _attach(hdf5: Any, names: list[str]) -> None:
-    scale, *rest = (hdf5[name] for name in names)
-    scale.make_scale(names[0])
+def _attach(datasets: list[Any]) -> None:
+    """Make the first dataset the dimension scale of all."""
+    scale, *rest = datasets
+    scale.make_scale(scale.name.removeprefix("/"))
     for dataset in rest:
         dataset.dims[0].attach_scale(scale)
 
@@ -228,6 +225,7 @@ def is_motion(path: str | PathLike[str]) -> bool:
 
     if not Path(path).is_file():
         return False
+    # HDF5 tells of a file that is none, or is damaged, by one or the other
     try:
         with h5py.File(path, "r") as hdf5:
             return bool(hdf5.attrs.get("content") == CONTENT)
@@ -294,21 +292,26 @@ def _read(hdf5: Any) -> Motion:
     }
     samples = {name: hdf5[name][()] for name in ("t", "theta", "theta_dot")}
     end = float(hdf5.attrs["end_time"])
+    # a damaged file may be read without an error of HDF5
     for columns in (samples, *groups.values()):
         _check_columns(columns, end)
-    t, start = samples["t"], groups["piece"]["start"]
-    if not t.size or not start.size or not (np.diff(t) > 0.0).all() or t[0] != 0.0 or t[-1] != end:
+    groups["extremum"]["maximum"] = groups["extremum"]["maximum"].astype(bool)
+    t, pieces = samples["t"], groups.pop("piece")
+    if (
+        not t.size
+        or not pieces["start"].size
+        or not (np.diff(t) > 0.0).all()
+        or t[0] != 0.0
+        or t[-1] != end
+    ):
         raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s, and have a piece")
-    extremum = groups["extremum"]
-    extremum["maximum"] = extremum["maximum"].astype(bool)
-    reversals, extrema = Events(**groups["reversal"]), Extrema(**extremum)
+    extrema = Extrema(**groups["extremum"])
+    found: dict[str, Any] = {"reversals": Events(**groups["reversal"]), "extrema": extrema}
     return Motion(
         escapement=escapement,
         engine=str(hdf5.attrs["engine"]),
         rtol=float(hdf5.attrs["rtol"]),
-        trajectory=SampledTrajectory(
-            escapement, **groups["piece"], reversals=reversals, extrema=extrema, **samples
-        ),
+        trajectory=SampledTrajectory(escapement, **pieces, **found, **samples),
         end_time=end,
         handoff_times=groups["handoff"]["times"],
         handoff_velocities=groups["handoff"]["velocities"],

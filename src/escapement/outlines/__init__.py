@@ -1,1 +1,99 @@
-"""Outlines: the bodies of a mechanism as closed curves, for drawings and checks."""
+"""Outlines: the bodies of a mechanism as closed curves, for drawings and checks.
+
+Points are complex numbers x + iy, in the unit of length that each outline names.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.mechanisms.kind import Wheel
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A round body, or the pitch circle of a gear."""
+
+    name: str
+    centre: complex
+    radius: float
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body that lies between closed curves.
+
+    Attributes
+    ----------
+    name : str
+        What the body is called, for example "follower".
+    edges : tuple of arrays, each of shape (points,)
+        Curves that end where they start. A hole runs the other way round than what it is
+        cut out of.
+    """
+
+    name: str
+    edges: tuple[ComplexArray, ...]
+
+    def turned(self, angle: float, about: complex = 0.0) -> "Body":
+        """The body after its own origin was put at `about` and it was turned by `angle` [rad]."""
+        turn = np.exp(1j * angle)
+        return Body(self.name, tuple(about + edge * turn for edge in self.edges))
+
+
+def circle_edge(radius: float) -> ComplexArray:
+    """A circle about the origin, clockwise."""
+    edge: ComplexArray = radius * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361))
+    return edge
+
+
+def slotted_edge(
+    rim: float, slot_end: float, half_slot: float, points: int, land: ComplexArray, slots: int
+) -> ComplexArray:
+    """Closed edge of a wheel with radial slots, counter-clockwise; slot 0 on the real axis.
+
+    Parameters
+    ----------
+    rim : float
+        Distance of the corners at the slots' mouths from the axis.
+    slot_end : float
+        Distance at which the slots end: where their round ends have their centres.
+    half_slot : float
+        Half the width of a slot.
+    points : int
+        Points of the round end of a slot.
+    land : ndarray
+        Points between slot 0 and slot 1, without the corners.
+    slots : int
+        Number of slots.
+    """
+    corner = rim * np.exp(1j * math.asin(half_slot / rim))
+    turn = np.linspace(-0.5, 0.5, points) * np.pi
+    # the round end is beyond the slot, seen from the mouth
+    away = math.copysign(1.0, slot_end - rim)
+    end = slot_end + half_slot * (away * np.cos(turn) + 1j * np.sin(turn))
+    sector = np.concatenate([[corner.conjugate()], end, [corner], land])
+    turns = np.exp(2j * np.pi * np.arange(slots) / slots)
+    return closed((turns[:, None] * sector).ravel())
+
+
+def closed(edge: ComplexArray) -> ComplexArray:
+    """A curve that ends where it starts."""
+    return np.append(edge, edge[0])
+
+
+def locked_angle(mechanism: Wheel, theta: float) -> float:
+    """Follower angle [rad] at any driver angle from a pin's dead centre.
+
+    It counts on through engagements, and stands still between the exit of one pin and the
+    entry of the next.
+    """
+    entry, leaving = mechanism.breaks[0], mechanism.breaks[-1]
+    engagement = math.floor((theta - entry) / mechanism.cell_angle)
+    local = min(theta - engagement * mechanism.cell_angle, leaving)
+    turned = engagement * mechanism.follower_step + mechanism.follower_angle(local)
+    return float(turned)

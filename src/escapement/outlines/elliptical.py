@@ -1,29 +1,11 @@
 """Bodies of the planetary drive with elliptical gears: pitch curves, in millimetres."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.outlines.body import Body, ComplexArray, Disc
-
-_POINTS = 241
-
-
-class LineOfCentres(NamedTuple):
-    """Distances of points A to D from the carrier's axis, along the carrier [mm].
-
-    axis : the carrier's and the output's, A.
-    rolling : where the spur gears touch, B.
-    shaft : the planet's axis, C.
-    contact : where the ellipses touch, D.
-    """
-
-    axis: float
-    rolling: float
-    shaft: float
-    contact: float
+from escapement.outlines import Body, ComplexArray, Disc
 
 
 @dataclass(frozen=True)
@@ -49,7 +31,7 @@ class EllipticalOutline:
             middle at the ends of the long axis.
         """
         along = theta if carrier is None else carrier
-        shaft = complex(self.line_of_centres(theta).shaft * np.exp(1j * along))
+        shaft = complex(self.line_of_centres(theta)[1] * np.exp(1j * along))
         driven, driving = self._ellipses(theta)
         return (
             Disc("sun", 0.0, 1e3 * self.mechanism.sun_radius),
@@ -58,13 +40,15 @@ class EllipticalOutline:
             Body("driving", (driving,)).turned(along, shaft),
         )
 
-    def line_of_centres(self, theta: float) -> LineOfCentres:
-        """Points of the carrier's line at a driver angle."""
+    def line_of_centres(self, theta: float) -> tuple[float, float, float]:
+        """Points B, C and D on the carrier, by their distances from its axis A [mm].
+
+        The spur gears touch at B, C is the planet's axis, and the ellipses touch at D.
+        """
         sun, planet = 1e3 * self.mechanism.sun_radius, 1e3 * self.mechanism.planet_radius
-        distance = sun + planet
         turned = self.mechanism.ratio * theta
         rho = 1e3 * float(self.mechanism.pitch_ellipses[0].radius(turned))
-        return LineOfCentres(0.0, sun, distance, distance - rho)
+        return sun, sun + planet, sun + planet - rho
 
     def _ellipses(self, theta: float) -> tuple[ComplexArray, ComplexArray]:
         """Edges of the driven and the driving ellipse, each about its own pivot.
@@ -73,7 +57,7 @@ class EllipticalOutline:
         driving one's.
         """
         driving, driven = self.mechanism.pitch_ellipses
-        sweep = np.linspace(0.0, 2.0 * np.pi, _POINTS)
+        sweep = np.linspace(0.0, 2.0 * np.pi, 241)
         turned = theta + float(self.mechanism.follower_angle(theta))
         inner = 1e3 * driven.radius(sweep) * np.exp(1j * (sweep - turned))
         outer = -1e3 * driving.radius(sweep) * np.exp(1j * (sweep + self.mechanism.ratio * theta))

@@ -10,9 +10,7 @@ import numpy as np
 
 from escapement.mechanisms import GearDriven
 from escapement.model import FloatArray
-from escapement.outlines.body import Body, ComplexArray, Disc, circle_edge, locked_angle
-
-_FINE = 181
+from escapement.outlines import Body, ComplexArray, Disc, circle_edge, locked_angle, slotted_edge
 
 
 @dataclass(frozen=True)
@@ -69,25 +67,22 @@ class GearDrivenOutline:
         """Radius of the whole drawing."""
         return max(self.rim_radius, self.mechanism.reach_over_fixed + self.pin_radius)
 
-    def bodies(self, theta: float) -> list[Body | Disc]:
-        """Everything where it stands at a carrier angle: wheel, pitch circles and pins."""
-        return [self.wheel(theta), *self.gears(theta), *self.pins(theta)]
+    def bodies(self, theta: float) -> tuple[Body, Disc, Disc, *tuple[Disc, ...]]:
+        """Everything where it stands at a carrier angle: wheel, pitch circles and pins.
 
-    def wheel(self, theta: float) -> Body:
-        """The "follower" at a carrier angle."""
-        return Body("follower", tuple(self.wheel_edges())).turned(self.wheel_at(theta))
-
-    def gears(self, theta: float) -> tuple[Disc, Disc]:
-        """The pitch circles "fixed-gear" and "planet" at a carrier angle."""
-        planet = Disc("planet", self.carrier_end(theta), self.planet_radius)
-        return Disc("fixed-gear", 0.0, 1.0), planet
-
-    def pins(self, theta: float) -> list[Disc]:
-        """Every "pin-k" at a carrier angle, k counted from 0."""
-        return [
+        "follower", "fixed-gear", "planet", and "pin-k" with k counted from 0.
+        """
+        carrier = complex(self.mechanism.arms.first * np.exp(1j * theta))
+        pins = tuple(
             Disc(f"pin-{k}", complex(self.pin_at(theta, k)), self.pin_radius)
             for k in range(self.mechanism.pins)
-        ]
+        )
+        return (
+            Body("follower", tuple(self.wheel_edges())).turned(self.wheel_at(theta)),
+            Disc("fixed-gear", 0.0, 1.0),
+            Disc("planet", carrier, self.planet_radius),
+            *pins,
+        )
 
     def reliefs(self, theta: float) -> list[Body]:
         """Every "relief" at a carrier angle: where unused lobes pass through the wheel."""
@@ -96,23 +91,17 @@ class GearDrivenOutline:
 
     def wheel_edges(self) -> list[ComplexArray]:
         """Closed edges of the wheel at zero: its body with the slots cut out."""
-        turns = np.exp(2j * np.pi * np.arange(self.mechanism.slots) / self.mechanism.slots)
+        slots, half = self.mechanism.slots, self.half_slot
         if self.mouth == 0.0:
             # the slots run right across the wheel, through its centre
-            slot = self._stadium()
-            return [
-                circle_edge(self.rim_radius),
-                *(slot * turn for turn in turns[: max(1, len(turns) // 2)]),
-            ]
-        edge = self.rim_radius if self.inward else math.sqrt(self.mouth**2 - self.half_slot**2)
-        aside = math.asin(self.half_slot / edge)
-        sense = 1.0 if self.inward else -1.0
-        cap = np.exp(1j * np.linspace(0.5, 1.5, 19) * np.pi) * sense * self.half_slot
-        slot = np.concatenate([[edge * np.exp(1j * aside)], self.slot_end + cap[:: int(sense)]])
-        slot = np.concatenate([slot, [edge * np.exp(-1j * aside)]])[::-1]
-        arc = np.linspace(aside, 2.0 * np.pi / self.mechanism.slots - aside, 31)
-        tooth = np.concatenate([slot, edge * np.exp(1j * arc)])
-        body = np.concatenate([tooth * turn for turn in turns])
+            cap = self.slot_end + half * np.exp(1j * np.linspace(-0.5, 0.5, 19) * np.pi)
+            slot = np.concatenate([cap, -cap, cap[:1]])
+            turns = np.exp(2j * np.pi * np.arange(max(1, slots // 2)) / slots)
+            return [circle_edge(self.rim_radius), *(slot * turn for turn in turns)]
+        edge = self.rim_radius if self.inward else math.sqrt(self.mouth**2 - half**2)
+        aside = math.asin(half / edge)
+        arc = np.linspace(aside, 2.0 * np.pi / slots - aside, 31)[1:-1]
+        body = slotted_edge(edge, self.slot_end, half, 19, edge * np.exp(1j * arc), slots)
         return [body] if self.inward else [body, circle_edge(self.rim_radius)]
 
     def relief_edges(self) -> list[ComplexArray]:
@@ -139,17 +128,13 @@ class GearDrivenOutline:
         ]
         return [band * np.exp(1j * place) for place in places]
 
-    def _stadium(self) -> ComplexArray:
-        cap = self.slot_end + self.half_slot * np.exp(1j * np.linspace(-0.5, 0.5, 19) * np.pi)
-        return np.concatenate([cap, -cap, cap[:1]])
-
     def path(self) -> ComplexArray:
         """The pin path until it closes."""
         ratio = self.mechanism.gear_ratio
         turns = ratio.denominator
         lobes = abs(ratio.numerator)
-        angles = np.linspace(0.0, 2.0 * np.pi * turns, _FINE * max(lobes, turns))
-        return self.pin_at(angles, 0)
+        points = 181 * max(lobes, turns)
+        return self.pin_at(np.linspace(0.0, 2.0 * np.pi * turns, points), 0)
 
     def pin_at(self, theta: FloatArray | float, number: int) -> ComplexArray:
         """Where a pin of the planet stands at carrier angles."""
@@ -159,10 +144,6 @@ class GearDrivenOutline:
         arm = second * np.exp(1j * (rate * angles + phase))
         place: ComplexArray = first * np.exp(1j * angles) + arm
         return place
-
-    def carrier_end(self, theta: float) -> complex:
-        """The planet's axis at a carrier angle."""
-        return complex(self.mechanism.arms.first * np.exp(1j * theta))
 
     def wheel_at(self, theta: float) -> float:
         """Angle of the wheel at a carrier angle [rad]: locked between engagements."""

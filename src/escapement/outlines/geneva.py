@@ -14,7 +14,15 @@ import numpy as np
 
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
-from escapement.outlines.body import Body, ComplexArray, Disc, circle_edge, locked_angle
+from escapement.outlines import (
+    Body,
+    ComplexArray,
+    Disc,
+    circle_edge,
+    closed,
+    locked_angle,
+    slotted_edge,
+)
 
 # Rays of the locking disc; the number is twice a multiple of every possible number of pins.
 _RAYS = 720
@@ -88,10 +96,8 @@ class GenevaOutline:
     @cached_property
     def follower_edge(self) -> ComplexArray:
         """Closed edge of the follower that faces the driver; shape (points,), complex."""
-        step = self.mechanism.follower_step
-        sector = np.concatenate([self._slot(), self._land()])
-        turns = np.exp(1j * step * np.arange(self.mechanism.slots))
-        return _closed((turns[:, None] * sector).ravel())
+        slots, land = self.mechanism.slots, self._land()
+        return slotted_edge(self.rim_radius, self.slot_end, self.half_slot, 25, land, slots)
 
     def bodies(self, theta: float) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
@@ -118,31 +124,23 @@ class GenevaOutline:
             found.append(Disc(f"pin-{k}", complex(centre + self.side * turn), self.pin_radius))
         return found
 
-    def _slot(self) -> ComplexArray:
-        half = self.half_slot
-        mouth = self.mechanism.centre_distance * math.cos(math.pi / self.mechanism.slots)
-        turn = np.linspace(-np.pi / 2, np.pi / 2, 25)
-        end = self.slot_end + half * (self.side * np.cos(turn) + 1j * np.sin(turn))
-        return np.concatenate([[mouth - 1j * half], end, [mouth + 1j * half]])
-
     def _land(self) -> ComplexArray:
         """From slot 0 to slot 1, the corners left out."""
         middle = self.mechanism.follower_step / 2.0
-        corner = math.asin(self.half_slot / self.rim_radius)
-        if not self.locks:
-            sweep = np.linspace(corner, 2.0 * middle - corner, 61)[1:-1]
-            rim_alone: ComplexArray = self.rim_radius * np.exp(1j * sweep)
-            return rim_alone
-        axis = self.mechanism.centre_distance
         rim = self.rim_radius
+        corner = math.asin(self.half_slot / rim)
+        if not self.locks:
+            return _arc(rim, corner, 2.0 * middle - corner, 61)[1:-1]
+        axis = self.mechanism.centre_distance
         cosine = (rim**2 + axis**2 - self.lock_radius**2) / (2.0 * rim * axis)
         horn = math.acos(cosine)
         spread = abs(np.angle(self.side * (rim * np.exp(1j * horn) - axis)))
-        swing = 1j * self.side * np.linspace(-spread, spread, 61)[1:-1]
-        arc = axis + self.side * self.lock_radius * np.exp(swing)
-        before = rim * np.exp(1j * np.linspace(corner, middle - horn, 9)[1:])
-        after = rim * np.exp(1j * np.linspace(middle + horn, 2.0 * middle - corner, 9)[:-1])
-        return np.concatenate([before, arc * np.exp(1j * middle), after])
+        lock = axis + self.side * _arc(
+            self.lock_radius, -self.side * spread, self.side * spread, 61
+        )
+        before = _arc(rim, corner, middle - horn, 9)
+        after = _arc(rim, middle + horn, 2.0 * middle - corner, 9)
+        return np.concatenate([before[1:], lock[1:-1] * np.exp(1j * middle), after[:-1]])
 
     def clearance(self, points: ComplexArray) -> FloatArray:
         """How far points of the follower's plane lie outside its body, at least.
@@ -189,11 +187,13 @@ def locking_disc(outline: GenevaOutline) -> ComplexArray:
     rays = np.concatenate([rays, rays[-2:0:-1].conj()])
     if mechanism.internal:
         solid = radius < edge - 1e-6
-        return _closed(np.concatenate([edge * rays[solid], (radius * rays)[solid][::-1]]))
+        return closed(np.concatenate([edge * rays[solid], (radius * rays)[solid][::-1]]))
     pins = mechanism.pins or 1
     hollows = [np.roll(radius, k * _RAYS // pins) for k in range(pins)]
-    return _closed(np.min(hollows, axis=0) * rays)
+    return closed(np.min(hollows, axis=0) * rays)
 
 
-def _closed(edge: ComplexArray) -> ComplexArray:
-    return np.append(edge, edge[0])
+def _arc(radius: float, start: float, stop: float, points: int) -> ComplexArray:
+    """Points of a circle about the origin, from angle to angle [rad]."""
+    arc: ComplexArray = radius * np.exp(1j * np.linspace(start, stop, points))
+    return arc

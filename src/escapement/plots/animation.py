@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from escapement import validate
-from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
+from escapement.mechanisms import EllipticalPlanetary
 from escapement.model import FloatArray, Mechanism
 from escapement.motion import Motion
 from escapement.plots import style
@@ -59,7 +59,8 @@ def animate(
         motion, or a number of pictures beyond 2000.
     """
     mechanism = motion.escapement.mechanism
-    if not isinstance(mechanism, Geneva | GearDriven | EllipticalPlanetary):
+    # what has no function of its own has no bodies
+    if plot_mechanism.dispatch(type(mechanism)) is plot_mechanism.dispatch(object):
         remedy = "draw its motion with plot_velocities"
         raise validate.fail("motion", "of a mechanism that can be drawn", mechanism, remedy)
     end = float(motion.end_time)

@@ -1,5 +1,6 @@
 """Artists of drawings to scale: bodies, arrows that tell a sense, and a bar of known length."""
 
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -8,24 +9,47 @@ from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
 from escapement.model import FloatArray
-from escapement.outlines.body import Body, ComplexArray, Disc
+from escapement.outlines import Body, ComplexArray, Disc
 from escapement.plots import style
 
 
-def draw_body(ax: Axes, body: Body | Disc, **look: Any) -> Patch:
-    """A body as a patch whose id is the body's name."""
-    patch: Patch
-    if isinstance(body, Disc):
-        patch = Circle((body.centre.real, body.centre.imag), body.radius, gid=body.name, **look)
-    else:
-        patch = PathPatch(closed_path(*body.edges), gid=body.name, **look)
-    ax.add_patch(patch)
-    return patch
+def draw_bodies(
+    ax: Axes, bodies: Iterable[Body | Disc], looks: Mapping[str, Mapping[str, Any]], **look: Any
+) -> dict[str, Patch]:
+    """Bodies as patches whose ids are their names.
+
+    Parameters
+    ----------
+    bodies : iterable of Body or Disc
+        What to draw; bodies without a look are passed over.
+    looks : mapping
+        Properties of the patch by the body's name, for "pin-k" by "pin".
+    **look
+        Properties of all that do not have their own.
+    """
+    drawn: dict[str, Patch] = {}
+    for body in bodies:
+        own = looks.get(body.name.rstrip("-0123456789"))
+        if own is None:
+            continue
+        given: dict[str, Any] = {"gid": body.name, **look, **own}
+        if isinstance(body, Disc):
+            patch: Patch = Circle((body.centre.real, body.centre.imag), body.radius, **given)
+        else:
+            curves = (Path(rows(edge), closed=True) for edge in body.edges)
+            patch = PathPatch(Path.make_compound_path(*curves), **given)
+        drawn[body.name] = ax.add_patch(patch)
+    return drawn
 
 
-def closed_path(*edges: ComplexArray) -> Path:
-    """Closed curves as one path."""
-    return Path.make_compound_path(*(Path(rows(edge), closed=True) for edge in edges))
+def dress_scene(ax: Axes | None, box: tuple[float, float, float, float]) -> Axes:
+    """Axes to scale without frame, of left, right, bottom and top; new ones by default."""
+    left, right, bottom, top = box
+    if ax is None:
+        ax = style.new_axes(style.ONE_COLUMN, style.ONE_COLUMN * (top - bottom) / (right - left))
+    ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+    ax.set_axis_off()
+    return ax
 
 
 def draw_arrow(ax: Axes, arc: ComplexArray) -> None:

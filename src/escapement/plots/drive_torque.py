@@ -1,18 +1,18 @@
 """Torque of a drive at constant speed over the driver angle, reversals marked."""
 
 import math
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
 
 from escapement import validate
 from escapement.constant_speed import DriveTorque
 from escapement.plots import style
 from escapement.plots.style import label, number_text, scaled
 from escapement.units import SYSTEMS, factor, unit_name
+
+_ROUNDING = 1e-9  # of the greatest moment: less is none
 
 
 def plot_drive_torque(
@@ -51,45 +51,31 @@ def plot_drive_torque(
     prefix, unit = scaled(unit_name("torque", units), moments)
     scale = prefix / own
     ax.axhline(0.0, color=style.BLACK, lw=0.6)
-    _shade(ax, result)
+    # the samples hold the reversals, where rounding decides the sign
+    pushed = state.contact_moment <= _ROUNDING * np.abs(state.contact_moment).max()
+    if np.any(pushed[1:] & pushed[:-1]):
+        ax.fill_between(
+            angle, 0.0, 1.0, where=pushed, transform=ax.get_xaxis_transform(), color=style.SKY,
+            alpha=0.22, lw=0, label="follower pushes the pin", zorder=0,
+        )  # fmt: skip
     ax.plot(angle, state.torque * scale, color=style.BLUE, lw=1.6, label="drive torque")
     ax.plot(
         angle, state.contact_moment * scale, color=style.VERMILLION, lw=0.8,
         ls=style.LOOKS[1].linestyle, label="moment on the follower",
     )  # fmt: skip
-    _mark_mean(ax, result, scale)
+    ax.plot(
+        [angle[0], math.degrees(result.half)], [result.torque_mean * scale] * 2,
+        color=style.BLACK, lw=1.0, ls=(0, (4, 2)), label="mean of the first half",
+    )  # fmt: skip
     ax.set_xlim(angle[0], angle[-1])
-    _mark_maximum(ax, result, scale, unit)
+    x, y = math.degrees(result.torque_max_angle), result.torque_max * scale
+    ax.plot(x, y, "v", color=style.BLACK, ms=5, label="greatest torque", zorder=4, clip_on=False)
+    _write(ax, f"{number_text(y)} {unit} at {x:.2f}°", (x, y), 10.0)
     _mark_reversals(ax, result)
     ax.set(xlabel=label("driver angle from dead centre", "°"), ylabel=label("torque", unit))
     ax.margins(y=0.14)
     style.legend_above(ax, 3)
     return ax
-
-
-def _shade(ax: Axes, result: DriveTorque) -> None:
-    """Where the contact moment is negative."""
-    breaks = result.mechanism.breaks
-    name = "follower pushes the pin"
-    for low, high in pairwise([breaks[0], *result.reversals, breaks[-1]]):
-        if result.at(0.5 * (low + high)).contact_moment < 0.0:
-            span = math.degrees(low), math.degrees(high)
-            ax.axvspan(*span, color=style.SKY, alpha=0.22, lw=0, label=name, zorder=0)
-            name = "_"
-
-
-def _mark_mean(ax: Axes, result: DriveTorque, scale: float) -> None:
-    start, end = math.degrees(result.mechanism.breaks[0]), math.degrees(result.half)
-    ax.plot(
-        [start, end], [result.torque_mean * scale] * 2, color=style.BLACK, lw=1.0,
-        ls=(0, (4, 2)), label="mean of the first half",
-    )  # fmt: skip
-
-
-def _mark_maximum(ax: Axes, result: DriveTorque, scale: float, unit: str) -> None:
-    x, y = math.degrees(result.torque_max_angle), result.torque_max * scale
-    ax.plot(x, y, "v", color=style.BLACK, ms=5, label="greatest torque", zorder=4, clip_on=False)
-    _write(ax, f"{number_text(y)} {unit} at {x:.2f}°", (x, y), (0.0, 10.0))
 
 
 def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
@@ -103,20 +89,16 @@ def _mark_reversals(ax: Axes, result: DriveTorque) -> None:
         half = _half_width(ax, text)
         free = [side for side, end in ends.items() if place - half > end]
         if free:  # the number goes above the axis or below it, or is left out
-            _write(ax, text, (place, 0.0), (0.0, free[0]))
+            _write(ax, text, (place, 0.0), free[0])
             ends[free[0]] = place + half
 
 
-def _write(ax: Axes, text: str, place: tuple[float, float], offset: tuple[float, float]) -> None:
-    """A number beside its mark, in a halo; not over the ends of the abscissa."""
+def _write(ax: Axes, text: str, place: tuple[float, float], above: float) -> None:
+    """A number some points above its mark; not over the ends of the abscissa."""
     start, end = ax.get_xlim()
     half = _half_width(ax, text)
     side = "left" if place[0] - start < half else "right" if end - place[0] < half else "center"
-    note = ax.annotate(
-        text.replace("-", "−"), place, offset, textcoords="offset points", ha=side,
-        va="center", fontsize=style.SMALL_SIZE, zorder=6,
-    )  # fmt: skip
-    note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+    style.annotate(ax, text.replace("-", "−"), place, (0.0, above), side)
 
 
 def _half_width(ax: Axes, text: str) -> float:

@@ -9,13 +9,24 @@ from matplotlib.figure import Figure
 
 from escapement import validate
 from escapement.mechanisms import GearDriven
+from escapement.outlines import Body
 from escapement.outlines.gear_driven import GearDrivenOutline
 from escapement.plots import style
-from escapement.plots.bodies import draw_body
+from escapement.plots.bodies import draw_bodies, dress_scene
 from escapement.plots.tabulated import plot_mechanism
 
-_FOLLOWER, _PLANET, _PIN = "#F5D7A9", "#DCE9F7", "#00446B"
-_CHAIN = (0, (8, 2, 1.5, 2))
+_PIN = "#00446B"
+_PITCH: dict[str, Any] = {"fill": False, "linestyle": (0, (8, 2, 1.5, 2)), "zorder": 2.2}
+_LOOKS: dict[str, dict[str, Any]] = {
+    "follower": {"facecolor": "#F5D7A9", "linewidth": 0.8, "zorder": 1, "joinstyle": "round"},
+    "fixed-gear": {**_PITCH, "edgecolor": style.GREY},
+    "planet": {**_PITCH, "edgecolor": style.BLUE},
+    "pin": {"color": _PIN, "linewidth": 0, "zorder": 3},
+}
+_PLANET = {"planet": {"facecolor": "#DCE9F7", "alpha": 0.55, "linewidth": 0, "zorder": 2.1}}
+# the white fill hides the inner half of a relief's edge, and where reliefs overlap
+_EDGE = {"relief": {"fill": False, "edgecolor": style.BLACK, "linewidth": 1.6, "zorder": 1.1}}
+_ROOM = {"relief": {"color": "white", "linewidth": 0, "zorder": 1.2}}
 
 
 @plot_mechanism.register
@@ -50,88 +61,73 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     ratio = mechanism.gear_ratio
     style.check_drawn("lobes of the whole path", max(abs(ratio.numerator), ratio.denominator))
     outline = GearDrivenOutline(mechanism)
-    if ax is None:
-        ax = style.new_axes(style.ONE_COLUMN, style.ONE_COLUMN)
-    _draw_wheel(ax, outline, angle)
-    _draw_gears(ax, outline, angle)
-    _draw_pins(ax, outline, angle)
-    room = 1.06 * outline.reach
-    ax.set(xlim=(-room, room), ylim=(-room, room), aspect="equal")
-    ax.set_axis_off()
-    return ax
+    return _draw(ax, outline, angle, wheel=True)
 
 
 def plot_gear_driven_examples() -> Figure:
     """Dijksman's mechanisms of figures 6 to 9, each in the middle of its motion."""
-    cases = {
-        6: GearDriven(4, 1, "epicycloid"),
-        7: GearDriven(12, 5, "epicycloid"),
-        8: GearDriven(4, 0, "hypocycloid"),
-        9: GearDriven(12, 3, "hypocycloid"),
+    wheels = (
+        GearDriven(4, 1, "epicycloid"),
+        GearDriven(12, 5, "epicycloid"),
+        GearDriven(4, 0, "hypocycloid"),
+        GearDriven(12, 3, "hypocycloid"),
+    )
+    titles = {
+        f"figure {number}: n = {wheel.stations}, k = {wheel.gear_ratio}": wheel
+        for number, wheel in enumerate(wheels, 6)
     }
-    figure = style.new_figure(style.TWO_COLUMN, 2.25)
-    for ax, (number, mechanism) in zip(figure.subplots(1, 4), cases.items(), strict=True):
-        plot_gear_driven(mechanism, ax=ax)
-        text = f"figure {number}: n = {mechanism.stations}, k = {mechanism.gear_ratio}"
-        ax.set_title(text, fontsize=style.SMALL_SIZE)
-    return figure
+    return _draw_row(titles, 2.25, 0.0, wheel=True)
 
 
 def plot_curves() -> Figure:
     """The four cycloids: two paths, each made by two pairs of gears (figure 2)."""
-    cases = (
-        GearDriven(12, 3, "hypocycloid"),
-        GearDriven(12, 3, "contracted-hypocycloid"),
-        GearDriven(12, 3, "epicycloid"),
-        GearDriven(12, 3, "pericycloid"),
-    )
-    figure = style.new_figure(style.TWO_COLUMN, 2.35)
-    for ax, mechanism in zip(figure.subplots(1, 4), cases, strict=True):
-        outline = GearDrivenOutline(mechanism)
-        _draw_gears(ax, outline, 0.5)
-        _draw_pins(ax, outline, 0.5)
-        room = 1.06 * outline.reach
-        ax.set(xlim=(-room, room), ylim=(-room, room), aspect="equal")
-        ax.set_axis_off()
-        name = {"hypocycloid": "protracted\nhypocycloid"}.get(mechanism.curve, mechanism.curve)
-        title = f"{name.replace('-', chr(10))}\nk = {mechanism.gear_ratio}"
-        ax.set_title(title if "\n" in name or "-" in mechanism.curve else "\n" + title,
-                     fontsize=style.SMALL_SIZE)  # fmt: skip
+    names = {
+        "protracted\nhypocycloid": "hypocycloid",
+        "contracted\nhypocycloid": "contracted-hypocycloid",
+        "\nepicycloid": "epicycloid",
+        "\npericycloid": "pericycloid",
+    }
+    wheels = {name: GearDriven(12, 3, curve) for name, curve in names.items()}
+    titles = {f"{name}\nk = {wheel.gear_ratio}": wheel for name, wheel in wheels.items()}
+    return _draw_row(titles, 2.35, 0.5, wheel=False)
+
+
+def _draw_row(titles: dict[str, GearDriven], height: float, theta: float, *, wheel: bool) -> Figure:
+    figure = style.new_figure(style.TWO_COLUMN, height)
+    axes = figure.subplots(1, len(titles))
+    for ax, (title, mechanism) in zip(axes, titles.items(), strict=True):
+        _draw(ax, GearDrivenOutline(mechanism), theta, wheel=wheel)
+        ax.set_title(title, fontsize=style.SMALL_SIZE)
     return figure
 
 
-def _draw_wheel(ax: Axes, outline: GearDrivenOutline, theta: float) -> None:
-    """The wheel, cut away where unused lobes pass."""
-    wheel = draw_body(
-        ax, outline.wheel(theta), facecolor=_FOLLOWER, edgecolor=style.BLACK, linewidth=0.8,
-        zorder=1, joinstyle="round",
-    )  # fmt: skip
-    for relief in outline.reliefs(theta):
-        # the white fill hides the inner half of an edge, and where reliefs overlap
-        look: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 1.6, "zorder": 1.1}
-        draw_body(ax, relief, fill=False, **look).set_clip_path(wheel)
-        draw_body(ax, relief, color="white", linewidth=0, zorder=1.2)
-
-
-def _draw_gears(ax: Axes, outline: GearDrivenOutline, theta: float) -> None:
-    """Pitch circles of the fixed gear and the planet, the carrier between their axes."""
-    fixed, planet = outline.gears(theta)
-    pitch: dict[str, Any] = {"linewidth": 0.9, "linestyle": _CHAIN, "zorder": 2.2}
-    draw_body(ax, fixed, fill=False, ec=style.GREY, **pitch)
-    draw_body(ax, planet, fc=_PLANET, alpha=0.55, lw=0, zorder=2.1)
-    draw_body(ax, planet, fill=False, ec=style.BLUE, **pitch)
-    x, y = [0.0, planet.centre.real], [0.0, planet.centre.imag]
+def _draw(ax: Axes | None, outline: GearDrivenOutline, theta: float, *, wheel: bool) -> Axes:
+    """Gears, carrier, path and pins, with or without the wheel that they turn."""
+    room = 1.06 * outline.reach
+    ax = dress_scene(ax, (-room, room, -room, room))
+    follower, fixed, planet, *pins = outline.bodies(theta)
+    if wheel:
+        _draw_wheel(ax, outline, follower, theta)
+    # pins are drawn large enough to be seen
+    least = 0.018 * outline.reach
+    seen = [replace(pin, radius=max(pin.radius, least)) for pin in pins]
+    draw_bodies(ax, [planet], _PLANET)
+    draw_bodies(ax, [fixed, planet, *seen], _LOOKS, linewidth=0.9)
+    centre = planet.centre
+    x, y = [0.0, centre.real], [0.0, centre.imag]
     ax.plot(x, y, color=style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
     ax.plot(x, y, "o", color="white", mec=style.BLACK, ms=3.2, mew=0.8, zorder=2.6)
     path = outline.path()
     ax.plot(path.real, path.imag, color=style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
-
-
-def _draw_pins(ax: Axes, outline: GearDrivenOutline, theta: float) -> None:
-    """Pins large enough to be seen, and the arms that carry them."""
-    start = outline.carrier_end(theta)
-    for pin in outline.pins(theta):
-        ends = np.array([start, pin.centre])
+    for pin in pins:
+        ends = np.array([centre, pin.centre])
         ax.plot(ends.real, ends.imag, color=_PIN, lw=1.2, zorder=2.7)
-        seen = replace(pin, radius=max(pin.radius, 0.018 * outline.reach))
-        draw_body(ax, seen, color=_PIN, lw=0, zorder=3)
+    return ax
+
+
+def _draw_wheel(ax: Axes, outline: GearDrivenOutline, follower: Body, theta: float) -> None:
+    """The wheel, cut away where unused lobes pass."""
+    wheel = draw_bodies(ax, [follower], _LOOKS, edgecolor=style.BLACK)["follower"]
+    for relief in outline.reliefs(theta):
+        draw_bodies(ax, [relief], _EDGE)["relief"].set_clip_path(wheel)
+        draw_bodies(ax, [relief], _ROOM)

@@ -9,10 +9,10 @@ from matplotlib.patches import Circle
 
 from escapement import validate
 from escapement.mechanisms import Geneva
-from escapement.outlines.body import locked_angle
+from escapement.outlines import locked_angle
 from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import style
-from escapement.plots.bodies import draw_arrow, draw_body, draw_length
+from escapement.plots.bodies import draw_arrow, draw_bodies, draw_length, dress_scene
 from escapement.plots.tabulated import plot_mechanism
 
 # The crank disc lies behind the follower, the locking disc in its plane, pins lie in front.
@@ -22,8 +22,11 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "follower-shaft": {"facecolor": "white", "zorder": 2.1},
     "locking-disc": {"facecolor": "#9cc7e8", "zorder": 2.5},
     "driver-shaft": {"facecolor": "white", "zorder": 2.6},
+    "pin": {"facecolor": "#00466f", "edgecolor": "#00466f", "linewidth": 0, "zorder": 3},
 }
-_PIN: dict[str, Any] = {"color": "#00466f", "linewidth": 0, "zorder": 3}
+_HIDDEN: dict[str, dict[str, Any]] = {
+    "crank-disc": {"fill": False, "ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5)), "zorder": 2.2}
+}
 _CHAIN = (0, (9, 2, 2, 2))
 _MARGIN = 0.30  # arrows take so much room, in crank radii
 _LARGE = 5.0  # around a larger follower the room grows, and its lines get thinner
@@ -66,11 +69,7 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     angle = validate.number("theta", theta, "give the driver angle in rad")
     style.check_drawn("slots", mechanism.slots)
     outline = GenevaOutline(mechanism)
-    box = _extent(outline)
-    if ax is None:
-        height = style.ONE_COLUMN * (box[3] - box[2]) / (box[1] - box[0])
-        ax = style.new_axes(style.ONE_COLUMN, height)
-    _draw(ax, outline, angle)
+    ax = _draw(ax, outline, angle)
     _draw_scale(ax, outline)
     return ax
 
@@ -102,13 +101,17 @@ def plot_configurations(theta: float = 0.0) -> Figure:
     return figure
 
 
-def _draw(ax: Axes, outline: GenevaOutline, theta: float) -> None:
-    _draw_bodies(ax, outline, theta)
+def _draw(ax: Axes | None, outline: GenevaOutline, theta: float) -> Axes:
+    ax = dress_scene(ax, _extent(outline))
+    width = 0.9 / _size(outline)
+    bodies = outline.bodies(theta)
+    drawn = draw_bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK, linewidth=width)
+    # what the follower hides of the crank disc is broken
+    hidden = draw_bodies(ax, bodies, _HIDDEN)["crank-disc"]
+    hidden.set(gid=None, clip_path=drawn["follower"])
     _draw_lines(ax, outline, locked_angle(outline.mechanism, theta))
     _draw_senses(ax, outline)
-    box = _extent(outline)
-    ax.set(xlim=box[:2], ylim=box[2:], aspect="equal")
-    ax.set_axis_off()
+    return ax
 
 
 def _extent(outline: GenevaOutline) -> tuple[float, float, float, float]:
@@ -122,21 +125,6 @@ def _extent(outline: GenevaOutline) -> tuple[float, float, float, float]:
 
 def _size(outline: GenevaOutline) -> float:
     return max(1.0, outline.follower_radius / _LARGE)
-
-
-def _draw_bodies(ax: Axes, outline: GenevaOutline, theta: float) -> None:
-    """Bodies in their places; what the follower hides of the crank disc is broken."""
-    edge: dict[str, Any] = {"edgecolor": style.BLACK, "linewidth": 0.9 / _size(outline)}
-    drawn = {
-        body.name: draw_body(
-            ax, body, **(edge | _LOOKS[body.name] if body.name in _LOOKS else _PIN)
-        )
-        for body in outline.bodies(theta)
-    }
-    centre = (outline.mechanism.centre_distance, 0)
-    look: dict[str, Any] = {"ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5))}
-    hidden = Circle(centre, outline.crank_disc_radius, fill=False, **look)
-    ax.add_patch(hidden).set(zorder=2.2, clip_path=drawn["follower"])
 
 
 def _draw_lines(ax: Axes, outline: GenevaOutline, phi: float) -> None:

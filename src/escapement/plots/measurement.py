@@ -1,5 +1,7 @@
 """Measured positions against theory: errors, their distribution, what comes back."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,6 +17,7 @@ from escapement.plots.style import label
 _MOST_POINTS = 4000  # a print cannot show more points apart
 _CURVE = 400
 _FALSE_ALARM = 0.01
+_BROKEN: dict[str, Any] = {"color": style.VERMILLION, "lw": 1.0, "ls": style.LOOKS[1].linestyle}
 
 
 def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
@@ -82,12 +85,9 @@ def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
     ax.axhline(0.0, color=style.BLACK, lw=0.6)
     ax.plot(angle, np.degrees(result.errors[some]), ".", ms=2.5, color=style.BLUE, label="errors")
     name = f"{100.0 * result.confidence:g} % interval"
-    for limit in result.interval:
-        ax.axhline(
-            np.degrees(limit), color=style.VERMILLION, lw=1.0,
-            ls=style.LOOKS[1].linestyle, label=name,
-        )  # fmt: skip
-        name = "_"
+    # the legend names the first of the two limits alone
+    for limit, text in zip(np.degrees(result.interval), (name, "_"), strict=True):
+        ax.axhline(limit, **_BROKEN, label=text)
     ax.margins(x=0.01)
     return _labelled(ax, result, label("input angle", "°"), label("error", "°"), columns=3)
 
@@ -179,18 +179,13 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
     found = result.periodogram
     keep = _outline(found.frequency.size, np.nan_to_num(found.power))
     ax.plot(found.frequency[keep], 100.0 * found.power[keep], color=style.BLUE, lw=0.9)
-    ax.axhline(
-        100.0 * found.level(_FALSE_ALARM), color=style.VERMILLION, lw=1.0,
-        ls=style.LOOKS[1].linestyle, label=f"{100.0 * _FALSE_ALARM:g} % false alarm",
-    )  # fmt: skip
+    level = 100.0 * found.level(_FALSE_ALARM)
+    ax.axhline(level, **_BROKEN, label=f"{100.0 * _FALSE_ALARM:g} % false alarm")
     cells = 2.0 * np.pi / result.mechanism.cell_angle
     rounds = abs(result.mechanism.follower_step) / result.mechanism.cell_angle
-    marks = {
-        "input turn": (1.0, style.LOOKS[5]),
-        "output turn": (rounds, style.LOOKS[2]),
-        "cell": (cells, style.LOOKS[3]),
-    }
-    for name, (place, look) in marks.items():
+    marks = {"input turn": (1.0, 5), "output turn": (rounds, 2), "cell": (cells, 3)}
+    for name, (place, number) in marks.items():
+        look = style.LOOKS[number]
         if place <= found.frequency[-1]:
             ax.axvline(place, color=look.color, lw=0.9, ls=look.linestyle, label=name, zorder=0)
     ax.set(xlim=(0.0, found.frequency[-1]), ylim=(0.0, None))
@@ -201,9 +196,10 @@ def plot_measurement(result: Measurement) -> Figure:
     """Errors, their distribution and what comes back, on one sheet."""
     figure = style.new_figure(style.TWO_COLUMN, 5.6)
     draw = (plot_errors, plot_error_histogram, plot_periodogram, plot_frequencies)
-    for ax, plot in zip(figure.subplots(2, 2).flat, draw, strict=True):
-        plot(result, style.dress(ax))
-        ax.get_legend().set_title(None)
+    axes = figure.subplots(2, 2)
+    for ax, plot in zip(axes.flat, draw, strict=True):
+        # the heading says what is synthetic, once for all panels
+        plot(result, style.dress(ax)).get_legend().set_title(None)  # type: ignore
     if result.readings.synthetic:
         figure.suptitle("Synthetic data", fontsize=style.LABEL_SIZE)
     return figure
@@ -229,5 +225,4 @@ def _outline(count: int, values: FloatArray) -> np.ndarray:
     if count <= 2 * _MOST_POINTS:
         return np.arange(count)
     parts = np.array_split(np.arange(count), _MOST_POINTS)
-    ends = [(part[np.argmin(values[part])], part[np.argmax(values[part])]) for part in parts]
-    return np.unique(np.array(ends))
+    return np.unique([part[end(values[part])] for part in parts for end in (np.argmin, np.argmax)])

@@ -9,12 +9,19 @@ from escapement import validate
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.outlines.elliptical import EllipticalOutline
 from escapement.plots import style
-from escapement.plots.bodies import draw_arrow, draw_body, draw_length
+from escapement.plots.bodies import draw_arrow, draw_bodies, draw_length, dress_scene
 from escapement.plots.tabulated import plot_mechanism
 
 _SPUR: dict[str, Any] = {"facecolor": "#e4e4e4", "linewidth": 0.8, "zorder": 1}
-_DRIVEN: dict[str, Any] = {"facecolor": "#f6d9a8", "linewidth": 0.9, "zorder": 2.0, "alpha": 0.85}
-_DRIVING: dict[str, Any] = {"facecolor": "#9cc7e8", "linewidth": 0.9, "zorder": 2.1, "alpha": 0.85}
+_LOOKS: dict[str, dict[str, Any]] = {
+    "sun": _SPUR,
+    "planet": _SPUR,
+    "driven": {"facecolor": "#f6d9a8", "linewidth": 0.9, "zorder": 2.0, "alpha": 0.85},
+    "driving": {"facecolor": "#9cc7e8", "linewidth": 0.9, "zorder": 2.1, "alpha": 0.85},
+}
+# broken lines show what the ellipses hide of the spur gears
+_BROKEN: dict[str, Any] = {"fill": False, "ec": style.GREY, "ls": (0, (4, 2.5)), "zorder": 2.4}
+_HIDDEN = {"sun": _BROKEN, "planet": _BROKEN}
 _MARGIN = 0.12  # the room around the gears is this share of the centre distance
 
 
@@ -45,32 +52,25 @@ def plot_planetary(
         For an angle that is not finite.
     """
     angle = validate.number("theta", theta, "give the driver angle in rad")
-    left, right, bottom, top = box = extent(mechanism, angle)
-    if ax is None:
-        ax = style.new_axes(style.ONE_COLUMN, style.ONE_COLUMN * (top - bottom) / (right - left))
+    box = extent(mechanism, angle)
+    ax = dress_scene(ax, box)
     draw_planetary(ax, mechanism, angle, angle)
     _draw_senses(ax, mechanism, angle)
     _draw_scale(ax, mechanism, box)
-    ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-    ax.set_axis_off()
     return ax
 
 
 def draw_planetary(ax: Axes, mechanism: EllipticalPlanetary, theta: float, carrier: float) -> None:
     """Gears and line of centres in millimetres; the carrier points along `carrier` [rad]."""
     outline = EllipticalOutline(mechanism)
-    sun, planet, driven, driving = outline.bodies(theta, carrier)
-    for body, look in ((sun, _SPUR), (planet, _SPUR), (driven, _DRIVEN), (driving, _DRIVING)):
-        draw_body(ax, body, edgecolor=style.BLACK, **look)
-    for gear in (sun, planet):  # broken lines show what the ellipses hide
-        draw_body(ax, gear, fill=False, ec=style.GREY, lw=0.6, ls=(0, (4, 2.5)), zorder=2.4)
-    for ellipse in (driven, driving):
+    bodies = outline.bodies(theta, carrier)
+    draw_bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK)
+    draw_bodies(ax, bodies, _HIDDEN, linewidth=0.6)
+    for ellipse in bodies[2:]:
         # the long axis shows how an ellipse is turned
         ends = ellipse.edges[0][[0, ellipse.edges[0].size // 2]]
         ax.plot(ends.real, ends.imag, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
-    points = outline.line_of_centres(theta)
-    along = np.exp(1j * carrier)
-    shaft, contact = points.shaft * along, points.contact * along
+    _, shaft, contact = np.array(outline.line_of_centres(theta)) * np.exp(1j * carrier)
     ax.plot(
         [0, shaft.real], [0, shaft.imag], "o-", color=style.BLACK, lw=1.6, ms=4, mfc="white",
         zorder=3, gid="carrier",

@@ -4,6 +4,7 @@ Some cases of a sample have an answer but no time, because it is longer than an 
 follows: quantiles count such a time as longer than any.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,16 +19,23 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.study_panels import draw_lines, is_whole, legend, lines_drawn
+from escapement.plots.study_panels import (
+    draw_lines,
+    dress_axis,
+    head,
+    is_whole,
+    legend,
+    lines_drawn,
+)
 from escapement.plots.study_table import (
     NoResult,
     StudyTable,
     available,
-    printed_name,
+    result_scale,
     single_case,
     tabulate_study,
 )
-from escapement.plots.style import label, number_text, print_unit, scaled, superscript
+from escapement.plots.style import number_text
 from escapement.study.result import Study
 from escapement.study.varied import CASE
 
@@ -42,6 +50,7 @@ _LINE = 20  # so many characters of a label fit beside a panel
 _BESIDE = dict(zip(QUANTILES, ("top", "center", "bottom"), strict=True))
 _LOST: dict[str, Any] = {"marker": "x", "color": style.VERMILLION, "ms": 3.5, "mew": 0.8}
 _LONGER: dict[str, Any] = {"marker": "^", "color": style.PURPLE, "ms": 3.5, "mew": 0.0}
+_ENDLESS = 1e300
 _APART = 0.06  # numbers closer than this share of a panel's height would overlap
 
 
@@ -92,11 +101,11 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
     )
     shown = _chosen(len(flat.failed))
     for line, name in zip(panels, rows, strict=True):
-        factor, unit = scaled(study.units.get(name, ""), flat.results[name])
+        factor, text = result_scale(study, name, flat.results[name], _LINE)
         values = flat.results[name] * factor
         for ax, parameter in zip(line, names, strict=False):
             _scatter(style.dress(ax), flat.parameters[parameter], values, flat.failed, shown)
-        line[0].set_ylabel(label(printed_name(study, name), unit, _LINE))
+        line[0].set_ylabel(text)
         _distribution(style.dress(line[-1]), values[np.isfinite(values)])
         _quantile_lines(line, [float(quantile(values, share)) for share in QUANTILES])
         if lack := missing(study, name):
@@ -105,7 +114,7 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
     for ax in panels.ravel():
         ax.label_outer()
     for ax, parameter in zip(panels[-1], names, strict=False):
-        _dress_parameter(ax, study, parameter)
+        dress_axis(ax, "x", study, parameter, _LINE)
     panels[-1][-1].set_xlabel("Cases")
     _explain(figure, flat, names, rows)
     return figure
@@ -206,20 +215,6 @@ def _quantile_lines(row: Sequence[Axes], values: Sequence[float]) -> None:
             )  # fmt: skip
 
 
-def _dress_parameter(ax: Axes, study: Study, name: str) -> None:
-    """Ticks and label of a narrow panel: a power of ten goes into the unit."""
-    values = np.abs(np.asarray(study.sampled[name], dtype=float))
-    # the power of ten is a multiple of three, as in engineering notation
-    power = 3 * int(np.floor(np.log10(values.max()) / 3.0)) if values.max() > 0.0 else 0
-    power = 0 if -3 <= power <= 3 else power
-    whole = (values % 1 == 0).all()
-    ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], integer=bool(whole)))
-    ax.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
-    unit = print_unit(study.units.get(name, ""))
-    tens = f"10{superscript(power)}" if power else ""
-    ax.set_xlabel(label(printed_name(study, name), f"{tens} {unit}".strip(), _LINE))
-
-
 def _explain(figure: Figure, flat: _FlatSample, names: Sequence[str], rows: Sequence[str]) -> None:
     """What points, lines, crosses and triangles are, over the figure."""
     size, lost = flat.failed.size, int(flat.failed.sum())
@@ -264,21 +259,13 @@ def counted(study: Study, result: str) -> FloatArray:
 def quantile(values: FloatArray, share: float) -> FloatArray:
     """Quantile along the last axis, NaN where it falls on infinity or nothing counts.
 
-    Values are joined by straight lines, as `numpy.quantile` does, which makes NaN of the
-    last number before infinity too.
-
     values : shape (..., n), NaN where a case does not count.
     """
-    # NaN is sorted to the end, behind infinity
-    ordered = np.sort(values, axis=-1)
-    last = np.count_nonzero(~np.isnan(values), axis=-1, keepdims=True) - 1
-    place = share * np.maximum(last, 0)
-    below, above = (
-        np.take_along_axis(ordered, end(place).astype(int), axis=-1) for end in (np.floor, np.ceil)
-    )
-    with np.errstate(invalid="ignore"):  # two infinities have no difference
-        between = below + (above - below) * (place - np.floor(place))
-    return np.where(np.isfinite(above), between, np.nan)[..., 0]
+    # infinity less infinity is no number, so a huge number stands for it
+    finite = np.where(np.isinf(values), _ENDLESS, values)
+    with warnings.catch_warnings(action="ignore"):  # NumPy warns where nothing counts
+        found = np.nanquantile(finite, share, axis=-1)
+    return np.where(found < 1e-100 * _ENDLESS, found, np.nan)
 
 
 def missing(study: Study, result: str) -> str:
@@ -312,11 +299,11 @@ def plot_spread(study: Study) -> Figure:
     low, middle, high = (_at_quantile(study, share) for share in QUANTILES)
     names = available(middle, _SPREAD)
     figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
+    panels = style.new_panels(figure, len(names))
     for ax, name in zip(panels, names, strict=True):
         table = tabulate_study(middle, name)
-        lines = draw_lines(style.dress(ax), middle, name, table)
-        factor, _ = scaled(study.units.get(name, ""), table.values)
+        lines = draw_lines(ax, middle, name, table)
+        factor, _ = result_scale(study, name, table.values)
         ends = [_values(side, name, table) * factor for side in (low, high)]
         for line, column in zip(lines, lines_drawn(table.values.shape[1]), strict=True):
             below, above = (end[:, column] for end in ends)
@@ -326,12 +313,8 @@ def plot_spread(study: Study) -> Figure:
             else:
                 ax.fill_between(table.x_values, below, above, **look)
         ax.label_outer()
-    note = _note(study, names)
-    legend(panels[0], study, table, lines, note)
-    if table.lines is None:
-        panels[0].set_title(note, fontsize=style.SMALL_SIZE)
-    if table.note:
-        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
+    legend(panels[0], study, table, lines, _note(study, names))
+    head(figure, table)
     return figure
 
 

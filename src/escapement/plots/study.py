@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from escapement.errors import InvalidValue
@@ -14,11 +14,12 @@ from escapement.plots.study_panels import (
     draw_lines,
     draw_map,
     dress_axis,
+    head,
     is_whole,
     legend,
     legend_title,
 )
-from escapement.plots.study_table import NoResult, StudyTable, available, tabulate_study
+from escapement.plots.study_table import StudyTable, available, drawable, tabulate_study
 from escapement.plots.style import label, scaled
 from escapement.study.result import Study
 
@@ -61,8 +62,6 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.1)
     lines = draw_lines(ax, study, result, table)
     legend(ax, study, table, lines, table.note)
-    if table.lines is None and table.note:
-        ax.set_title(table.note, fontsize=style.SMALL_SIZE)
     return ax
 
 
@@ -79,10 +78,12 @@ def plot_rise_and_terminal(study: Study) -> Figure:
     """
     names = available(study, ("rise_time", "velocity_mean"))
     figure = style.new_figure(style.ONE_COLUMN, 0.7 + 2.2 * len(names))
-    panels = _panels(figure, len(names), 1)
+    panels = style.new_panels(figure, len(names))
     lines, table = _fill(panels, study, names)
+    for ax in panels:
+        ax.label_outer()
     legend(panels[0], study, table, lines)
-    _title(figure, table)
+    head(figure, table)
     return figure
 
 
@@ -118,7 +119,7 @@ def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
     if key:
         style.legend_above(ax, 1, handles=key)
     if own:
-        _title(ax.figure, table)
+        head(ax.figure, table)
     return ax
 
 
@@ -163,56 +164,42 @@ def _plot_double(study: Study, names: Sequence[str], table: StudyTable) -> Figur
     figure = style.new_figure(style.TWO_COLUMN, 6.3)
     rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
     upper, lower = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
-    lines, _ = _fill(_panels(upper, 1, len(names)), study, names)
+    lines, _ = _fill(style.new_panels(upper, 1, len(names)), study, names)
     style.add_legend(
         upper, len(lines), legend_title(study, table), handles=lines,
         loc="outside upper center", handlelength=style.HANDLE,
     )  # fmt: skip
     maps = available(study, _MAPS)
     holes = []
-    for ax, name in zip(_panels(lower, 1, len(maps)), maps, strict=True):
+    for ax, name in zip(style.new_panels(lower, 1, len(maps)), maps, strict=True):
         holes += draw_map(ax, study, name, tabulate_study(study, name), bar="top")
         ax.label_outer()
     if holes:
         style.add_legend(
             lower, 1, handles=holes[:1], loc="outside lower center", handlelength=style.HANDLE
         )
-    _title(figure, table)
+    head(figure, table)
     return figure
 
 
 def _plot_single(study: Study, table: StudyTable) -> Figure:
     """Times above velocities, against the only varied parameter."""
-    groups = {"time": _present(study, _TIMES), "driver velocity": _present(study, _VELOCITIES)}
-    groups = {name: members for name, members in groups.items() if members}
+    wanted = {"time": _TIMES, "driver velocity": _VELOCITIES}
+    groups = {name: found for name in wanted if (found := drawable(study, wanted[name]))}
     figure = style.new_figure(style.ONE_COLUMN, 0.4 + 2.2 * len(groups))
-    panels = _panels(figure, len(groups), 1)
+    panels, joined = style.new_panels(figure, len(groups)), not is_whole(study, table.x)
     for ax, (name, members) in zip(panels, groups.items(), strict=True):
         values = {member: tabulate_study(study, member).values[:, 0] for member in members}
         factor, unit = scaled(study.units.get(members[0], ""), list(values.values()))
         for look, (member, y) in zip(style.LOOKS, values.items(), strict=False):
             entry = member.removeprefix("velocity_").replace("_", " ")
-            joined = not is_whole(study, table.x)
             draw_line(ax, table.x_values, y * factor, look, entry, joined)
         dress_axis(ax, "x", study, table.x)
         ax.set_ylabel(label(name, unit))
         ax.label_outer()
         style.legend_above(ax, 3, handlelength=style.HANDLE)
-    _title(figure, table)
+    head(figure, table)
     return figure
-
-
-def _present(study: Study, names: Sequence[str]) -> list[str]:
-    try:
-        return available(study, names)
-    except NoResult:
-        return []
-
-
-def _panels(figure: Figure | SubFigure, rows: int, columns: int) -> list[Axes]:
-    """Panels in house style; stacked ones share the abscissa."""
-    axes = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False)
-    return [style.dress(ax) for ax in axes.ravel()]
 
 
 def _fill(
@@ -222,12 +209,4 @@ def _fill(
     for ax, name in zip(panels, names, strict=True):
         table = tabulate_study(study, name)
         lines = draw_lines(ax, study, name, table)
-        if len(panels[0].get_shared_x_axes().get_siblings(ax)) > 1:
-            ax.label_outer()
     return lines, table
-
-
-def _title(figure: Figure | SubFigure, table: StudyTable) -> None:
-    """Say over the figure which axes were fixed, and where."""
-    if table.note:
-        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)

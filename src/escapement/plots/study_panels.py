@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
@@ -21,18 +21,16 @@ from matplotlib.ticker import (
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.study_table import StudyTable, printed_name
-from escapement.plots.style import label, number_text, print_unit, scaled
+from escapement.plots.study_table import StudyTable, parameter_label, result_scale
+from escapement.plots.style import LINE, number_text
 from escapement.study.result import Study
 
 _FEW = 15  # a line of at most so many points has each of them marked
 _LEVELS = 7  # a map has about so many contours
-_EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
-_APART = 0.1  # numbers closer than this share of the map would overlap
 _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
 _DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
 _MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
-_WIDE, _NARROW = 34, 24  # characters of a label that fit below half and a third of a page
+_NARROW = 24  # characters of a label that fit below a third of a page
 _POWER = 8  # a power of ten beside the label takes so many of them
 _STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so have no contours
 
@@ -40,13 +38,13 @@ _STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so hav
 def draw_lines(ax: Axes, study: Study, result: str, table: StudyTable) -> list[Line2D]:
     """A line for each value of the second axis, six at most; returns them."""
     x, joined = table.x_values, not is_whole(study, table.x)
-    factor, unit = scaled(study.units.get(result, ""), table.values)
+    factor, text = result_scale(study, result, table.values)
     drawn = []
     for look, column in zip(style.LOOKS, lines_drawn(table.values.shape[1]), strict=False):
         name = "" if table.lines is None else number_text(table.line_values[column])
         drawn.append(draw_line(ax, x, table.values[:, column] * factor, look, name, joined))
     dress_axis(ax, "x", study, table.x)
-    ax.set_ylabel(label(printed_name(study, result), unit))
+    ax.set_ylabel(text)
     return drawn
 
 
@@ -67,8 +65,10 @@ def draw_line(
 
 
 def legend(ax: Axes, study: Study, table: StudyTable, lines: list[Line2D], note: str = "") -> None:
-    """What the lines stand for, over a panel in one column."""
-    if table.lines is not None:
+    """What the lines stand for, over a panel in one column; of a single line the note alone."""
+    if table.lines is None:
+        ax.set_title(note, fontsize=style.SMALL_SIZE)
+    else:
         title = "\n".join(text for text in (note, legend_title(study, table)) if text)
         columns = 2 if len(lines) == 4 else 3
         style.legend_above(ax, columns, title, handles=lines, handlelength=style.HANDLE)
@@ -78,10 +78,16 @@ def legend_title(study: Study, table: StudyTable) -> str:
     """What the lines are: "Driving torque (in·lbf)"; "" for a single line."""
     if table.lines is None:
         return ""
-    text = label(printed_name(study, table.lines), print_unit(study.units.get(table.lines, "")))
+    text = parameter_label(study, table.lines)
     count = table.values.shape[1]
     shown = len(lines_drawn(count))
     return text if shown == count else f"{text}, {shown} of {count} values"
+
+
+def head(figure: Figure | SubFigure, table: StudyTable) -> None:
+    """Say over the figure which axes were fixed, and where."""
+    if table.note:
+        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
 
 
 def draw_map(
@@ -95,7 +101,7 @@ def draw_map(
     Returns the legend's key of the hatching, or nothing where there is none.
     """
     x, y = table.x_values, table.line_values
-    factor, unit = scaled(study.units.get(result, ""), table.values)
+    factor, text = result_scale(study, result, table.values)
     # contours and cells have the first axis along the columns
     z = np.ma.masked_invalid(table.values.T * factor)
     cells = result in _STEPPED or is_whole(study, table.x) or is_whole(study, str(table.lines))
@@ -104,7 +110,7 @@ def draw_map(
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
-    dress_axis(ax, "x", study, table.x, narrow=bar == "top")
+    dress_axis(ax, "x", study, table.x, line=_NARROW if bar == "top" else LINE)
     dress_axis(ax, "y", study, str(table.lines))
     filled: ScalarMappable
     if cells:
@@ -119,86 +125,61 @@ def draw_map(
         inside = levels[(levels > z.min()) & (levels < z.max())]
         if inside.size:
             lines = ax.contour(x, y, z, inside, colors=style.BLACK, linewidths=0.6)
-            _label_contours(ax, lines)
+            for number in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False):
+                number.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
     every = 1 + levels.size // _LEVELS  # as many numbers as have room
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
-    key.set_label(label(printed_name(study, result), unit), size=style.TICK_SIZE)
+    key.set_label(text, size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)
     return [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
-
-
-def _label_contours(ax: Axes, lines: ContourSet) -> None:
-    """A number on the middle of each contour's longest piece, in a halo.
-
-    None is drawn where the frame or another number is in its way.
-    """
-    to_axes = ax.transData - ax.transAxes
-    placed: list[tuple[float, float]] = []
-    for path in lines.get_paths():
-        pieces = [
-            _middle(to_axes.transform(piece)) for piece in path.to_polygons(closed_only=False)
-        ]
-        _, (x, y) = max(pieces, key=lambda found: found[0], default=(0.0, (0.0, 0.0)))
-        clear = all(np.hypot(x - x0, y - y0) > _APART for x0, y0 in placed)
-        if clear and _EDGE < x < 1.0 - _EDGE and _EDGE < y < 1.0 - _EDGE:
-            placed.append((x, y))
-    # clabel takes places in the coordinates of the data
-    middles = [to_axes.inverted().transform(point) for point in placed]
-    for text in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False, manual=middles) or ():
-        text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
-
-
-def _middle(points: FloatArray) -> tuple[float, tuple[float, float]]:
-    """Length of a polyline, and the point half-way along it."""
-    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    half = along[-1] / 2.0
-    x, y = (float(np.interp(half, along, column)) for column in points.T)
-    return float(along[-1]), (x, y)
 
 
 def _edges(values: FloatArray) -> FloatArray:
     """Ends of the cells about points, half-way between them."""
     even = np.log(values) if _logarithmic(values) else values
-    ends = np.concatenate([[2.0 * even[0] - even[1]], even, [2.0 * even[-1] - even[-2]]])
-    middles = 0.5 * (ends[:-1] + ends[1:])
-    edges: FloatArray = np.exp(middles) if _logarithmic(values) else middles
+    # the outermost cells reach as far beyond their points as towards the next
+    ends = np.interp(np.arange(even.size + 1) - 0.5, np.arange(even.size), even)
+    ends[0], ends[-1] = 2.0 * even[0] - ends[1], 2.0 * even[-1] - ends[-2]
+    edges: FloatArray = np.exp(ends) if _logarithmic(values) else ends
     return edges
 
 
 def is_whole(study: Study, name: str) -> bool:
     """Whether a parameter takes whole numbers only, with nothing between them."""
-    return bool(np.issubdtype(np.asarray(study.axes[name]).dtype, np.integer))
+    return bool(np.issubdtype(_parameter(study, name).dtype, np.integer))
+
+
+def _parameter(study: Study, name: str) -> FloatArray:
+    return np.asarray(study.axes[name] if name in study.axes else study.sampled[name])
 
 
 def dress_axis(
-    ax: Axes, which: Literal["x", "y"], study: Study, name: str, *, narrow: bool = False
+    ax: Axes, which: Literal["x", "y"], study: Study, name: str, line: int = LINE
 ) -> None:
     """Label, scale and ticks of an axis that a parameter runs along.
 
-    narrow : whether there is room for little below it.
+    line : characters of its label that fit below or beside it.
     """
-    values = np.asarray(study.axes[name])
+    values = _parameter(study, name)
     first, last = float(values.min()), float(values.max())
     axis = ax.xaxis if which == "x" else ax.yaxis
-    line, ticks = (_NARROW, 3) if narrow else (_WIDE, 5)
+    ticks = 5 if line == LINE else 3
     if not 10.0 * _PLAIN[0] < last < _PLAIN[1]:
         line -= _POWER
-    unit = print_unit(study.units.get(name, ""))
-    axis.set_label_text(label(printed_name(study, name), unit, line))
+    axis.set_label_text(parameter_label(study, name, line))
     if is_whole(study, name):
         few = np.unique(values).size <= _MOST_TICKS
-        many = MaxNLocator(_MOST_TICKS, steps=[1, 2, 5, 10], integer=True)
+        many = MaxNLocator(2 * ticks, steps=[1, 2, 5, 10], integer=True)
         axis.set_major_locator(FixedLocator(np.unique(values).tolist()) if few else many)
-        return
-    if _logarithmic(np.sort(values.astype(float))):
+    elif _logarithmic(np.sort(values.astype(float))):
         ax.set(**{f"{which}scale": "log"})
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if last < 1e2 * first else (1.0,)))
         axis.set_minor_formatter(NullFormatter())
         if first >= _PLAIN[0] and last <= _PLAIN[1]:
             axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        return
-    axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
-    ax.ticklabel_format(axis=which, useMathText=True, scilimits=(-3, 4))
+    else:
+        axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
+        ax.ticklabel_format(axis=which, useMathText=True, scilimits=(-3, 4))
 
 
 def _logarithmic(values: FloatArray) -> bool:

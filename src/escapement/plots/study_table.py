@@ -1,16 +1,18 @@
 """What of a study goes into a figure: one result over one or two axes."""
 
+import contextlib
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots.style import parameter_text
+from escapement.plots.style import LINE, label, parameter_text, print_unit, scaled
 from escapement.status import Status
 from escapement.study.result import Study
 
@@ -87,8 +89,8 @@ def tabulate_study(study: Study, result: str, x: str | None = None) -> StudyTabl
         name: np.size(values) // 2 for name, values in study.axes.items() if name not in (x, lines)
     }
     index = tuple(middle.get(name, slice(None)) for name in study.axes)
-    values = np.array(study.results[result], dtype=float)[index]
-    values[~np.isfinite(values)] = np.nan
+    values = np.asarray(study.results[result], dtype=float)[index]
+    values = np.where(np.isfinite(values), values, np.nan)
     if np.isnan(values).all():
         raise _empty([result])
     names = list(study.axes)
@@ -121,16 +123,19 @@ def available(study: Study, names: Sequence[str]) -> list[str]:
     InvalidValue
         When there is none.
     """
-    found = []
-    for name in names:
-        if name in study.results:
-            try:
-                tabulate_study(study, name)
-            except NoResult:
-                continue
-            found.append(name)
+    found = drawable(study, names)
     if not found:
         raise _empty(names)
+    return found
+
+
+def drawable(study: Study, names: Sequence[str]) -> list[str]:
+    """As `available`, but an empty list where there is none."""
+    found = []
+    for name in filter(study.results.__contains__, names):
+        with contextlib.suppress(NoResult):
+            tabulate_study(study, name)
+            found.append(name)
     return found
 
 
@@ -143,6 +148,17 @@ def printed_name(study: Study, name: str) -> str:
     words = name.replace("_", " ")
     long = study.long_names.get(name) or words
     return _SHORT.get(name) or (long if len(long) <= _LONGEST else words)
+
+
+def parameter_label(study: Study, name: str, line: int = LINE) -> str:
+    """Label of an axis that a parameter runs along, in lines of so many characters."""
+    return label(printed_name(study, name), print_unit(study.units.get(name, "")), line)
+
+
+def result_scale(study: Study, name: str, values: ArrayLike, line: int = LINE) -> tuple[float, str]:
+    """Factor that brings a result to readable numbers, and the label that tells their unit."""
+    factor, unit = scaled(study.units.get(name, ""), values)
+    return factor, label(printed_name(study, name), unit, line)
 
 
 def _unanswered(study: Study, index: tuple[Any, ...]) -> str:

@@ -37,7 +37,8 @@ LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 _MOST_DRAWN = 200  # more slots or lobes could not be told apart
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
-_LINE = 34  # so many characters of a label fit beside one panel
+LINE = 34
+"""Characters of a label that fit beside one panel."""
 
 HANDLE = 4.2
 """Length of a handle, in font sizes, that shows two dashes of any of `LOOKS` without marker."""
@@ -75,6 +76,12 @@ def new_figure(width: float = ONE_COLUMN, height: float | None = None) -> Figure
 def new_axes(width: float = ONE_COLUMN, height: float | None = None) -> Axes:
     """The only axes of a new figure of a size in inches."""
     return dress(new_figure(width, height).add_subplot())
+
+
+def new_panels(figure: Figure | SubFigure, rows: int, columns: int = 1) -> list[Axes]:
+    """Panels in house style, row by row; stacked ones share the abscissa."""
+    axes = figure.subplots(rows, columns, sharex=columns == 1 and rows > 1, squeeze=False)
+    return [dress(ax) for ax in axes.ravel()]
 
 
 def dress(ax: Axes) -> Axes:
@@ -151,7 +158,7 @@ def print_unit(unit: str) -> str:
     return "/".join(["·".join(above) or "1", *below]) if below else "·".join(above)
 
 
-def label(name: str, unit: str = "", line: int = _LINE) -> str:
+def label(name: str, unit: str = "", line: int = LINE) -> str:
     """Text of an axis: name with a capital, its printed unit in brackets.
 
     line : characters after which it goes on below.

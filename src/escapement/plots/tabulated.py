@@ -39,6 +39,8 @@ def plot_mechanism(mechanism: Any, theta: float = 0.0, ax: Axes | None = None) -
     """
     if not is_mechanism(mechanism):
         raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+    if isinstance(mechanism, Tabulated):
+        return plot_table(mechanism, ax)
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.2)
     angles = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], _SAMPLES)
     _draw_transmission(ax, angles, transmission(mechanism.path, angles).g)
@@ -73,11 +75,6 @@ def plot_table(mechanism: Tabulated, ax: Axes | None = None) -> Axes:
     ax.plot(places, np.full(places.size, low), "|", color=style.GREY, ms=5, mew=0.5, label="rows")
     style.legend_above(ax, 3)
     return ax
-
-
-@plot_mechanism.register
-def _(mechanism: Tabulated, theta: float = 0.0, ax: Axes | None = None) -> Axes:
-    return plot_table(mechanism, ax)
 
 
 def _draw_transmission(ax: Axes, theta: FloatArray, g: FloatArray) -> None:

@@ -41,6 +41,7 @@ class Digits:
         """`value` with as many digits, rounded or cut off."""
         # what is a whole number of units but for the last bit is not cut to the number below
         count = math.floor(value / self.unit + (1e-9 if cut else 0.5))
+        # angles are counted in whole minutes
         if "'" in self.text:
             return digits(f"{count // 60}°{count % 60:02}'")
         mark = "°" if self.text.endswith("°") else ""
@@ -62,6 +63,7 @@ def digits(text: str) -> Digits:
     angle = re.fullmatch(r"(\d+)°(\d+)'", text)
     if angle:
         return Digits(text, (60 * int(angle[1]) + int(angle[2])) / 60.0, 1.0 / 60.0)
+    # 1.— stands for a number that is right to four decimals
     plain = text.removesuffix("°").replace("—", "0000")
     return Digits(text, float(plain), 10.0 ** -len(plain.partition(".")[2]))
 

@@ -35,6 +35,7 @@ class Reproduction:
 
     def draw(self, folder: Path) -> None:
         """Fill a folder with figures."""
+        # a table alone needs no plotting library
         from escapement.plots import save
 
         for name, plot in self.panels().items():
@@ -70,7 +71,7 @@ def as_table(cells: Sequence[Cell], place: str) -> list[list[Any]]:
     header = [place, "column", "printed", "right", "computed", "agrees", "reason"]
     rows = [
         [
-            cell.place, cell.column, cell.printed, cell.right, repr(cell.value),
+            cell.place, cell.column, cell.printed, cell.right, cell.value,
             "yes" if cell.agrees else "no", cell.reason,
         ]
         for cell in cells
@@ -87,6 +88,7 @@ def print_side_by_side(
     lines: list[list[Any]] = []
     for head, cells in rows:
         lines.append([*head, "printed", *(f"{cell.printed} " for cell in cells)])
+        # a blank keeps digits of one column below each other
         computed = [f"{cell.right}{' ' if cell.agrees else '*'}" for cell in cells]
         lines.append([*[""] * len(head), "computed", *computed])
     print_columns([[*heads, "", *(f"{name} " for name in columns)]], lines)
@@ -101,9 +103,11 @@ def print_errata(cells: Sequence[Cell], called: str, place: Callable[[Cell], str
         print(f"  {place(cell)}: {cell.printed} must be {cell.right}\n      {cell.reason}")
 
 
-def print_slips(slips: Sequence[Slip], errors: str = "") -> None:
-    """Each slip of a formula or a sentence; `errors` says what numbers in brackets are."""
-    print(f"\nSlips in equations and text, some perhaps the scan's{errors}:")
+def print_slips(slips: Sequence[Slip], tried: str = "") -> None:
+    """Each slip of a formula or a sentence; `tried` says on which mechanisms a formula was."""
+    print("\nSlips in equations and text, some perhaps the scan's:")
+    if tried:
+        print(f"  [greatest error of the printed and of the corrected formula for {tried}]")
     for slip in slips:
         error = ""
         if slip.printed_error is not None:

@@ -17,7 +17,6 @@ from escapement.errors import InvalidValue
 from escapement.model import MOST_UNEQUAL, Escapement, FloatArray, Inertia, natural, ratio_in_range
 from escapement.quantity import quantities
 from escapement.scene import Scene
-from escapement.simulation import FASTEST
 from escapement.status import Status
 from escapement.study.plan import StudyPlan
 from escapement.study.result import RESULTS
@@ -119,7 +118,7 @@ def _numbers(
         ratios = natural(numbers, plan.kind.meshed)
         w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
         sound = ratio_in_range(ratios["rho"]) & (ratios["load"] < MOST_UNEQUAL)
-        sound &= w <= FASTEST**2
+        sound &= w <= MOST_UNEQUAL**2
     scene = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
     return [columns[name] for name in plan.kind.parameters if name in columns], scene, sound
 

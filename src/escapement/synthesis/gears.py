@@ -46,15 +46,14 @@ class GearPair:
         _checked(self.mechanism)
         for name in ("fixed_teeth", "planet_teeth"):
             remedy = "a full-depth 20 degree gear with fewer is undercut"
-            number = validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
-            object.__setattr__(self, name, number)
-        module = validate.positive("module", self.module, "give the module in m")
-        object.__setattr__(self, "module", module)
+            validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
+        validate.positive("module", self.module, "give the module in m")
         ratio = abs(self.mechanism.gear_ratio)
         if self.fixed_teeth != ratio * self.planet_teeth:
             pair = f"{self.fixed_teeth}/{self.planet_teeth}"
             rule = f"in the ratio |k| = {ratio} exactly"
             raise validate.fail("teeth", rule, pair, "or the pin would miss its slots in time")
+        # beside an internal gear the tips of the pinion need room, whatever its own teeth
         difference = abs(self.fixed_teeth - self.planet_teeth)
         if self.internal and difference < LEAST_DIFFERENCE:
             raise InvalidValue(
@@ -97,9 +96,8 @@ class GearPair:
 def _checked(mechanism: GearDriven) -> GearDriven:
     """`mechanism`, or the error that it is not gear-driven."""
     if not isinstance(mechanism, GearDriven):
-        raise validate.fail(
-            "mechanism", "gear-driven", mechanism, "give for example GearDriven(12, 3)"
-        )
+        remedy = "give for example GearDriven(12, 3)"
+        raise validate.fail("mechanism", "gear-driven", mechanism, remedy)
     return mechanism
 
 
@@ -126,6 +124,7 @@ def gear_pairs(
     limit = validate.positive("largest_radius", largest_radius, "give the radius in m")
     most = validate.integer("most_teeth", most_teeth, LEAST_TEETH, "give the most teeth")
     ratio, found = abs(_checked(mechanism).gear_ratio), []
+    # teeth that have the exact ratio are multiples of the reduced fraction
     for times in range(1, most // max(ratio.numerator, ratio.denominator) + 1):
         teeth = times * ratio.numerator, times * ratio.denominator
         largest = 2.0 * limit / (mechanism.reach_over_fixed * teeth[0])
@@ -179,6 +178,7 @@ def planet_inertia(
     own = validate.non_negative("planet_inertia", planet_inertia, "give the inertia in kg m^2")
     pin = validate.non_negative("pin_mass", pin_mass, "give the mass in kg")
     count = validate.integer("planets", planets, 1, "give the number of planets")
+    # with equally spaced pins the cross terms of both vectors cancel
     first, _, second, rate = _checked(mechanism).arms
     pins = mechanism.pins * pin * (first**2 + (rate * second) ** 2)
     return count * (radius * radius * (mass * first**2 + pins) + own * rate**2)

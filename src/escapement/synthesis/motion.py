@@ -18,8 +18,10 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.mechanisms import GearDriven, Geneva
-from escapement.mechanisms.slotted import circle, jerk
+from escapement.mechanisms.slotted import circle
 from escapement.model import FloatArray
+
+_PEAKS = ("velocity_max", "acceleration_start", "acceleration_max", "jerk_start", "jerk_max")
 
 
 @dataclass(frozen=True)
@@ -58,20 +60,17 @@ def follower_motion(mechanism: GearDriven | Geneva, time: ArrayLike) -> Follower
     -----
     A wheel in uniform motion has neither acceleration nor jerk.
     """
-    if not isinstance(mechanism, GearDriven | Geneva):
-        raise validate.fail(
-            "mechanism", "a slotted wheel", mechanism, "give a Geneva or a GearDriven"
-        )
+    _check_wheel(mechanism)
     at = validate.numbers("time", time, "give times in cycles")
     cell, half = mechanism.cell_angle, mechanism.breaks[-1]
     step, whole = mechanism.follower_step, np.floor(at)
+    # a cell begins when a pin enters, half an engagement before dead centre
     theta = (at - whole) * cell - half
     moving = theta <= half
     theta = np.minimum(theta, half)
     found = mechanism.transmission(theta)
-    uniform = isinstance(mechanism, GearDriven) and mechanism.through_centre
-    change = np.zeros_like(found.g) if uniform else jerk(mechanism.path, found)
-    rates = (found.g, found.dg, change)
+    # at a speed of one cell a cycle each derivative by the angle brings one more cell
+    rates = (found.g, found.dg, mechanism.jerk(theta))
     angle = whole + 0.5 + mechanism.follower_angle(theta) / step
     scaled = (np.where(moving, x, 0.0) * cell ** (i + 1) / step for i, x in enumerate(rates))
     return FollowerMotion(at, angle, *scaled)
@@ -101,15 +100,9 @@ class MotionPeaks:
 
     def per_cycle(self) -> "MotionPeaks":
         """The same in steps per cycle time, its square and its cube."""
-        share = self.motion_ratio
-        return replace(
-            self,
-            velocity_max=self.velocity_max / share,
-            acceleration_start=self.acceleration_start / share**2,
-            acceleration_max=self.acceleration_max / share**2,
-            jerk_start=self.jerk_start / share**3,
-            jerk_max=self.jerk_max / share**3,
-        )
+        powers = dict(zip(_PEAKS, (1, 2, 2, 3, 3), strict=True))
+        shares = {name: self.motion_ratio**power for name, power in powers.items()}
+        return replace(self, **{name: getattr(self, name) / shares[name] for name in _PEAKS})
 
 
 def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
@@ -120,10 +113,7 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
     InvalidValue
         For a mechanism without a slotted wheel, or a path through its centre.
     """
-    if not isinstance(mechanism, GearDriven | Geneva):
-        raise validate.fail(
-            "mechanism", "a slotted wheel", mechanism, "give a Geneva or a GearDriven"
-        )
+    _check_wheel(mechanism)
     path = mechanism.path
     first, second = circle(path)  # u vanishes at these g, the first of which is dead centre
     g = Polynomial([0.0, 1.0])
@@ -131,18 +121,26 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
     squared = product * slope**2
     jerk = slope * (slope * (first + second - 2.0 * g) / 2.0 - 2.0 * product)
     angle, step = mechanism.engagement_angle, mechanism.follower_step
+    speed, rate, change = (angle**power / step for power in (1, 2, 3))
     return MotionPeaks(
         motion_ratio=mechanism.motion_ratio,
-        velocity_max=first * angle / step,
-        acceleration_start=float(np.sqrt(squared(0.0))) * angle**2 / step,
-        acceleration_max=float(np.sqrt(_largest(squared, first))) * angle**2 / step,
-        jerk_start=float(jerk(0.0)) * angle**3 / step,
-        jerk_max=_largest(jerk, first) * angle**3 / step,
+        velocity_max=first * speed,
+        acceleration_start=float(np.sqrt(squared(0.0))) * rate,
+        acceleration_max=float(np.sqrt(_largest(squared, first))) * rate,
+        jerk_start=float(jerk(0.0)) * change,
+        jerk_max=_largest(jerk, first) * change,
     )
+
+
+def _check_wheel(mechanism: GearDriven | Geneva) -> None:
+    if not isinstance(mechanism, GearDriven | Geneva):
+        remedy = "give a Geneva or a GearDriven"
+        raise validate.fail("mechanism", "a slotted wheel", mechanism, remedy)
 
 
 def _largest(function: Polynomial, end: float) -> float:
     """Greatest size of a polynomial between 0 and `end`."""
+    # rounding may give a real root a small imaginary part
     roots = function.deriv().roots()
     inside = roots[(np.abs(roots.imag) < 1e-9 * end) & (roots.real > 0.0) & (roots.real < end)]
     return float(np.abs(function(np.array([0.0, end, *inside.real]))).max())

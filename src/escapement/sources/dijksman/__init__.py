@@ -7,31 +7,21 @@ times: which one is found by trying.
 import math
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from escapement.mechanisms import GearDriven
+from escapement.sources import report
 from escapement.sources.dijksman.slips import equations, start_ratios
 from escapement.sources.printed import UNEXPLAINED, Cell, Digits, judge, read_table
-from escapement.sources.report import (
-    Reproduction,
-    as_table,
-    counts,
-    print_errata,
-    print_side_by_side,
-    print_slips,
-    side_by_side,
-)
 from escapement.text import words
-
-if TYPE_CHECKING:
-    from escapement.sources.report import Panels
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and what a table calls them; alpha in degrees."""
-_KEYS = {
-    "alpha": "alpha_deg", "V": "motion_ratio",
-    "MC": "arm_over_fixed", "M0C": "entry_radius_over_fixed",
-}  # fmt: skip
+_LENGTHS = {"V": "motion_ratio", "MC": "arm_over_fixed", "M0C": "entry_radius_over_fixed"}
+_HEADS = {
+    **{name: name for name in ("figure", "curve")},
+    **{"n": "stations", "m": "lobes", "k": "gear_ratio", "slots": "slots_printed"},
+}
 
 
 def captions() -> list[dict[str, str]]:
@@ -51,45 +41,36 @@ def proportions() -> list[Cell]:
 
 def right_values(wheel: GearDriven) -> dict[str, float]:
     """alpha [deg], V, MC/R0 and M0C/R0 of a mechanism with one pin."""
-    lengths = {column: getattr(wheel, _KEYS[column]) for column in ("V", "MC", "M0C")}
+    lengths = {column: getattr(wheel, name) for column, name in _LENGTHS.items()}
     return {"alpha": math.degrees(wheel.alpha), **lengths}
 
 
-def reproduce(units: str) -> Reproduction:
+def reproduce(units: str) -> report.Reproduction:
     """The captions recomputed: pure numbers and angles, whatever the units."""
     cells, slips = proportions(), equations()
     ratios = {name: start_ratios(name == "per_cycle") for name in ("per_cycle", "per_motion")}
     rows = [_as_row(caption, cells) for caption in captions()]
-    record = {"rows": rows, **counts(cells, slips), "start_ratios": ratios}
+    record = {"rows": rows, **report.counts(cells, slips), "start_ratios": ratios}
 
     def show() -> None:
         print("Dijksman (1974), figures 6 to 9: printed, and below it computed; * differs\n")
-        heads = {"stations": "n", "lobes": "m", "gear_ratio": "k"}
-        heads = {name: heads.get(name, name) for name in captions()[0] if name not in COLUMNS}
-        lines = [
-            ([row["slots_printed" if name == "slots" else name] for name in heads], own)
+        beside = [
+            ([row[key] for key in _HEADS.values()], _of_figure(row["figure"], cells))
             for row in rows
-            if (own := _of_figure(row["figure"], cells))
         ]
-        print_side_by_side([*heads.values()], COLUMNS.values(), lines)
-        print_errata(cells, "numbers", lambda it: f"figure {it.place}, {COLUMNS[it.column]}")
-        errors = (
-            ", with the greatest error of the\nprinted and of the corrected formula over the "
-            "design charts"
-        )
-        print_slips(slips, errors)
-        print(
-            "\nAcceleration with which a gear-driven wheel starts, over that of the ordinary wheel "
-            "of as many\nstations, least and greatest over the design charts:"
-        )
+        report.print_side_by_side([*_HEADS], COLUMNS.values(), beside)
+        report.print_errata(cells, "numbers", lambda it: f"figure {it.place}, {COLUMNS[it.column]}")
+        report.print_slips(slips, "all wheels of the design charts")
+        print("\nAcceleration at the start over an ordinary wheel's of as many stations, extremes:")
         for name, (least, greatest) in ratios.items():
             text = f"{words(name).removeprefix('per ')}s of the same time"
             print(f"  {text:<27}{least:.3f} to {greatest:.3f}")
 
-    return Reproduction("dijksman_figures", record, as_table(cells, "figure"), show, _panels)
+    lines = report.as_table(cells, "figure")
+    return report.Reproduction("dijksman_figures", record, lines, show, _panels)
 
 
-def _panels() -> "Panels":
+def _panels() -> "report.Panels":
     """Figure 2, figures 6 to 9, the design charts, and motions beside the ordinary wheel's."""
     from escapement.plots import gear_driven
     from escapement.sources.dijksman import figures
@@ -117,7 +98,7 @@ def _as_row(caption: dict[str, str], cells: Sequence[Cell]) -> dict[str, Any]:
         "gear_ratio": float(wheel.gear_ratio),
         "slots": wheel.slots,
         "slots_printed": int(caption["slots"]),
-        **side_by_side(_of_figure(number, cells), _KEYS),
+        **report.side_by_side(_of_figure(number, cells), {"alpha": "alpha_deg", **_LENGTHS}),
     }
 
 
@@ -134,6 +115,7 @@ def _why(
     wheel: GearDriven, ratio: str, column: str, printed: Digits, right: Digits
 ) -> Iterator[str]:
     """Rounded ratios of times that give the printed number."""
+    # the ratio with as many places as are printed, or with four
     for places in (len(ratio.partition(".")[2]), 4):
         rounded = round(wheel.motion_ratio, places)
         # a ratio may itself be a unit of its last digit too great
@@ -146,6 +128,7 @@ def _why(
 
 def _from_ratio(wheel: GearDriven, ratio: float) -> dict[str, float]:
     """Proportions as (9) and (15) give them from a ratio of times."""
+    # k is negative for an epicycloid, and alpha is not
     k = float(wheel.gear_ratio)
     alpha = 2.0 * math.pi * ratio / abs(k)
     end = alpha + 2.0 * math.pi / wheel.stations

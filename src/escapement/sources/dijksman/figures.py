@@ -1,7 +1,6 @@
 """Design charts of gear-driven wheels, and their motion beside the ordinary wheel's."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -87,13 +86,13 @@ def plot_motions(stations: int = 12, inside: int = 3, outside: int = 0) -> Figur
         inner = np.linspace(0.0, edge, 401)
         time = np.concatenate([[-0.05, -tiny], inner, [edge + tiny, 1.0 - tiny]])
         found = follower_motion(wheel, time)
-        line: dict[str, Any] = {"color": look.color, "linestyle": look.linestyle, "lw": 1.2}
         for quantity, ax in panels.items():
-            ax.plot(time, getattr(found, quantity), label=name, **line)
+            values = getattr(found, quantity)
+            ax.plot(time, values, color=look.color, ls=look.linestyle, lw=1.2, label=name)
     for quantity, ax in panels.items():
         ax.set(ylabel=f"{quantity.capitalize()}\nin {units[quantity]}", xlim=(-0.05, 1.0))
-    for ax in list(panels.values())[2:]:
-        ax.set_xlabel(label("time in cycles"))
+    for quantity in ("acceleration", "jerk"):
+        panels[quantity].set_xlabel(label("time in cycles"))
     handles, _ = panels["angle"].get_legend_handles_labels()
     style.add_legend(figure, 4, handles=handles, loc="outside upper center", handlelength=2.6)
     return figure

@@ -42,6 +42,7 @@ def equations() -> list[Slip]:
         )
         for wheel in chart_mechanisms()
     ]  # fmt: skip
+    # one row a mechanism, one array a quantity
     n, k, cognate_k, alpha, ratio, carrier, entry = np.array(rows).T
     gamma, factor, turn = 2.0 * np.pi / n, 2.0 / k - 1.0, alpha / (2.0 * np.pi)
     # pi V0 in (10) and (14), with the sign of k and, as (14) has it, without

@@ -9,26 +9,14 @@ printed value is within their reach.
 import math
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from escapement.constant_speed import geneva
 from escapement.mechanisms import Geneva
+from escapement.sources import report
 from escapement.sources.filemon.slips import equations
 from escapement.sources.printed import Cell, Digits, cut_off, digits, judge, read_table
-from escapement.sources.report import (
-    Reproduction,
-    as_table,
-    counts,
-    print_errata,
-    print_side_by_side,
-    print_slips,
-    side_by_side,
-)
-
-if TYPE_CHECKING:
-    from escapement.sources.report import Panels
 
 COLUMNS = {
     "ratio_max": "i_omega max",
@@ -66,6 +54,7 @@ def right_values(slots: int, sine: float | None = None) -> dict[str, float]:
         Another c in place of sin(pi/n), as tables of few digits give it.
     """
     start = float(geneva.acceleration_start(slots))
+    # a wheel with as many slots, not a whole number, has just this sine
     turned = slots if sine is None else math.pi / math.asin(sine)
     top = float(geneva.acceleration_max(turned))
     return {
@@ -95,6 +84,7 @@ def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) 
     """
     nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE_NODES)
     worst = 0.0
+    # the torque is smooth over half an engagement, where the sum converges at once
     for n in slots:
         wheel = Geneva(n, pins=1)
         table = wheel.transmission(0.5 * wheel.breaks[0] * (1.0 - nodes))
@@ -104,34 +94,26 @@ def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) 
     return worst
 
 
-def reproduce(units: str) -> Reproduction:
+def reproduce(units: str) -> report.Reproduction:
     """All 48 cells recomputed: pure numbers and angles, whatever the units."""
     rows = {slots: _row(slots) for slots in printed_rows()}
     cells, slips, error = table_1(), equations(), mean_torque_error()
-    compared: list[dict[str, Any]] = [
-        {"slots": slots, **side_by_side(row, {"beta_max": "beta_max_deg"})}
-        for slots, row in rows.items()
-    ]
-    record = {"rows": compared, **counts(cells, slips), "mean_torque_error": error}
+    keys = {"beta_max": "beta_max_deg"}
+    compared = [{"slots": n, **report.side_by_side(row, keys)} for n, row in rows.items()]
+    record = {"rows": compared, **report.counts(cells, slips), "mean_torque_error": error}
 
     def show() -> None:
         print("Filemon (1960), Table I: printed, and below it computed; * differs\n")
-        print_side_by_side("n", COLUMNS.values(), [([n], row) for n, row in rows.items()])
-        print_errata(cells, "cells", lambda it: f"n = {it.place}, {COLUMNS[it.column]}")
-        errors = (
-            ", with the greatest relative error\nof the printed and of the corrected formula for "
-            "3 to 10 slots"
-        )
-        print_slips(slips, errors)
-        print(
-            "\nMean torque (10) against quadrature, n = 3 to 100: greatest relative difference "
-            f"{error:.1e}"
-        )
+        report.print_side_by_side("n", COLUMNS.values(), [([n], row) for n, row in rows.items()])
+        report.print_errata(cells, "cells", lambda it: f"n = {it.place}, {COLUMNS[it.column]}")
+        report.print_slips(slips, "3 to 10 slots, relative")
+        print(f"\nMean torque (10) against quadrature, n = 3 to 100: relative error {error:.1e}")
 
-    return Reproduction("filemon_table_1", record, as_table(cells, "slots"), show, _panels)
+    lines = report.as_table(cells, "slots")
+    return report.Reproduction("filemon_table_1", record, lines, show, _panels)
 
 
-def _panels() -> "Panels":
+def _panels() -> "report.Panels":
     """Figures 3 to 12 and 15; the nomograms 13 and 16, to be printed, as PDF."""
     from escapement.sources.filemon.figures import FIGURES
     from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
@@ -152,10 +134,9 @@ def _row(slots: int) -> list[Cell]:
 
 def _why(slots: int, column: str, printed: Digits, right: Digits) -> Iterator[str]:
     """Rules that give the printed digits, from the strictest to the loosest."""
-    value = right_values(slots)[column]
-    source = _RECIPROCALS.get(column, "")
-    other = digits(printed_rows()[slots][source]) if source else None
-    if other is not None:
+    if column in _RECIPROCALS:
+        source = _RECIPROCALS[column]
+        other = digits(printed_rows()[slots][source])
         made = 1.0 / other.value
         for how, cut in (("rounded", False), ("cut off", True)):
             if printed.like(made, cut=cut).value == printed.value:
@@ -163,7 +144,10 @@ def _why(slots: int, column: str, printed: Digits, right: Digits) -> Iterator[st
                     f"reciprocal: 1/{other.text}, of the printed {COLUMNS[source]}, is "
                     f"{made:.6g}, {how} to {printed.text}"
                 )
-    yield from cut_off(printed, value)
+        near = printed.like(made).text
+        if sorted(printed.text) == sorted(near):
+            yield f"digits transposed: {near}, the reciprocal of the printed {COLUMNS[source]}"
+    yield from cut_off(printed, right_values(slots)[column])
     sine = round(float(geneva.crank_ratio(slots)), 4)
     low, high = sorted(right_values(slots, sine + off)[column] for off in (-_SINE, _SINE))
     # the printed value was itself rounded once more
@@ -178,10 +162,7 @@ def _why(slots: int, column: str, printed: Digits, right: Digits) -> Iterator[st
             "four-place arithmetic: L = 1 + c^2 - 2c cos(beta) is a small difference, and half "
             f"a unit in its fourth decimal gives {printed.finer(low)} to {printed.finer(high)}"
         )
-    if other is not None:
-        near = printed.like(1.0 / other.value).text
-        if sorted(printed.text) == sorted(near):
-            yield f"digits transposed: {near}, the reciprocal of the printed {COLUMNS[source]}"
+    # both texts have as many characters, because `right` was given the digits of `printed`
     wrong = {(a, b) for a, b in zip(printed.text, right.text, strict=True) if a != b}
     # one digit may stand for another more than once
     if len(wrong) == 1:

@@ -23,9 +23,7 @@ SLOTS = tuple(range(3, 11))
 """Numbers of slots of the families of curves."""
 ANGLE = label("driver angle β", "°")
 RATIO, RATE, LOAD_RATIO = r"$i_\omega$", r"$i_\varepsilon$", r"$F$"
-MARK: dict[str, Any] = {
-    "ls": "", "marker": "o", "ms": 5, "mfc": "white", "mec": style.BLACK, "mew": 0.9, "zorder": 5
-}  # fmt: skip
+MARK: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "mec": style.BLACK, "mew": 0.9}
 """How a pin reversal is marked."""
 Curve = Callable[[int], tuple[FloatArray, FloatArray]]
 """From a number of slots to the places and heights of a curve."""
@@ -33,14 +31,13 @@ Curve = Callable[[int], tuple[FloatArray, FloatArray]]
 
 def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
     """Transmission function over an engagement (figure 3)."""
-    ax = ax or style.new_axes()
-    angle, table = engagement(slots)
-    ax.plot(angle, table.g, color=style.BLUE, lw=1.4)
+    ax, angle, table = _over_engagement(slots, RATIO, ax or style.new_axes())
     top = float(geneva.ratio_max(slots))
+    ax.plot(angle, table.g, color=style.BLUE, lw=1.4)
     ax.plot(0.0, top, "v", color=style.BLACK, ms=5)
     name = rf"$i_{{\omega\,\mathrm{{max}}}}$ = {top:.3f}"
     style.annotate(ax, name, (0.0, top), (7.0, 0.0), "left")
-    ax.set(xlabel=ANGLE, ylabel=RATIO, xlim=(angle[0], angle[-1]), ylim=(0.0, 1.15 * top))
+    ax.set_ylim(0.0, 1.15 * top)
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
     return ax
 
@@ -54,9 +51,7 @@ def plot_transmission_family(slots: Sequence[int] = SLOTS, ax: Axes | None = Non
 
 def plot_acceleration(slots: int = 4, ax: Axes | None = None) -> Axes:
     """Acceleration function over an engagement, with start and maximum (figure 5)."""
-    ax = ax or style.new_axes()
-    angle, table = engagement(slots)
-    ax.axhline(0.0, color=style.BLACK, lw=0.6)
+    ax, angle, table = _over_engagement(slots, RATE, ax or style.new_axes())
     ax.plot(angle, table.dg, color=style.BLUE, lw=1.4)
     start, top = (float(f(slots)) for f in (geneva.acceleration_start, geneva.acceleration_max))
     place = -np.degrees(float(geneva.acceleration_max_angle(slots)))
@@ -66,7 +61,7 @@ def plot_acceleration(slots: int = 4, ax: Axes | None = None) -> Axes:
     style.annotate(ax, name, (angle[0], start), (6.0, -22.0), "left")
     name = rf"$i_{{\varepsilon\,\mathrm{{max}}}}$ = {top:.3f}"
     style.annotate(ax, f"{name}\nat −{-place:.2f}°", (place, top), (14.0, -4.0), "left")
-    ax.set(xlabel=ANGLE, ylabel=RATE, xlim=(angle[0], angle[-1]), ylim=(-1.2 * top, 1.2 * top))
+    ax.set_ylim(-1.2 * top, 1.2 * top)
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
     return ax
 
@@ -75,8 +70,7 @@ def plot_acceleration_family(slots: Sequence[int] = SLOTS, ax: Axes | None = Non
     """Acceleration functions up to dead centre, logarithmic (figure 6)."""
     ax = _engagements(slots, lambda table: table.dg, ax, -90.0)
     tops = -np.degrees(geneva.acceleration_max_angle(slots))
-    mark = MARK | {"ms": 3.5, "mew": 0.8, "zorder": 2}
-    ax.plot(tops, geneva.acceleration_max(slots), label="maximum", **mark)
+    ax.plot(tops, geneva.acceleration_max(slots), label="maximum", ms=3.5, **MARK)
     ax.set(ylabel=RATE, ylim=(0.05, 50.0))
     ax.legend(loc="upper left", fontsize=style.SMALL_SIZE, frameon=False)
     return ax
@@ -84,22 +78,17 @@ def plot_acceleration_family(slots: Sequence[int] = SLOTS, ax: Axes | None = Non
 
 def plot_torque_terms(slots: int = 4, ratio: float = 1.0, ax: Axes | None = None) -> Axes:
     """Torque as the sum of the load's and the inertia's share (figure 7)."""
-    ax = ax or style.new_axes(style.TWO_COLUMN, 3.8)
-    angle, table = engagement(slots)
+    ax, angle, table = _over_engagement(slots, "Function", ax or style.new_axes(7.2, 3.8))
     product = ratio * table.g * table.dg
     name = r"$i_\omega i_\varepsilon$" if ratio == 1.0 else r"$F\, i_\omega i_\varepsilon$"
-    lines = (
-        (table.g, RATIO, style.LOOKS[1], 1.1),
-        (table.dg, RATE, style.LOOKS[2], 1.1),
-        (product, name, style.LOOKS[3], 1.1),
-        (table.g + product, r"$M_2 \eta / M_e$", style.LOOKS[0], 1.8),
-    )
-    ax.axhline(0.0, color=style.BLACK, lw=0.6)
-    for values, text, look, width in lines:
+    terms = {RATIO: table.g, RATE: table.dg, name: product, r"$M_2 \eta / M_e$": table.g + product}
+    # the sum has the first look and the widest line
+    looks = (*style.LOOKS[1:4], style.LOOKS[0])
+    for look, (text, values) in zip(looks, terms.items(), strict=True):
+        width = 1.8 if look is style.LOOKS[0] else 1.1
         ax.plot(angle, values, color=look.color, ls=look.linestyle, lw=width, label=text)
     reversals = np.degrees(reversal_study(slots, ratio).reversals)
-    ax.plot(reversals, np.zeros_like(reversals), label="pin reversal", **MARK)
-    ax.set(xlabel=ANGLE, ylabel="Function", xlim=(angle[0], angle[-1]))
+    ax.plot(reversals, np.zeros_like(reversals), label="pin reversal", ms=5, zorder=5, **MARK)
     style.legend_above(ax, 5, f"n = {slots}, F = {ratio:g}")
     return ax
 
@@ -113,9 +102,10 @@ def plot_zones(slots: int = 8, ratios: Sequence[float] = (1.0, 1.9, 4.0)) -> Fig
         angle, torque = np.degrees(result.samples.theta), result.samples.torque
         style.dress(ax).axhline(0.0, color=style.BLACK, lw=0.6)
         ax.plot(angle, torque, color=style.BLUE, lw=1.4)
+        # shaded is where the follower drives the pin
         ax.fill_between(angle, torque, 0.0, where=torque < 0.0, color=style.SKY, alpha=0.5, lw=0)
         found = np.degrees(result.reversals)
-        ax.plot(found, np.zeros_like(found), **MARK)
+        ax.plot(found, np.zeros_like(found), ms=5, zorder=5, **MARK)
         ax.set_title(f"{letter}  zone {result.zone}, F = {ratio:g}", fontsize=style.TICK_SIZE)
         ax.set(xlabel="β (°)", xlim=(angle[0], angle[-1]))
     panels[0].set_ylabel(r"$M_2 \eta / M_e$")
@@ -129,20 +119,18 @@ def plot_reversal_curve(slots: int = 8, ax: Axes | None = None) -> Axes:
     angle, ratio = _reversal(slots)
     lower, upper = (float(limit) for limit in geneva.reversal_limits(slots))
     steepest = np.degrees(float(geneva.acceleration_max_angle(slots)))
-    top = 2.0 * upper
     ax.axhspan(lower, upper, color=style.SKY, alpha=0.25, lw=0)
     ax.plot(angle, ratio, color=style.BLUE, lw=1.5)
+    # F12 touches the curve at its lowest point, F23 is where it ends
     for limit, name, place in ((lower, "12", steepest), (upper, "23", angle[-1])):
         ax.axhline(limit, color=style.BLACK, lw=0.8, ls=(0, (5, 2)))
-        ax.plot(place, limit, clip_on=False, **MARK)
+        ax.plot(place, limit, clip_on=False, ms=5, zorder=5, **MARK)
         style.annotate(ax, rf"$F_{{{name}}}$ = {limit:.4f}", (2.0, limit), (0.0, 7.0), "left")
-    for height, text in (
-        (0.55 * lower, "1: no reversal"),
-        (0.5 * (lower + upper), "2: two reversals"),
-        (0.5 * (upper + top), "3: one reversal"),
-    ):
+    heights = (0.55 * lower, 0.5 * (lower + upper), 1.5 * upper)
+    zones = ("1: no reversal", "2: two reversals", "3: one reversal")
+    for height, text in zip(heights, zones, strict=True):
         style.annotate(ax, f"zone {text}", (0.55 * angle[-1], height))
-    ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, angle[-1]), ylim=(0.0, top))
+    ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, angle[-1]), ylim=(0.0, 2.0 * upper))
     ax.set_title(f"n = {slots}", fontsize=style.TICK_SIZE)
     return ax
 
@@ -153,11 +141,10 @@ def plot_reversal_curves(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -
     places = geneva.acceleration_max_angle(slots), geneva.engagement_half(slots)
     limits = geneva.reversal_limits(slots)
     for at, limit, name, marker in zip(places, limits, ("12", "23"), "os", strict=True):
-        mark = MARK | {"ms": 3.5, "marker": marker}
-        ax.plot(np.degrees(at), limit, label=rf"$F_{{{name}}}$", **mark)
+        mark = MARK | {"ms": 3.5, "zorder": 5, "marker": marker, "label": rf"$F_{{{name}}}$"}
+        ax.plot(np.degrees(at), limit, **mark)
     ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, 75.0), ylim=(0.02, 20.0))
-    small = {"fontsize": style.SMALL_SIZE, "title_fontsize": style.SMALL_SIZE}
-    ax.legend(loc="lower right", title="Beside the curves: slots n", frameon=False, **small)
+    style.add_legend(ax, 1, "Beside the curves: slots n", loc="lower right")
     return ax
 
 
@@ -165,15 +152,13 @@ def plot_reversal_limits(slots: Sequence[int] = SLOTS, ax: Axes | None = None) -
     """Limits of the zones against the number of slots (figure 11)."""
     lower, upper = geneva.reversal_limits(slots)
     ax = _over_slots(slots, {r"$F_{12}$": lower, r"$F_{23}$": upper}, ax)
+    # between both limits, in zone 2, the pin changes sides twice
     ax.fill_between(slots, lower, upper, color=style.SKY, alpha=0.25, lw=0)
+    # names stand where their zones are wide enough
     i = len(slots) // 2
-    names = (
-        ("zone 1", 1, 0.35 * lower),
-        ("2", 0, 0.5 * (lower + upper)),
-        ("zone 3", -1, 1.45 * upper),
-    )
-    for text, shift, heights in names:
-        style.annotate(ax, text, (float(slots[i] + shift), float(heights[i])))
+    style.annotate(ax, "zone 1", (slots[i] + 1.0, 0.35 * float(lower[i])))
+    style.annotate(ax, "2", (slots[i], 0.5 * float(lower[i] + upper[i])))
+    style.annotate(ax, "zone 3", (slots[i] - 1.0, 1.45 * float(upper[i])))
     ax.set(ylabel=LOAD_RATIO, ylim=(0.0, None))
     return ax
 
@@ -230,6 +215,14 @@ def engagement(slots: int, share: float = 1.0) -> tuple[FloatArray, Transmission
     return np.degrees(theta), wheel.transmission(theta)
 
 
+def _over_engagement(slots: int, name: str, ax: Axes) -> tuple[Axes, FloatArray, Transmission]:
+    """Axes of an engagement, with a line at zero, and what `engagement` gives for them."""
+    angle, table = engagement(slots)
+    ax.axhline(0.0, color=style.BLACK, lw=0.6)
+    ax.set(xlabel=ANGLE, ylabel=name, xlim=(angle[0], angle[-1]))
+    return ax, angle, table
+
+
 def _reversal(slots: int) -> tuple[FloatArray, FloatArray]:
     """Angles [degrees] after dead centre, and the F that makes the torque zero there (7)."""
     # at dead centre no F does
@@ -257,8 +250,8 @@ def _engagements(
         ax.axvline(-start, color=style.GREY, lw=0.5, ls=":")
     ax.set(xlabel=ANGLE, xlim=(-75.0, 0.0))
     text = " ".join(f"{start:.4g}°" for start in starts)
-    name = f"n on the curves; β₀ for n = {slots[0]} to {slots[-1]}: {text}"
-    ax.set_title(name, fontsize=style.SMALL_SIZE)
+    title = f"n on the curves; β₀ for n = {slots[0]} to {slots[-1]}: {text}"
+    ax.set_title(title, fontsize=style.SMALL_SIZE)
     return ax
 
 
@@ -288,10 +281,8 @@ def _over_slots(slots: Sequence[int], lines: dict[str, FloatArray], ax: Axes | N
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.2)
     style.grid(ax)
     for look, (name, values) in zip(style.LOOKS, lines.items(), strict=False):
-        ax.plot(
-            slots, values, color=look.color, ls=look.linestyle, marker=look.marker, ms=4,
-            mfc="white", lw=1.2, label=name, clip_on=False,
-        )  # fmt: skip
+        drawn: dict[str, Any] = {"color": look.color, "ls": look.linestyle, "lw": 1.2, "ms": 4}
+        ax.plot(slots, values, marker=look.marker, mfc="white", label=name, clip_on=False, **drawn)
     ax.set(xlabel="Number of slots n", xlim=(slots[0], slots[-1]))
     ax.xaxis.set_major_locator(MultipleLocator(1))
     style.legend_above(ax, 2)

@@ -8,7 +8,7 @@ those of the scan.
 import numpy as np
 
 from escapement.constant_speed import geneva, reversal_study
-from escapement.constant_speed.kernels import derivatives_at
+from escapement.constant_speed.study import derivatives_at
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
 from escapement.sources.printed import Slip, read_slips
@@ -21,26 +21,34 @@ def equations() -> list[Slip]:
     """Every slip of the equations, each tried out: relative errors for 3 to 10 slots."""
     n = np.repeat(SLOTS, _SHARES.size)
     c, half = geneva.crank_ratio(n), geneva.engagement_half(n)
+    # the places keep clear of dead centre, where some of the functions are zero
     b = np.tile(_SHARES, len(SLOTS)) * half
     g, dg, ddg, _ = np.array(
         [derivatives_at(Geneva(int(k), pins=1).path, at) for k, at in zip(n, b, strict=True)]
     ).T
     length = 1.0 + c * c - 2.0 * c * np.cos(b)
     ratio, swing = c * (np.cos(b) - c) / length, c * (1.0 - c * c)
+    # the acceleration function, from which (7) and the slope of the torque follow
     rate = -swing * np.sin(b) / length**2
+    x = np.cos(b)
+    jerks = (
+        -swing * (2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c) / length**3
+        for sign in (-1.0, 1.0)
+    )
+    top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
+    # the second term of dM_2/d beta at F = 1, M_e = eta = 1, without its denominator
+    term = c * swing * top
     # the formula as printed, as corrected, and the truth
     tried = {
         "acceleration": (ratio**2 * rate, rate, dg),
-        "jerk": (_jerk(c, b, length, -1.0), _jerk(c, b, length, 1.0), ddg),
+        "jerk": (*jerks, ddg),
         "reversal ratio": (
             length**2 / (c * (1.0 - c * c * np.sin(b))), length**2 / (swing * np.sin(b)), -1.0 / dg
         ),
         "steepest": (_cosine(c, -1.0), _cosine(c, 1.0), np.cos(geneva.acceleration_max_angle(n))),
         "limit F23": (-1.0 / np.tan(np.arcsin(c)), 1.0 / np.tan(np.arcsin(c)), np.tan(half)),
         "torque slope": (
-            rate - _slope_term(c, b) / length**3,
-            rate - _slope_term(c, b) / length**4,
-            dg + dg**2 + g * ddg,
+            rate - term / length**3, rate - term / length**4, dg + dg**2 + g * ddg
         ),
         "cubic": (_cubic(n, 0.0, -1.0, 0.333, 0.074), _cubic(n, 1 / 3, 1.0, 1 / 3, 2 / 27), 1.0),
     }  # fmt: skip
@@ -51,26 +59,10 @@ def equations() -> list[Slip]:
     return read_slips("filemon", deviations)
 
 
-def _jerk(c: FloatArray, b: FloatArray, length: FloatArray, sign: float) -> FloatArray:
-    """d^3 alpha/d beta^3."""
-    x = np.cos(b)
-    top = 2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c
-    found: FloatArray = -c * (1.0 - c * c) * top / length**3
-    return found
-
-
 def _cosine(c: FloatArray, sign: float) -> FloatArray:
     """cos(beta) where the acceleration is greatest."""
     k = (1.0 + sign * c * c) / (4.0 * c)
     return -k + np.sqrt(k * k + 2.0)
-
-
-def _slope_term(c: FloatArray, b: FloatArray) -> FloatArray:
-    """The second term of dM_2/d beta at F = 1, M_e = eta = 1, without its denominator."""
-    x = np.cos(b)
-    top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
-    found: FloatArray = c * c * (1.0 - c * c) * top
-    return found
 
 
 def _cubic(n: FloatArray, shift: float, sign: float, third: float, cube: float) -> FloatArray:

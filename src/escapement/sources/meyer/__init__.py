@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, partial
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,16 +22,13 @@ from escapement import validate
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.simulation import simulate, terminal
+from escapement.sources import report
 from escapement.sources.meyer.program import program_1973, read_printout
 from escapement.sources.meyer.published_cell import PublishedCell
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
 from escapement.sources.printed import read_table
-from escapement.sources.report import Reproduction
 from escapement.text import print_columns
 from escapement.units import INCH_POUND, SYSTEMS, factor, unit_name
-
-if TYPE_CHECKING:
-    from escapement.sources.report import Panels
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """Driver and follower inertia really used, by slots [in-lbf-s^2] (figures 9 to 11)."""
@@ -44,6 +41,11 @@ COLUMNS = {
     "true": "true mechanism",
 }
 """What stands side by side, and what the report calls it."""
+
+_FIELDS = (
+    ("velocity_max", 5, 0), ("velocity_min", 5, 0), ("rise_time", 6, 3), ("period", 6, 3)
+)  # fmt: skip
+"""Figures, the width of their columns, and the decimals of the thesis."""
 
 
 class PrintedRun(NamedTuple):
@@ -111,9 +113,10 @@ def agreement(rows: Sequence[Mapping[str, Any]], column: str = "as_published") -
     column : str
         "as_published", "program_1973" or "true".
     """
-
-    computed = {name: np.array([row[column][name] for row in rows]) for name in HALF_DIGIT}
-    printed = {name: np.array([row["printed"][name] for row in rows]) for name in HALF_DIGIT}
+    printed, computed = (
+        {name: np.array([row[which][name] for row in rows]) for name in HALF_DIGIT}
+        for which in ("printed", column)
+    )
     off = {name: np.abs(printed[name] - computed[name]) for name in HALF_DIGIT}
     return Agreement(
         rows=len(rows),
@@ -125,7 +128,7 @@ def agreement(rows: Sequence[Mapping[str, Any]], column: str = "as_published") -
     )
 
 
-def reproduce(units: str) -> Reproduction:
+def reproduce(units: str) -> report.Reproduction:
     """All 49 rows recomputed."""
     rows = appendix_e(units)
     agreeing = {name: agreement(rows, name)._asdict() for name in COLUMNS if name != "printed"}
@@ -137,10 +140,10 @@ def reproduce(units: str) -> Reproduction:
 
     record = {"units": units, "rows": rows, "agreement": agreeing}
     table = _as_table(rows, units)
-    return Reproduction("meyer_appendix_e", record, table, show, partial(_panels, rows))
+    return report.Reproduction("meyer_appendix_e", record, table, show, partial(_panels, rows))
 
 
-def _panels(rows: Sequence[Mapping[str, Any]]) -> "Panels":
+def _panels(rows: Sequence[Mapping[str, Any]]) -> "report.Panels":
     """Figures 8 to 14 of the thesis, recomputed."""
     from escapement.plots import plot_configurations, plot_velocities
     from escapement.sources.meyer.figures import plot_appendix_e
@@ -167,13 +170,11 @@ def _compare(row: PrintedRun, units: str) -> dict[str, Any]:
         "program_1973": _figures(read_printout(program_1973(*run))),
         "true": _terminal(row, cell.geneva, INERTIAS),
     }
+    # the same with the inertias of the heading, to show that they were not used
     headed = _terminal(row, cell, HEADINGS)
-    torque_unit, inertia_unit = (INCH_POUND / factor(q, units) for q in ("torque", "inertia"))
+    torque_unit, inertia_unit = (INCH_POUND / factor(it, units) for it in ("torque", "inertia"))
     return {
-        "slots": row.slots,
-        "pins": row.pins,
-        "friction": row.friction,
-        "torque_inlbf": row.torque_inlbf,
+        **{name: getattr(row, name) for name in PrintedRun._fields[:4]},
         "torque": row.torque_inlbf * torque_unit,
         "driver_inertia": driver * inertia_unit,
         "follower_inertia": follower * inertia_unit,
@@ -210,20 +211,20 @@ def _at_unit_torque(
 def _print_rows(rows: Sequence[Mapping[str, Any]], units: str) -> None:
     """One line a row; computed figures have a digit more than the thesis prints."""
     print("Meyer (1973), Appendix E: driver velocity [rad/s], rise time and period [s]\n")
-    titles = " | ".join(f"{title:^23}" for title in COLUMNS.values()).rstrip()
-    print(f"{'':>3} slots   mu {'torque':>9} | {titles}")
-    under = " | ".join(["  max   min  rise period "] * len(COLUMNS)).rstrip()
-    print(f"row {'':>10} {unit_name('torque', units):>9} | {under}")
-    names = ("velocity_max", "velocity_min", "rise_time", "period")
+    titles = [f"{title:^25}" for title in COLUMNS.values()]
+    under = ["  max   min   rise period"] * len(COLUMNS)
+    print(" | ".join([f"    slots   mu {'torque':>9}", *titles]).rstrip())
+    print(" | ".join([f"row            {unit_name('torque', units):>9}", *under]))
     for number, row in enumerate(rows, 1):
-        cells = []
+        cells = [f"{number:>3} {row['slots']:>5} {row['friction']:.2f} {row['torque']:>9.4g}"]
         for column in COLUMNS:
-            speed, time = (0, 3) if column == "printed" else (1, 4)
-            places = zip(names, (speed, speed, time, time), strict=True)
-            shown = " ".join(f"{row[column][name]:>5.{digits}f}" for name, digits in places)
-            cells.append(f"{shown:<23}")
-        first = f"{number:>3} {row['slots']:>5} {row['friction']:.2f} {row['torque']:>9.4g}"
-        print(" | ".join([first, *cells]))
+            # what was computed is shown with one digit more
+            finer = column != "printed"
+            fields = [
+                f"{row[column][name]:>{wide}.{digits + finer}f}" for name, wide, digits in _FIELDS
+            ]
+            cells.append(" ".join(fields))
+        print(" | ".join(cells))
 
 
 def _print_reasons(rows: Sequence[Mapping[str, Any]]) -> None:
@@ -250,28 +251,23 @@ def ranges(numbers: Iterable[int]) -> str:
     return f"row{'s' if len(unique) > 1 else ''} {text}"
 
 
-def _print_agreement(agreeing: Mapping[str, Mapping[str, Any]]) -> None:
+def _print_agreement(agreeing: Mapping[str, dict[str, Any]]) -> None:
     header = ["of 49 rows", "period", "minimum", "maximum", "worst maximum", "rise time"]
     below = ["", "1 ms", "0.55 rad/s", "1 rad/s", "", "half a period"]
     print("\nHow many rows meet the printed figure within")
-    rows = [
-        [
-            COLUMNS[name], found["periods"], found["minima"], found["maxima"],
-            f"{100.0 * found['worst_maximum']:.1f} %", found["rise_times"],
-        ]
-        for name, found in agreeing.items()
-    ]  # fmt: skip
+    rows = []
+    for name, found in agreeing.items():
+        worst = f"{100.0 * found['worst_maximum']:.1f} %"
+        rows.append([*(found | {"rows": COLUMNS[name], "worst_maximum": worst}).values()])
     print_columns([header, below], rows)
 
 
 def _as_table(rows: Sequence[Mapping[str, Any]], units: str) -> list[list[Any]]:
     """A header, then a line a row, with the system that torque and inertias are in."""
     plain = [name for name in rows[0] if name not in (*COLUMNS, "reasons")]
-    pairs = [(column, name) for column in COLUMNS for name in HALF_DIGIT]
-    lines: list[list[Any]] = [
-        [*plain, "units", *(f"{column}_{name}" for column, name in pairs), "reasons"]
-    ]
+    header = [f"{column}_{name}" for column in COLUMNS for name in HALF_DIGIT]
+    lines: list[list[Any]] = [[*plain, "units", *header, "reasons"]]
     for row in rows:
-        figures = (row[column][name] for column, name in pairs)
+        figures = [row[column][name] for column in COLUMNS for name in HALF_DIGIT]
         lines.append([*(row[name] for name in plain), units, *figures, "; ".join(row["reasons"])])
     return lines

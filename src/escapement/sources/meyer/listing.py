@@ -38,6 +38,7 @@ def _acceleration(n, mu, rho, e, x0, theta, v, old2dx):
     g = 1/sin(pi/n), h = g cos x - 1, i = g sin x, j = 1 - g^2, l = squared pin
     distance; a, b, c, d, e = factors of Meyer's eq. 1-19; s = sign of F.
     """
+    # the next pin takes over after 90 degrees, whatever the wheel
     x = np.fmod(theta, CELL) + x0
     g = 1.0 / np.sin(PI / n)
     h = g * np.cos(x) - 1.0
@@ -48,6 +49,7 @@ def _acceleration(n, mu, rho, e, x0, theta, v, old2dx):
     b = (i * j * h) / (l * l * l)
     c = (i * i * mu * j) / (l * l * l)
     d = (i * mu * h) / (l * l)
+    # the true sign needs the acceleration that it decides, so an older one stands in
     s = -1.0 if c * v * v + d * old2dx < 0.0 else 1.0
     return (e - (b + s * c) * v * v) / (a + s * d), h * v / l
 
@@ -67,6 +69,7 @@ def _delayed(times, values, last, time):
     if time <= 0.0:
         return values[0]
     k = last
+    # the time asked for is at most a few steps back
     while times[k % _LINE] > time:
         k -= 1
     if k == last:
@@ -109,12 +112,14 @@ def run_listing(n, mu, rho, e, x0, interval, out):
     step = DELAY
     for row in range(1, out.shape[0]):
         end = row * interval
+        # at a breakdown steps stay so short that the row would never end
         attempts = 4.0 * CROWDED + CROWDED * interval / DELAY
         while t < end:
             attempts -= 1.0
             if attempts < 0.0 or not np.isfinite(v):
                 return row
             h = min(step, end - t)
+            # one full step against two halves of it
             _, v_full, _ = _step(n, mu, rho, e, x0, line, last, t, theta, v, a, h)
             half = 0.5 * h
             th, vh, ah = _step(n, mu, rho, e, x0, line, last, t, theta, v, a, half)
@@ -123,6 +128,7 @@ def run_listing(n, mu, rho, e, x0, interval, out):
             if error > TOLERANCE and h > SHORTEST:
                 step = half
                 continue
+            # a step that is cut at the row ends on it, without rounding
             t = end if h == end - t else t + h
             theta, v, a = th, vh, ah
             last += 1

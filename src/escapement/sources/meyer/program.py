@@ -91,8 +91,7 @@ def program_1973(
         When an argument breaks its rule, or friction is at the Painleve limit
         and the listing breaks down.
     """
-    n = validate.integer("slots", slots, 3, "the listing was run for 3, 4 and 6")
-    if n not in _ENTRY:
+    if slots not in _ENTRY:
         raise validate.fail("slots", "3, 4 or 6", slots, "the listing has no other data card")
     mu = validate.non_negative("friction", friction, "give a coefficient of friction")
     follower = validate.positive("follower_inertia", follower_inertia, "give it as driver_inertia")
@@ -105,7 +104,7 @@ def program_1973(
     if length < between:
         raise validate.fail("duration", f"at least {between:g} s", duration, "the listing ran 0.2")
     out = np.empty((round(length / between) + 1, 4))
-    rows = run_listing(float(n), mu, rho, e, _ENTRY[n], between, out)
+    rows = run_listing(float(slots), mu, rho, e, _ENTRY[slots], between, out)
     if rows < out.shape[0]:
         raise InvalidValue(
             "friction must be below the Painleve limit of the inertias and the motion slow "
@@ -131,12 +130,15 @@ def read_printout(printout: Printout) -> Reading:
     """
     time, theta, speed = printout.time, printout.theta, printout.theta_dot
     start = time[-1] / 3.0
+    # the first third of a run is taken for its rise
     late = speed[time >= start]
     highest, lowest = float(late.max()), float(late.min())
     count = np.arange(1, int(theta[-1] // CELL) + 1)
+    # the driver of these runs never turns back, so time can be read off its angle
     handoffs = np.interp(CELL * count, theta, time)
     handoffs = handoffs[handoffs >= start]
     period = float(np.diff(handoffs).mean()) if handoffs.size > 1 else np.nan
+    # a turn is a row whose neighbours are both lower or both higher
     slope = np.sign(np.diff(speed))
     turns = np.flatnonzero(slope[:-1] * slope[1:] < 0) + 1
     terminal = np.where(slope[turns - 1] > 0, highest, lowest)

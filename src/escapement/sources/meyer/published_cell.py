@@ -57,6 +57,7 @@ class PublishedCell:
     @property
     def follower_step(self) -> float:
         """Net turn of the follower over the cell [rad]."""
+        # the pin neither enters nor leaves where this cell ends, except with 4 slots
         start, end = self.follower_angle([self.breaks[0], self.breaks[-1]])
         return float(end - start)
 

@@ -33,6 +33,7 @@ def why(
     true : the real mechanism.
     run : what the listing was run with.
     """
+    # rise times do not count, because they were read by eye
     with_heading, with_used = (
         max(distance(printed, other, name) for name in _SHOWN) for other in (headed, exact)
     )
@@ -66,9 +67,9 @@ def distance(first: RunFigures, second: RunFigures, name: str) -> float:
 
 def _why_extreme(name: str, shown: float, value: float, run: RunArguments) -> str:
     lowest, highest = _row_range(name, run)
-    half = HALF_DIGIT[name]
     rows = f"rows of the listing show it as {lowest:.2f} to {highest:.2f}"
-    if not lowest - half <= shown <= highest + half:
+    # the printed number was itself rounded
+    if not lowest - HALF_DIGIT[name] <= shown <= highest + HALF_DIGIT[name]:
         return f"unexplained: {name} is {value:.2f} rad/s, and {rows}"
     if (shown < value) is (name == "velocity_max"):
         return f"the 0.5 ms print step misses the {name} of {value:.2f} rad/s: {rows}"
@@ -82,14 +83,12 @@ def _row_range(name: str, run: RunArguments) -> tuple[float, float]:
     """Least and greatest value an extreme row can have, over all phases of the rows."""
     fine = program_1973(*run, interval=ROW / _FINE)
     reading = read_printout(fine)
+    # a trough is the peak of the speed turned over
+    sign = 1.0 if name == "velocity_max" else -1.0
     level = 0.5 * (reading.velocity_max + reading.velocity_min)
-    if name == "velocity_max":
-        peak = stretches(fine.theta_dot, level)[-1]
-        rows = [peak[phase::_FINE].max() for phase in range(_FINE)]
-    else:
-        trough = stretches(-fine.theta_dot, -level)[-1]
-        rows = [-trough[phase::_FINE].max() for phase in range(_FINE)]
-    return float(min(rows)), float(max(rows))
+    peak = stretches(sign * fine.theta_dot, sign * level)[-1]
+    rows = [sign * float(peak[phase::_FINE].max()) for phase in range(_FINE)]
+    return min(rows), max(rows)
 
 
 def _why_times(printed: RunFigures, exact: RunFigures) -> Iterator[str]:

@@ -7,33 +7,16 @@ printed; everything else is recomputed, from the two radii and from these three.
 import math
 from collections.abc import Iterator
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from escapement.measurement import (
-    Encoder,
-    Measurement,
-    measure,
-    sturges,
-    synthetic_readings,
-)
+from escapement.measurement import Encoder, Measurement, measure, sturges, synthetic_readings
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.sources.printed import (
-    Cell,
-    Digits,
-    Slip,
-    cut_off,
-    judge,
-    read_slips,
-    read_table,
-)
-from escapement.sources.report import Reproduction, print_errata, print_slips
-from escapement.text import print_columns, words
+from escapement.sources import report
+from escapement.sources.printed import Cell, Digits, Slip, cut_off, judge, read_slips, read_table
+from escapement.text import plain, print_columns, words
 from escapement.units import degrees
-
-if TYPE_CHECKING:
-    from escapement.sources.report import Panels
 
 ENCODER_STEPS = 4096
 CONFIDENCE = 0.99
@@ -79,6 +62,7 @@ def synthetic_measurement() -> Measurement:
         mechanism,
         seed=2020,
         samples=int(_given("sample_size")),
+        # two stops, as in the figures of the paper
         turns=2.0 * mechanism.cell_angle / (2.0 * math.pi),
         encoder=Encoder(ENCODER_STEPS),
         noise=math.radians(_given("error_deviation")),
@@ -97,6 +81,7 @@ def position_function_error(nodes: int = _NODES) -> float:
     sun, planet = mechanism.sun_radius, mechanism.planet_radius
     a, e = mechanism.semi_major_axis, mechanism.eccentricity
     edges = np.linspace(0.0, 0.75 * mechanism.cell_angle, 13)
+    # partial sums over a dozen pieces give the angle at the end of each
     half = 0.5 * np.diff(edges)
     angle = edges[:-1, None] + half[:, None] * (1.0 + places)
     rho = a * (1.0 - e * e) / (1.0 - e * np.cos(sun / planet * angle))
@@ -110,13 +95,14 @@ def pitch_curve_slip() -> float:
     mechanism = drive()
     theta = np.linspace(*mechanism.breaks, 361)
     driving, driven = mechanism.pitch_ellipses
+    # turns of the planet and of the output as the carrier sees them
     alpha, beta = mechanism.ratio * theta, theta + mechanism.follower_angle(theta)
     apart = driving.radius(alpha) + driven.radius(beta) - mechanism.centre_distance
     slip = driving.arc(alpha) - driven.arc(beta)
     return float(max(np.abs(apart).max(), np.abs(slip).max()) / mechanism.centre_distance)
 
 
-def reproduce(units: str) -> Reproduction:
+def reproduce(units: str) -> report.Reproduction:
     """What can be recomputed; lengths in millimetres as printed, whatever the units."""
     cells, slips, mechanism = table(), equations(), drive()
     judged = [cell for cell in cells if cell.right is not None]
@@ -136,8 +122,8 @@ def reproduce(units: str) -> Reproduction:
     def show() -> None:
         print("Prikhodko (2020): printed and computed; * differs, - follows from nothing printed\n")
         print_columns([], [_as_line(cell) for cell in cells])
-        print_errata(cells, "numbers", lambda it: words(it.column))
-        print_slips(slips)
+        report.print_errata(cells, "numbers", lambda it: words(it.column))
+        report.print_slips(slips)
         print(
             f"\nOutput per stop {record['output_per_stop_deg']:g} degrees; greatest output speed "
             f"{mechanism.ratio_max:.6g} times the input's, backwards\n"
@@ -146,22 +132,20 @@ def reproduce(units: str) -> Reproduction:
             f"Slip of the pitch curves: {record['pitch_curve_slip']:.1e} centre distances"
         )
 
-    names = ("name", "place", "unit", "printed", "right", "value", "reason")
-    rows = [[row[name] for name in names] for row in record["rows"]]
-    for row in rows:
-        row[5] = "" if row[4] is None else repr(row[5])
     header = ["quantity", "place", "unit", "printed", "right", "computed", "reason"]
-    return Reproduction("prikhodko", record, [header, *rows], show, _panels)
+    names = ["name", *header[1:5], "value", "reason"]
+    rows = [[plain(row[name]) for name in names] for row in record["rows"]]
+    return report.Reproduction("prikhodko", record, [header, *rows], show, _panels)
 
 
-def _panels() -> "Panels":
+def _panels() -> "report.Panels":
     """Figures 2, 3 and 6, the velocity analogue, and 7 to 9 of readings that are made up."""
     from escapement.plots import measurement as errors
     from escapement.plots.planetary import plot_planetary
     from escapement.sources.prikhodko import figures
 
     mechanism, made_up = drive(), synthetic_measurement()
-    panels: Panels = {
+    panels: report.Panels = {
         "figure_2": partial(plot_planetary, mechanism, math.radians(30.0)),
         "figure_3": partial(figures.plot_velocity_plans, mechanism),
         "figure_6": partial(figures.plot_position_function, mechanism),
@@ -194,6 +178,7 @@ def _recomputed() -> dict[str, float]:
         "degrees_of_freedom": _given("intervals") - 1.0 - 2.0,
         "significance": 100.0 * float(chi2.sf(_given("chi_squared"), freedom)),
         "quantile": float(norm.ppf(0.5 * (1.0 + CONFIDENCE))),
+        # the printed quantile, so that its own erratum does not count twice
         "half_width": _given("quantile") * _given("error_deviation"),
     }
 
@@ -207,11 +192,8 @@ def _why(value: float, printed: Digits, right: Digits) -> Iterator[str]:
 
 def _as_row(cell: Cell) -> dict[str, Any]:
     """A printed number for JSON."""
-    unit = printed_rows()[cell.column]["unit"]
-    row = {"name": cell.column, "unit": unit, "agrees": cell.agrees}
-    return row | {
-        key: getattr(cell, key) for key in ("place", "printed", "right", "value", "reason")
-    }
+    row = vars(cell) | {"unit": printed_rows()[cell.column]["unit"], "agrees": cell.agrees}
+    return {"name": row.pop("column"), **row}
 
 
 def _as_line(cell: Cell) -> list[str]:

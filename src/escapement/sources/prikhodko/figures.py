@@ -23,10 +23,8 @@ _PLAN = {
     "planet, B C′": style.LOOKS[0],
     "output, A D′": style.LOOKS[1],
 }
-_ARROW: dict[str, Any] = {
-    "arrowstyle": "-|>", "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "color": style.BLACK,
-    "mutation_scale": 7,
-}  # fmt: skip
+_ARROW: dict[str, Any] = {"arrowstyle": "-|>", "lw": 0.9, "color": style.BLACK}
+_ARROW |= {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
 
 
 def positions(mechanism: EllipticalPlanetary) -> FloatArray:
@@ -88,24 +86,23 @@ def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
     """
     figure = style.new_figure(style.TWO_COLUMN, 2.75)
     panels = figure.subplots(1, len(LETTERS))
-    for ax, letter, theta in zip(panels, LETTERS, positions(mechanism), strict=True):
-        _draw_plan(ax, mechanism, float(theta))
+    for ax, letter, theta in zip(panels, LETTERS, map(float, positions(mechanism)), strict=True):
+        _draw_plan(ax, mechanism, theta)
         speed = float(mechanism.transmission(theta).g)
         moves = speed > 1e-9 * mechanism.ratio_max
         text = f"ω₃ = −{speed:.3g} ω₁" if moves else "ω₃ = 0"
         ax.set_title(f"{letter}   {text}", fontsize=style.TICK_SIZE)
-    figure.legend(
-        handles=panels[0].get_lines()[-len(_PLAN) :], loc="outside lower center", ncols=3,
-        fontsize=style.SMALL_SIZE, frameon=False, handlelength=3.0,
-    )  # fmt: skip
+    handles = panels[0].get_lines()[-len(_PLAN) :]
+    style.add_legend(figure, 3, handles=handles, loc="outside lower center", handlelength=3.0)
     return figure
 
 
 def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
     draw_planetary(ax, mechanism, theta, 0.5 * math.pi)
-    _, rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
+    rolling, shaft, contact = EllipticalOutline(mechanism).line_of_centres(theta)
     # speeds over omega_1 are lengths, and are drawn to the left
     spin = 1.0 + mechanism.ratio
+    # the planet turns about the point where it rolls on the sun
     at_contact = spin * (contact - rolling)
     lowest = min(contact, rolling)
     lines = (
@@ -114,11 +111,10 @@ def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
         ([0.0, at_contact], [0.0, contact]),
     )
     for (speeds, heights), (name, look) in zip(lines, _PLAN.items(), strict=True):
-        ax.plot(
-            -_LENGTH * np.array(speeds), heights, color=look.color, ls=look.linestyle, lw=1.4,
-            zorder=6, label=name,
-        )  # fmt: skip
+        line: dict[str, Any] = {"color": look.color, "ls": look.linestyle, "lw": 1.4}
+        ax.plot(-_LENGTH * np.array(speeds), heights, zorder=6, label=name, **line)
     marks = [("A", 0.0, 0.0, (8, -1)), ("C", 0.0, shaft, (8, 3)), ("C′", shaft, shaft, (0, 8))]
+    # B and D are apart but at a stop, where they share a label
     if at_contact < -1e-9 * shaft:
         marks += [("D′", at_contact, contact, (-1, 9)), ("B", 0.0, rolling, (-7, 1))]
         marks += [("D", 0.0, contact, (-8, -4))]
