@@ -13,7 +13,7 @@ from escapement.cli import main
 from escapement.errors import InvalidValue, StorageError
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
-from escapement.study import run
+from escapement.study import pool, run
 from escapement.study.reader import read_study
 from escapement.study.run import write_plan
 from escapement.study.sweep import plan_from, sweep
@@ -118,7 +118,7 @@ def test_local_cluster_on_the_command_line(tmp_path, monkeypatch, capsys):
 
 
 def test_no_scheduler_there(tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "_PATIENCE", 0.5)
+    monkeypatch.setattr(pool, "_PATIENCE", 0.5)
     with pytest.raises(StorageError, match="must answer, and did not"):
         sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5", scheduler="tcp://127.0.0.1:9")
     assert list(tmp_path.iterdir()) == []

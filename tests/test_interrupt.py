@@ -11,7 +11,7 @@ from contextlib import closing
 
 import pytest
 
-from escapement.study.run import in_threads
+from escapement.study.pool import in_threads
 
 INTERRUPTED = """
 import sys, time

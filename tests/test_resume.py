@@ -5,6 +5,7 @@ import re
 import sqlite3
 import subprocess
 import sys
+import time
 from contextlib import closing
 
 import numpy as np
@@ -146,7 +147,7 @@ def test_partial_results_are_not_dropped_unless_forced(tmp_path):
     path = tmp_path / "a.h5"
     interrupted(path)
     with pytest.raises(
-        CannotCreate, match="continue with resume=True or start over with force=True"
+        CannotCreate, match=r"continue with resume=True \(--resume\) or start over with force=True"
     ):
         write_plan(plan(), path)
     assert write_plan(plan(), path, force=True).resumed == 0
@@ -244,8 +245,11 @@ def test_the_second_of_two_is_told_so(tmp_path):
         assert first.stdout.readline() == "0\n"
         before = partial_path(path).read_bytes()
         for options in ({}, {"resume": True}, {"force": True}):
-            with pytest.raises(CannotCreate, match="another process is writing it"):
+            begin = time.monotonic()
+            with pytest.raises(CannotCreate, match="another process is writing it") as caught:
                 tools.write(path, tools.small_study(), **options)
+            assert time.monotonic() - begin > 2.0  # it waits for one that was just killed
+            assert "\n" not in str(caught.value)
         assert partial_path(path).read_bytes() == before
         first.kill()
     assert tools.missing(path) == list(range(1, 10))  # a dead process holds no lock
@@ -290,7 +294,7 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
         "escapement: error: interrupted",
     ]
     assert main(["sweep", "s.toml", "--quiet"]) == 73
-    assert "continue with --resume" in capsys.readouterr().err
+    assert "continue with resume=True (--resume)" in capsys.readouterr().err
     assert main(["sweep", "s.toml", "--resume"]) == 0
     errors = capsys.readouterr().err
     assert re.search(r"40 cases in s.h5, \d+ of them from before", errors)

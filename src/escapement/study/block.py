@@ -110,13 +110,17 @@ def encode(values: NDArray[np.generic], cells: int) -> bytes:
 
 def fletcher32(data: bytes) -> int:
     """Checksum of HDF5's fletcher32 filter: sums of big-endian words mod 65535."""
-    even = len(data) // 2
-    words = np.frombuffer(data, ">u2", even).astype(np.int64)
-    if len(data) % 2:
-        words = np.append(words, data[-1] << 8)
-    first = int(words.sum())
-    second = int(words @ np.arange(words.size, 0, -1))
-    return _fold(second) << 16 | _fold(first)
+    # Modulo 65535 a swap of bytes is a factor of 256, so that little-endian words do as well.
+    words = np.frombuffer(data + bytes(-len(data) % 512), "<u2").astype(np.uint32)
+    # The second sum has the weights size, size - 1, ..., 1. The word in row i and column j has
+    # the weight (size - 256 i) - j, so the sums of rows and columns, which fit 32 bits, suffice.
+    table = words.reshape(-1, 256)
+    rows = table.sum(axis=1, dtype=np.uint32).astype(np.int64)
+    columns = table.sum(axis=0, dtype=np.uint32).astype(np.int64)
+    size = (len(data) + 1) // 2
+    first = int(rows.sum())
+    second = int(rows @ (size - 256 * np.arange(rows.size)) - columns @ np.arange(256))
+    return _fold(256 * second) << 16 | _fold(256 * first)
 
 
 def _fold(total: int) -> int:

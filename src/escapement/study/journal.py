@@ -5,7 +5,6 @@ also covers the study, so that a damaged or foreign row is never taken for good.
 """
 
 import errno
-import hashlib
 import json
 import os
 import sqlite3
@@ -13,9 +12,8 @@ import struct
 import time
 import warnings
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
@@ -23,7 +21,8 @@ from typing import Any, TypeVar
 from escapement.errors import CannotCreate
 from escapement.files import sync_folder
 from escapement.study.block import Block, Tiling
-from escapement.study.result import RESULTS, Study
+from escapement.study.identity import check_same
+from escapement.study.result import RESULTS
 
 SYNC_EVERY = 1.0
 """Seconds of finished work that a crash of the machine may cost; of the process, none."""
@@ -32,6 +31,7 @@ _PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet
 _OLD = b"escapement partial results, "  # how the partial results of version 0.1 begin
 _TABLE = "escapement_partial_results"
 _APPLICATION = 0x45534370  # at byte 68 of our databases
+_PAGE = 16384  # bytes; twice as fast for large rows as the 4096 of SQLite
 _HEAD = -1  # number of the row that says which study this is
 _SIZES = struct.Struct(f"<{len(RESULTS)}I")
 _COLUMNS = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
@@ -40,9 +40,6 @@ _MACHINE = (
     *(sqlite3.SQLITE_BUSY, sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN),
     *(sqlite3.SQLITE_NOMEM, sqlite3.SQLITE_READONLY),
 )
-_FIXED_AT_START = ("created", "package_version")
-"""Attributes that a resumed study takes over, so that its file is that of one run."""
-_ROOT = Path(__file__).parents[1]
 
 T = TypeVar("T")
 
@@ -71,7 +68,7 @@ class Journal:
         self.path, self._named, self._force, self._resume = path, named, force, resume
         self.failed: dict[int, int] = {}
         self._begun = not path.exists()  # what is new, and gets no block, does not stay
-        self._next_sync = 0.0
+        self._next_sync = time.monotonic() + SYNC_EVERY
         self._open()
 
     def begin(self, head: dict[str, Any], cut: Tiling) -> dict[str, Any]:
@@ -111,12 +108,16 @@ class Journal:
             self.sync()
 
     def sync(self) -> None:
-        """Make what was appended outlast the machine; notice a vanished folder."""
+        """Make what was appended outlast the machine."""
         _guarded(lambda: self._database.execute("PRAGMA wal_checkpoint").fetchall())
+        self.check()
+        self._next_sync = time.monotonic() + SYNC_EVERY
+
+    def check(self) -> None:
+        """Raise FileNotFoundError where the folder or the file has vanished."""
         if not self.path.exists() or self.path.stat().st_ino != self._inode:
             message = "the partial results were removed"
             raise FileNotFoundError(errno.ENOENT, message, str(self.path))
-        self._next_sync = time.monotonic() + SYNC_EVERY
 
     def block(self, number: int) -> Block:
         """A block that is here; raises OSError where it was damaged since."""
@@ -138,10 +139,14 @@ class Journal:
 
     def remove(self) -> None:
         """Delete it."""
+        # Where the files can go first, SQLite does not write its log into the database in vain.
+        # The database goes last, because another process may begin once its name is free.
+        with suppress(OSError):
+            _remove_files(self.path)
         self._database.close()
-        for path in _files(self.path):
+        if os.name == "nt":  # where an open file stays
             with suppress(OSError):
-                path.unlink()
+                _remove_files(self.path)
 
     def _open(self) -> None:
         until = time.monotonic() + _PATIENCE
@@ -220,7 +225,7 @@ class Journal:
         _guarded(lambda: self._copy(new, head))
         self._database.close()
         # What waits in the log of the damaged database must not go into the new one.
-        for path in _files(self.path)[1:]:
+        for path in _files(self.path)[:-1]:
             path.unlink(missing_ok=True)
         os.replace(new, self.path)
         self._open()
@@ -315,6 +320,8 @@ def _connect(path: Path, foreign: Callable[[], CannotCreate]) -> sqlite3.Connect
             raise foreign()
         if tables and tables != {_TABLE: f"CREATE TABLE {_TABLE} ({_COLUMNS})"}:
             raise sqlite3.DatabaseError("the table is damaged")
+        if not tables:
+            database.execute(f"PRAGMA page_size = {_PAGE}")
         database.execute("PRAGMA journal_mode = WAL").fetchone()
         database.execute("PRAGMA synchronous = NORMAL")
         database.execute("PRAGMA wal_autocheckpoint = 0").fetchone()
@@ -339,7 +346,8 @@ def _checksum(number: int, failed: int, data: bytes, key: int) -> int:
 
 
 def _files(path: Path) -> list[Path]:
-    return [path, *(path.with_name(path.name + end) for end in ("-wal", "-journal"))]
+    """The log, the journal of SQLite, and the database itself."""
+    return [path.with_name(path.name + end) for end in ("-wal", "-journal", "")]
 
 
 def _remove_files(path: Path) -> None:
@@ -358,88 +366,3 @@ def _guarded(use: Callable[[], T]) -> T:
 def _os_error(error: sqlite3.Error) -> OSError:
     full = getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_FULL
     return OSError(errno.ENOSPC if full else errno.EIO, str(error))
-
-
-def journal_head(frame: Study, numerics: str) -> dict[str, Any]:
-    """What the partial results of a study say of themselves.
-
-    Parameters
-    ----------
-    frame : Study
-        Everything but the results.
-    numerics : str
-        Differs whenever a version of this package may compute other results.
-    """
-    attributes = dict(frame.attributes)
-    fixed = {name: attributes.pop(name) for name in _FIXED_AT_START if name in attributes}
-    study = {"attributes": attributes, "configuration": frame.configuration, "numerics": numerics}
-    head: dict[str, Any] = json.loads(json.dumps({"study": study, "fixed": fixed}))
-    return head
-
-
-def check_same(path: Any, there: Mapping[str, Any], here: Mapping[str, Any]) -> None:
-    """Raise CannotCreate, naming the first difference, unless both heads are of one study."""
-    old, new = there["study"], here["study"]
-    if json.dumps(old) == json.dumps(new):
-        return
-    if old["numerics"] != new["numerics"] and old | {"numerics": new["numerics"]} == new:
-        versions = [f"{head['fixed'].get('package_version')} ({head['study']['numerics']})"
-                    for head in (there, here)]  # fmt: skip
-        raise CannotCreate(
-            f"output {path} must be resumed by the version that began it, {versions[0]}, got "
-            f"{versions[1]}, whose results may differ; install that one, or start over with "
-            "force=True"
-        )
-    raise CannotCreate(
-        f"output {path} must be resumed with the configuration it was begun with, got another: "
-        f"{difference(old, new)}; use that one, name another output, or start over with force=True (--force)"
-    )
-
-
-def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
-    """Where configuration or attributes of two studies differ first, with both values."""
-    parts = ("configuration", "attributes")
-    texts = (_first_difference(there[part], here[part], "") for part in parts)
-    return next(filter(None, texts), "the order of the axes")
-
-
-def _first_difference(there: Any, here: Any, place: str) -> str:
-    if not (isinstance(there, dict) and isinstance(here, dict)):
-        return "" if there == here else f"{place} was {_short(there)} and is {_short(here)}"
-    for key in [*there, *(key for key in here if key not in there)]:
-        where = f"{place}.{key}" if place else str(key)
-        if key not in here or key not in there:
-            was, now = (_short(side[key]) if key in side else "not set" for side in (there, here))
-            return f"{where} was {was} and is {now}"
-        if text := _first_difference(there[key], here[key], where):
-            return text
-    if list(there) != list(here):
-        return f"{place or 'the keys'} had the order {', '.join(there)}"
-    return ""
-
-
-def _short(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 60 else text[:40] + " ... " + text[-15:]
-
-
-def sources() -> list[Path]:
-    """The files that results may depend on, in order."""
-    rooms = (_ROOT.glob("*.py"), *((_ROOT / room).rglob("*.py") for room in _ROOMS))
-    return sorted(path for room in rooms for path in room)
-
-
-_ROOMS = ("mechanisms", "engines", "study")
-
-
-@cache
-def numerics() -> str:
-    """Digest of these sources; equal digests, equal results.
-
-    A change of a comment changes the digest too: it is better to begin a study again than
-    to mix two kinds of numbers in it.
-    """
-    digest = hashlib.sha256()
-    for path in sources():
-        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:12]

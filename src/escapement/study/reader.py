@@ -11,7 +11,7 @@ import numpy as np
 from escapement.errors import CannotCreate, EscapementError, InputFileError, InvalidValue
 from escapement.files import check_input
 from escapement.status import Status
-from escapement.study.journal import difference
+from escapement.study.identity import difference
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
 
 T = TypeVar("T")
@@ -78,14 +78,12 @@ def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
         raise InputFileError(f"study {path} must be readable; check its permissions") from None
     except EscapementError:
         raise
-    except (OSError, RuntimeError) as error:
+    except DAMAGE as error:
         if not h5py.is_hdf5(file):
             raise InputFileError(
                 f"study {path} must be an HDF5 file, and is not or is cut short; "
                 "name a file that escapement sweep wrote"
             ) from None
-        raise _damaged(path, error) from None
-    except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise _damaged(path, error) from None
 
 

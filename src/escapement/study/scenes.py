@@ -60,11 +60,10 @@ class SharedScenes(NamedTuple):
     status: NDArray[np.uint8]
 
     def of(self, plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
-        """Figures of the scenes of some cases, as `solve_scenes` gives them."""
+        """Figures of the scenes of consecutive cases, as `solve_scenes` gives them."""
         shape, which, _ = self.sharing
-        # clipping puts every place of a dimension that does not matter to 0
-        places = np.ravel_multi_index(np.unravel_index(cases, plan.shape), shape, mode="clip")
-        scenes = which[places]
+        grid = np.broadcast_to(which.reshape(shape), plan.shape)
+        scenes = grid.flat[int(cases[0]) : int(cases[-1]) + 1]
         return self.figures[:, scenes], self.status[scenes]
 
 

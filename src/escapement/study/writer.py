@@ -25,7 +25,8 @@ from escapement.files import (
 )
 from escapement.status import Status
 from escapement.study.block import CELLS, Block, blocks_of, encode_block
-from escapement.study.journal import Journal, journal_head
+from escapement.study.identity import journal_head
+from escapement.study.journal import Journal
 from escapement.study.reader import failed_cases
 from escapement.study.result import RESULTS, Study
 
@@ -146,7 +147,7 @@ class StudyWriter:
             raise ValueError(f"the study lacks {lacking} blocks")
         blocks = map(self._journal.block, range(len(self.cut)))
         try:
-            self._journal.sync()
+            self._journal.check()
             write_blocks(self._frame, self._path, blocks, self._force, self._temporary)
         except CannotCreate:
             raise

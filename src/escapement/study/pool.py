@@ -1,0 +1,193 @@
+"""Where the tasks of a study run: threads of this process, or workers of a Dask cluster."""
+
+import logging
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, TypeVar
+
+from escapement import validate
+from escapement.errors import InvalidValue, StorageError
+
+LOCAL = "local"
+_PATIENCE = 15.0  # s to find a scheduler
+_TICK = 1.0  # s between two looks whether the scheduler is still there
+_CONNECTED = "running"  # status of a client
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Threads or a cluster.
+
+    executor : where tasks are submitted.
+    ahead : number of tasks that may be on their way.
+    share : puts a value where all tasks find it, and gives what to submit in its place.
+    check : raises StorageError once nobody is there any more to solve anything.
+    """
+
+    executor: Executor
+    ahead: Callable[[], int]
+    share: Callable[[Any], Any]
+    check: Callable[[], None]
+
+    def completed(
+        self, task: Callable[[Any, Any], T], common: Any, items: Iterable[Any]
+    ) -> Iterator[T]:
+        """`task(common, item)` of every item, in the order of their completion."""
+        shared, waiting = self.share(common), iter(items)
+        running: set[Future[T]] = set()
+        try:
+            while True:
+                for item in islice(waiting, max(self.ahead() - len(running), 0)):
+                    running.add(self.executor.submit(task, shared, item))
+                if not running:
+                    return
+                done, running = wait(running, _TICK, FIRST_COMPLETED)
+                self.check()
+                # What succeeded comes first: an error ends the study and would lose it.
+                for future in sorted(done, key=_failed):
+                    yield future.result()
+        finally:
+            for future in running:
+                future.cancel()
+
+
+def _failed(future: Future[Any]) -> bool:
+    return future.cancelled() or future.exception() is not None
+
+
+@contextmanager
+def in_threads(workers: int) -> Iterator[Pool]:
+    """Threads of this process. Leaving does not wait for blocks that are being solved."""
+    executor = ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
+    try:
+        # some blocks may wait while the disk is slow
+        yield Pool(executor, lambda: workers + 8, lambda value: value, lambda: None)
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)
+
+
+@contextmanager
+def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
+    """Workers of a Dask cluster. What a lost worker had is solved again elsewhere.
+
+    Raises
+    ------
+    InvalidValue, StorageError
+        As `_connected`.
+    StorageError
+        When the same block costs several workers, or the scheduler is lost.
+    """
+    with _connected(scheduler, workers) as client:
+        import distributed
+
+        def share(value: Any) -> Any:
+            # The result of a task is computed again where it is lost; scattered data is not.
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of Dask, where the value is large
+                return client.submit(_itself, value, pure=False)
+
+        def check() -> None:
+            if client.status != _CONNECTED:
+                raise CancelledError
+
+        executor = client.get_executor(pure=False, retries=2)
+        try:
+            yield Pool(executor, lambda: 2 * max(sum(client.nthreads().values()), 1), share, check)
+        except distributed.KilledWorker as error:
+            raise StorageError(
+                f"a block ended {error.allowed_failures + 1} workers, perhaps for lack of memory; "
+                "give workers more memory, then continue with resume=True (--resume)"
+            ) from None
+        except (Exception, CancelledError) as error:
+            # each version of Dask tells a lost scheduler in other ways
+            if client.status == _CONNECTED and not isinstance(error, CancelledError):
+                raise
+            raise StorageError(
+                "the scheduler must stay, and was lost; start it again, then continue with "
+                "resume=True"
+            ) from None
+
+
+def _itself(value: T) -> T:
+    return value
+
+
+@contextmanager
+def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
+    """A client of the cluster.
+
+    Parameters
+    ----------
+    scheduler : str or distributed.Client
+        "local" starts a cluster of `workers` processes on this machine; else an
+        address such as "tcp://10.0.0.1:8786".
+    workers : int
+        Processes of a local cluster.
+
+    Raises
+    ------
+    InvalidValue
+        When distributed is not installed, or `scheduler` is none.
+    StorageError
+        When no scheduler answers.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise InvalidValue(
+            f"scheduler must be left out without Dask, got {scheduler!r}; "
+            "install it with: pip install 'geneva-escapement[dask]'"
+        ) from None
+    if isinstance(scheduler, distributed.Client):
+        if scheduler.status != _CONNECTED or scheduler.asynchronous:
+            remedy = "open it, with asynchronous left out"
+            raise validate.fail("scheduler", "a client that is connected", scheduler, remedy)
+        yield scheduler
+        return
+    if not isinstance(scheduler, str):
+        remedy = "give for example 'tcp://10.0.0.1:8786'"
+        raise validate.fail("scheduler", "an address or a client", scheduler, remedy)
+    log = logging.getLogger("distributed.client")  # it prints tracebacks of a lost scheduler
+    with ExitStack() as stack:
+        stack.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL)
+        try:
+            address = stack.enter_context(_local(workers)) if scheduler == LOCAL else scheduler
+            client = stack.enter_context(distributed.Client(address, timeout=_PATIENCE))
+        except RuntimeError as error:  # each process begins as the script does
+            raise StorageError(
+                f"a local cluster must start, and did not: {error}; of a script, put what it does "
+                "under: if __name__ == '__main__'"
+            ) from None
+        except (OSError, ValueError) as error:
+            raise StorageError(
+                f"scheduler {scheduler} must answer, and did not: {error}; "
+                "check the address, or start one with --scheduler local"
+            ) from None
+        yield client
+
+
+def _local(workers: int) -> Any:
+    """A cluster of processes on this machine, which say nothing."""
+    import distributed
+
+    return distributed.LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address=None,
+        silence_logs=logging.CRITICAL,
+    )
