@@ -31,6 +31,7 @@ from escapement.plots.study_table import (
     NoResult,
     StudyTable,
     available,
+    printed_name,
     result_scale,
     single_case,
     tabulate_study,
@@ -115,9 +116,20 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
         ax.label_outer()
     for ax, parameter in zip(panels[-1], names, strict=False):
         dress_axis(ax, "x", study, parameter, _LINE)
+        _power_in_label(ax, study, parameter, flat.parameters[parameter])
     panels[-1][-1].set_xlabel("Cases")
     _explain(figure, flat, names, rows)
     return figure
+
+
+def _power_in_label(ax: Axes, study: Study, name: str, values: FloatArray) -> None:
+    """Write the power of ten of a narrow axis into its label, which it would overlap."""
+    greatest = float(np.abs(values).max())
+    power = 3 * int(np.floor(np.log10(greatest) / 3.0)) if greatest > 0.0 else 0
+    if abs(power) > 3:
+        ax.xaxis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")
+        unit = f"10{style.superscript(power)} {style.print_unit(study.units.get(name, ''))}"
+        ax.set_xlabel(style.label(printed_name(study, name), unit.strip(), _LINE))
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -31,6 +32,8 @@ _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
 _DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
 _MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
 _NARROW = 24  # characters of a label that fit below a third of a page
+_EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
+_APART = 0.1  # numbers closer than this share of the map would overlap
 _POWER = 8  # a power of ten beside the label takes so many of them
 _STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so have no contours
 
@@ -125,13 +128,40 @@ def draw_map(
         inside = levels[(levels > z.min()) & (levels < z.max())]
         if inside.size:
             lines = ax.contour(x, y, z, inside, colors=style.BLACK, linewidths=0.6)
-            for number in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False):
-                number.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+            _label_contours(ax, lines)
     every = 1 + levels.size // _LEVELS  # as many numbers as have room
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(text, size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)
     return [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
+
+
+def _label_contours(ax: Axes, lines: ContourSet) -> None:
+    """A number on the middle of each contour's longest piece, in a halo.
+
+    None is drawn where the frame or another number is in its way.
+    """
+    to_axes = ax.transData - ax.transAxes
+    placed: list[tuple[float, float]] = []
+    for path in lines.get_paths():
+        pieces = [
+            _middle(to_axes.transform(piece)) for piece in path.to_polygons(closed_only=False)
+        ]
+        _, (x, y) = max(pieces, key=lambda found: found[0], default=(0.0, (0.0, 0.0)))
+        clear = all(np.hypot(x - x0, y - y0) > _APART for x0, y0 in placed)
+        if clear and _EDGE < x < 1.0 - _EDGE and _EDGE < y < 1.0 - _EDGE:
+            placed.append((x, y))
+    middles = [to_axes.inverted().transform(point) for point in placed]
+    for text in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False, manual=middles) or ():
+        text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+
+
+def _middle(points: FloatArray) -> tuple[float, tuple[float, float]]:
+    """Length of a polyline, and the point half-way along it."""
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    half = along[-1] / 2.0
+    x, y = (float(np.interp(half, along, column)) for column in points.T)
+    return float(along[-1]), (x, y)
 
 
 def _edges(values: FloatArray) -> FloatArray:
