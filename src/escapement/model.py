@@ -180,6 +180,13 @@ class Escapement(Declared):
         return Scene(writeable(path), edges, dwell_angle(mechanism), **numbers)
 
     @cached_property
+    def too_unequal(self) -> bool:
+        """Whether the inertias and torques differ so much that kernels would overflow."""
+        # the square of the time unit is the ratio of inertia and torque
+        ratios = self.scene.rho, self.time_unit**2
+        return min(ratios) <= 1.0 / MOST_UNEQUAL or max(*ratios, self.scene.load) >= MOST_UNEQUAL
+
+    @cached_property
     def kept(self) -> dict[str, Any]:
         """What engines derive from the scene and keep for their next call."""
         return {}

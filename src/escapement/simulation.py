@@ -84,7 +84,9 @@ def simulate(
     if duration is None:
         count, most = quantities(Run)["engagements"], LONGEST[engine]
         wanted = count.default if engagements is None else engagements
-        engagements = validate.integer("engagements", wanted, 1, count.remedy, most)
+        if type(wanted) is not int or not 1 <= wanted <= most:
+            wanted = validate.integer("engagements", wanted, 1, count.remedy, most)
+        engagements = wanted
     else:
         duration = check_number(Run, "duration", duration)
     if _too_unequal(escapement, settings["initial_speed"]):
@@ -115,11 +117,7 @@ def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> d
 
 def _too_unequal(escapement: Escapement, speed: float) -> bool:
     """Whether kernels would overflow: by the ratios of inertias, torques and speed."""
-    scene, clock = escapement.scene, escapement.time_unit
-    ratios = scene.rho, clock * clock
-    return min(ratios) <= 1.0 / MOST_UNEQUAL or (
-        max(*ratios, scene.load, speed * clock) >= MOST_UNEQUAL
-    )
+    return escapement.too_unequal or speed * escapement.time_unit >= MOST_UNEQUAL
 
 
 def terminal(
