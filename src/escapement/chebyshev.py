@@ -160,7 +160,7 @@ def fit(
             rough = np.maximum(misses, tails) > _RIPPLE * scale
         if rough.sum() > (kinks if depth == _DEEPEST else MOST_KINKS):
             raise InvalidValue(
-                f"load_torque, or a transmission, must be smooth but for at most {kinks} kinks, "
+                f"load torque, or a transmission, must be smooth but for at most {kinks} kinks, "
                 f"got more, one of them near {low[rough][0]:.9g} rad; smooth it, give fewer points "
                 "of a load or name the corners of a transmission"
             )
