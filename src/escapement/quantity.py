@@ -31,7 +31,7 @@ _METAVARS = {"torque": "M", "inertia": "I", "length": "R", "speed": "W", "time":
 
 
 def per_class(function: Callable[[type], T]) -> Callable[[type], T]:
-    """`functools.cache` of a function of a class, which its own type does not allow for."""
+    """`functools.cache` for a function of a class; type checkers take no class as its key."""
     return cache(function)
 
 
@@ -197,7 +197,7 @@ class Quantity(Setting):
         return values * units.factor(self.unit, system)
 
 
-@cache  # composed for every check, since the unit may differ on the command line
+@cache
 def _with_unit(remedy: str, unit: str) -> str:
     """A remedy that names its unit: "give the crank radius in m (in with units in-lbf-s)"."""
     metric, other = (units.printed(unit, system) for system in units.SYSTEMS)
@@ -278,7 +278,7 @@ class Declared:
         values = vars(self)
         for entry in declared(type(self)).values():
             value = values[entry.key]
-            # a default keeps its rule, and most fields hold theirs
+            # a default is known to obey its rule, and most fields hold theirs
             if value is not entry.default or entry.required:
                 values[entry.key] = entry.check(entry.name, value)
 

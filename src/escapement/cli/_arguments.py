@@ -207,7 +207,7 @@ def add_output(group: argparse._ActionsContainer, file: str, text: str) -> None:
 
 
 def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
-    """Add a folder to fill; `_output.make_folder` makes it."""
+    """Add a folder to fill; `_output.folder` makes it."""
     text = f"folder for {what}; created, files in it replaced{otherwise}"
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help=text)
 

@@ -7,7 +7,8 @@ import argparse
 import os
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -192,6 +193,20 @@ def make_folder(path: Path) -> None:
     except OSError as error:
         raise cannot_create(path, error) from None
     _try_writing(path, path)
+
+
+@contextmanager
+def folder(path: Path | None) -> Iterator[None]:
+    """A folder to fill, where one was asked for; a new one that stays empty is removed."""
+    new = path is not None and not path.exists()
+    try:
+        if path is not None:
+            make_folder(path)
+        yield
+    finally:
+        if path is not None and new:
+            with suppress(OSError):  # the folder is not empty
+                path.rmdir()
 
 
 def _try_writing(path: Path, folder: Path) -> None:

@@ -31,8 +31,12 @@ def execute(args: argparse.Namespace) -> int:
     if folder is None and not args.quick:
         folder = FOLDER
         _output.make_folder(folder.parent)
-    if folder is not None:
-        _output.make_folder(folder)
+    with _output.folder(folder):
+        _measure(args, folder)
+    return 0
+
+
+def _measure(args: argparse.Namespace, folder: Path | None) -> None:
     from escapement.benchmark import work_precision
 
     results = work_precision.run(quick=args.quick, note=_output.note)
@@ -45,7 +49,6 @@ def execute(args: argparse.Namespace) -> int:
     finally:  # neither a full disk nor a reader that left may cost many minutes of work
         for path in work_precision.write(results, folder) if folder is not None else []:
             _output.note(f"wrote {path}")
-    return 0
 
 
 def print_tables(results: "Results") -> None:

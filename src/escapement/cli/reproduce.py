@@ -37,17 +37,14 @@ def configure(parser: Parser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Recompute, print, and fill the folder."""
-    if args.output is not None:
-        _output.make_folder(args.output)
     record: dict[str, Any] = {}
-    for source in SOURCES if args.source == ALL else [args.source]:
-        if record and not args.json:
-            print("\n")
-        folder = args.output
-        if folder is not None and args.source == ALL:
-            folder = folder / source
-            _output.make_folder(folder)
-        record[source] = _reproduce(source, folder, args)
+    with _output.folder(args.output):
+        for source in SOURCES if args.source == ALL else [args.source]:
+            if record and not args.json:
+                print("\n")
+            inner = None if args.output is None or args.source != ALL else args.output / source
+            with _output.folder(inner):
+                record[source] = _reproduce(source, inner or args.output, args)
     if args.json:
         _output.print_json(record if args.source == ALL else record[args.source])
     return 0
