@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement.benchmark.measuring import describe_machine, write_csv
+from escapement.benchmark import describe_machine, write_csv
 from escapement.engines.energy import batch
 from escapement.painleve import painleve_limit
 from escapement.text import print_columns

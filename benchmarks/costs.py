@@ -9,13 +9,14 @@ one only with ``-o``.
 
 import argparse
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from escapement.benchmark.measuring import (
+from escapement.benchmark import (
     describe_machine,
     machine_in_a_line,
     shortest,
@@ -29,7 +30,7 @@ from escapement.plots import save
 from escapement.plots.style import BLACK, GREY, SMALL_SIZE, TWO_COLUMN, dress, new_figure
 from escapement.simulation import simulate, terminal
 from escapement.solver import ENGINES
-from escapement.study.sweep import sweep
+from escapement.study.run import sweep
 from escapement.text import print_columns
 
 RESULTS = Path(__file__).resolve().parent / "results"
@@ -157,7 +158,7 @@ def against_workers(
 
 def _motions(timer: Escapement) -> list[Question]:
     smooth = Escapement(timer.mechanism, timer.inertia, timer.torque)
-    loaded = _loaded(timer)
+    loaded, real, oily = _loaded(timer), _real(timer), _oily(timer)
     coast = Escapement(
         timer.mechanism, Inertia(timer.inertia.follower, timer.inertia.follower), timer.torque, 0.1
     )
@@ -173,6 +174,8 @@ def _motions(timer: Escapement) -> list[Question]:
         Question("motion with 2000 samples", "", 1, lambda: simulate(timer).samples),
         Question("motion without friction", "both sides of the slot", 1, lambda: simulate(smooth)),
         Question("motion against a load", "samples, extrema", 1, lambda: simulate(loaded)),
+        Question("motion, pins, bearings, air", "viscous drag", 1, lambda: simulate(real)),
+        Question("motion with viscous drag", "samples, extrema", 1, lambda: simulate(oily)),
         Question("motion, slow settling", "samples, extrema", 1, lambda: simulate(coast)),
         Question("terminal cycle", "transient in time, samples", 1, lambda: terminal(timer)),
         Question(
@@ -184,13 +187,38 @@ def _motions(timer: Escapement) -> list[Question]:
     ]
 
 
+def _real(timer: Escapement) -> Escapement:
+    """The same with pins, journals and drags of usual size."""
+    wheel = replace(timer.mechanism, crank_radius=0.01, pin_radius=0.0005)
+    journals = {
+        f"{body}_bearing_{what}": value
+        for body in ("driver", "follower")
+        for what, value in (("friction", 0.15), ("radius", 0.0005))
+    }
+    drags = {f"{body}_drag": 0.01 * timer.inertia.follower for body in ("driver", "follower")}
+    held = 0.05 * timer.torque
+    return replace(timer, mechanism=wheel, driver_bearing_torque=held, **journals, **drags)
+
+
+def _oily(timer: Escapement) -> Escapement:
+    """The same in oil."""
+    unit = (timer.inertia.follower * timer.torque) ** 0.5
+    return replace(timer, driver_viscous=0.05 * unit, follower_viscous=0.02 * unit)
+
+
 def _batches(timer: Escapement, cases: int) -> list[Question]:
-    loaded = _loaded(timer)
+    loaded, real = _loaded(timer), _real(timer)
     shares = np.linspace(0.5, 1.0, cases)
     side = max(2, round(cases**0.5))
     powers = 2.0 ** np.linspace(-1.0, 1.0, side)
     drivers, followers = powers * timer.inertia.driver, powers * timer.inertia.follower
     return [
+        Question(
+            "friction axis, pins, bearings, air",
+            "trajectories, samples",
+            cases,
+            lambda: sweep(real, friction=timer.friction * shares),
+        ),
         Question(
             "friction axis",
             "trajectories, samples",

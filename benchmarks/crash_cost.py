@@ -17,11 +17,10 @@ import numpy as np
 
 import escapement as esc
 from escapement.study.block import blocks_of
-from escapement.study.identity import numerics
+from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import in_threads
-from escapement.study.run import Work, frame_of, solve_block, solved_scenes, write_plan
-from escapement.study.sweep import plan_from
+from escapement.study.run import Work, frame_of, numerics, solve_block, solved_scenes, write_plan
 from escapement.study.writer import write_blocks
 
 

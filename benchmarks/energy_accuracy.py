@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement.benchmark.measuring import write_csv
+from escapement.benchmark import write_csv
 from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]

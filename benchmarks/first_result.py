@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from escapement.benchmark.measuring import write_csv
+from escapement.benchmark import write_csv
 from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import escapement as esc
-from escapement.benchmark.measuring import write_csv
+from escapement.benchmark import write_csv
 from escapement.measurement import measure, read_readings
 from escapement.text import print_columns
 

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.benchmark.measuring import describe_machine, write_csv
+from escapement.benchmark import describe_machine, write_csv
 from escapement.benchmark.problems import PROBLEMS
 from escapement.text import print_columns
 
@@ -52,8 +52,8 @@ def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
     begin = time.perf_counter()
     import escapement as esc
     from escapement.engines.energy import batch
+    from escapement.study.parse import plan_from
     from escapement.study.run import write_plan
-    from escapement.study.sweep import plan_from
 
     timer = PROBLEMS[0].escapement
     esc.simulate(timer)

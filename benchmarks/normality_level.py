@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
-from escapement.benchmark.measuring import write_csv
+from escapement.benchmark import write_csv
 from escapement.measurement import (
     anderson_darling,
     chi_squared,

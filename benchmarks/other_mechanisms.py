@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
-from escapement.benchmark.measuring import write_csv
+from escapement.benchmark import write_csv
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
 from escapement.text import print_columns

@@ -30,6 +30,12 @@ class Plain:
         return np.reshape(rates, np.shape(theta))
 
 
+def series_of(path):
+    """Edges and coefficients of a table, as it was made from them."""
+    pieces, order = (int(x) for x in path.numbers[:2])
+    return path.numbers[2 : 3 + pieces], path.numbers[3 + pieces :].reshape(pieces, order)
+
+
 def plain(wheel):
     return Plain(wheel.path, wheel.breaks[-1])
 

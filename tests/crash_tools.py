@@ -12,56 +12,26 @@ from functools import partial
 from pathlib import Path
 from unittest import mock
 
-import numpy as np
-
 from escapement import files
 from escapement.errors import CannotCreate, EscapementError
-from escapement.study.block import blocks_of, encode_block
-from escapement.study.result import RESULTS, Study
-from escapement.study.writer import StudyWriter, partial_path
+from escapement.study.writer import partial_path, study_writer
+from study_tools import block, study
 
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EACCES, errno.EROFS, errno.ENOENT)
 CASES = 40
 """Of the small study: ten blocks of four cases."""
 
 
-def small_study(**changes):
-    """A study whose results are made from the numbers of its cases."""
-    attributes = {
-        "title": "small",
-        "schema_version": 1,
-        "package_version": "0.1.0",
-        "engine": "ivp",
-        "rtol": 1e-10,
-        "created": "2000-01-01T00:00:00+00:00",
-    }
-    values = np.linspace(0.1, 0.4, CASES)
-    names = ["friction", *RESULTS]
-    return Study(
-        axes={"friction": values},
-        results={
-            name: (np.arange(CASES) % 6 if name == "status" else values * place).astype(r.dtype)
-            for place, (name, r) in enumerate(RESULTS.items())
-        },
-        units=dict.fromkeys(names, "1"),
-        long_names=dict.fromkeys(names, "a name"),
-        configuration={"friction": values.tolist()},
-        attributes=attributes | changes,
-    )
+def small_study():
+    """A study of random results."""
+    return study((CASES,), engine="ivp")
 
 
-def block(study, number):
-    """One block of a study that is in memory."""
-    cut = blocks_of(study)
-    span = slice(*cut.span(number))
-    return encode_block(cut, number, {name: v[span] for name, v in study.results.items()})
-
-
-def write(path, study, *, added=None, pause=0.0, stop_after=None, **options):
+def write(path, whole, *, added=None, pause=0.0, stop_after=None, **options):
     """Write the missing blocks; `added` collects the numbers of those that are safe."""
-    with StudyWriter(path, study, **options) as writer:
+    with study_writer(path, whole, **options) as writer:
         for number in writer.missing[:stop_after]:
-            writer.add(block(study, number))
+            writer.add(block(whole, number))
             if added is not None:
                 added.append(number)
             time.sleep(pause)
@@ -114,7 +84,7 @@ def kill_until_done(path, kills, rng):
 def missing(path):
     """Numbers of the blocks that partial results lack, which stay as they are."""
     try:
-        with StudyWriter(path, small_study(), resume=True) as writer:
+        with study_writer(path, small_study(), resume=True) as writer:
             numbers = writer.missing
             raise ZeroDivisionError
     except ZeroDivisionError:
@@ -203,10 +173,10 @@ def fail_once(folder, failing, code, begun):
 
     `begun` : whether the failing run itself resumes another.
     """
-    path, study = folder / "a.h5", small_study()
+    path, whole = folder / "a.h5", small_study()
     reference = folder / "reference.h5"
     if not reference.exists():
-        write(reference, study)
+        write(reference, whole)
     for leftover in [*folder.glob("a.h5*"), *folder.glob(".escapement*")]:
         leftover.unlink()
     if begun:
@@ -216,7 +186,7 @@ def fail_once(folder, failing, code, begun):
     refusal = None
     with faults(failing, code) as plan:
         try:
-            write(path, study, added=added, force=True, resume=begun)
+            write(path, whole, added=added, force=True, resume=begun)
         except EscapementError as error:
             refusal = error
     if refusal is not None:
@@ -227,7 +197,7 @@ def fail_once(folder, failing, code, begun):
         before = set(range(5)) if begun else set()
         path.unlink()
         assert not (before | set(added)) & set(missing(path)), "a finished block is lost"
-        write(path, study, resume=True)
+        write(path, whole, resume=True)
     assert path.read_bytes() == reference.read_bytes()
     return plan.calls > failing
 
@@ -276,6 +246,30 @@ def damage_once(folder, rng):
     assert path.read_bytes() == reference.read_bytes()
     path.unlink()
     return len(computed) - 5
+
+
+PROGRAM = """
+import resource, sys
+sys.path.insert(0, {folder!r})
+import crash_tools as tools
+from study_tools import study
+from escapement.study.writer import write_study
+resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+try:
+    {call}
+except tools.EscapementError as error:
+    print(error)
+    sys.exit(error.exit_code)
+"""
+
+
+def run_limited(limit, call):
+    """The one line of a process whose files may not grow beyond a limit, which ends in peace."""
+    code = PROGRAM.format(folder=str(Path(__file__).parent), limit=limit, call=call)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (74, "")
+    assert done.stdout.count("\n") == 1
+    return done.stdout
 
 
 if __name__ == "__main__":

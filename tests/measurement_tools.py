@@ -10,20 +10,15 @@ DEG = math.pi / 180.0
 PRIKHODKO = esc.EllipticalPlanetary(0.016, 0.009)
 
 
-DRIVES = [
-    PRIKHODKO,
-    esc.Geneva(3),
-    esc.Geneva(4),
-    esc.Geneva(4, pins=1),
-    esc.Geneva(5),
-    esc.Geneva(6, internal=True),
-    esc.GearDriven(4, 2, curve="epicycloid"),
-    esc.Tabulated(
-        np.linspace(0.0, 2.0, 41),
-        np.linspace(0.0, 1.0, 41) + 0.1 * np.sin(np.pi * np.arange(41) / 20),
-    ),
-]
-NAMES = ["planetary", "3", "4", "4 with dwell", "5", "internal", "gear-driven", "table"]
+ROWS = np.linspace(0.0, 1.0, 41)
+DRIVES = {
+    "planetary": PRIKHODKO,
+    **{str(slots): esc.Geneva(slots) for slots in (3, 4, 5)},
+    "4 with dwell": esc.Geneva(4, pins=1),
+    "internal": esc.Geneva(6, internal=True),
+    "gear-driven": esc.GearDriven(4, 2, curve="epicycloid"),
+    "table": esc.Tabulated(2.0 * ROWS, ROWS + 0.1 * np.sin(2.0 * np.pi * ROWS)),
+}
 
 
 def read(mechanism=PRIKHODKO, **planted):

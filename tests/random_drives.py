@@ -1,4 +1,4 @@
-"""Escapements drawn at random, and what is compared of their motions.
+"""Escapements by their ratios or drawn at random, and what is compared of their motions.
 
 Natural units throughout: the follower's inertia and the torque are 1 unless a property varies
 them, so the driver's inertia is rho and the load torque the load ratio.
@@ -15,6 +15,12 @@ import escapement as esc
 slow_to_draw = [HealthCheck.too_slow, HealthCheck.filter_too_much]
 few = settings(deadline=None, max_examples=30, suppress_health_check=slow_to_draw)
 very_few = settings(few, max_examples=8)
+
+
+def drive(slots=4, pins=None, rho=0.06, mu=0.35, load=0.0, torque=1.0, **wheel):
+    """A Geneva wheel's escapement; rho is the driver's inertia."""
+    mechanism = esc.Geneva(slots, pins, **wheel)
+    return esc.Escapement(mechanism, esc.Inertia(rho, 1.0), torque, mu, load)
 
 
 @st.composite

@@ -3,12 +3,17 @@
 import threading
 
 import numpy as np
+import pytest
 
+from escapement import simulation
+from escapement.mechanisms import Geneva
+from escapement.model import Escapement, Inertia
 from escapement.study.block import blocks_of, encode_block
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study
-from escapement.study.writer import StudyWriter
+from escapement.study.writer import study_writer
 
+TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
 IVP_STUDY = """
 torque = 0.01
 [mechanism]
@@ -31,6 +36,16 @@ ATTRIBUTES = {
 }
 
 
+def assert_as_alone(plan, results):
+    """Every case is what `terminal` says of it alone."""
+    for case in range(plan.cases):
+        speed = plan.values(case)["initial_speed"]
+        alone = simulation.terminal(plan.escapement(case), initial_speed=speed)
+        for name in RESULTS:
+            value = results[name].reshape(-1)[case]
+            assert value == pytest.approx(getattr(alone, name), rel=1e-11, nan_ok=True), name
+
+
 def let_go():
     """Wait until the threads that an interrupted sweep left behind have ended their cases."""
     for thread in threading.enumerate():
@@ -38,7 +53,7 @@ def let_go():
             thread.join()
 
 
-def study(shape=(3, 5), seed=0):
+def study(shape=(3, 5), seed=0, **attributes):
     """A study of random results, some of them missing."""
     rng = np.random.default_rng(seed)
     names = ("friction", "torque", "slots")[: len(shape)]
@@ -58,7 +73,7 @@ def study(shape=(3, 5), seed=0):
         units=units | {name: result.units for name, result in RESULTS.items()},
         long_names=dict.fromkeys(axes, "an axis") | {n: r.long_name for n, r in RESULTS.items()},
         configuration={"sweep": {name: values.tolist() for name, values in axes.items()}},
-        attributes=ATTRIBUTES,
+        attributes=ATTRIBUTES | attributes,
     )
 
 
@@ -71,7 +86,7 @@ def block(whole, number):
 
 def write_in_blocks(path, whole, order, **options):
     """Write the missing blocks in some order; returns their numbers."""
-    with StudyWriter(path, whole, **options) as writer:
+    with study_writer(path, whole, **options) as writer:
         numbers = order(writer.missing)
         for number in numbers:
             writer.add(block(whole, number))

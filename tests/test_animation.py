@@ -11,20 +11,16 @@ from PIL import Image
 import escapement as esc
 from escapement import plots
 from escapement.errors import InvalidValue, StorageError
-from escapement.plots import saving
 from figure_tools import by_id
 from tabulated_drive import exact
 
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
-DRIVES = [
-    esc.Geneva(6, pins=1),
-    esc.GearDriven(4, 1, "epicycloid"),
-    esc.EllipticalPlanetary(16e-3, 9e-3),
-]
+PLANETARY = esc.EllipticalPlanetary(16e-3, 9e-3)
+DRIVES = [esc.Geneva(6, pins=1), esc.GearDriven(4, 1, "epicycloid"), PLANETARY]
 
 
 def motion(mechanism, engagements=2):
-    friction = 0.0 if isinstance(mechanism, esc.EllipticalPlanetary) else 0.05
+    friction = 0.0 if mechanism is PLANETARY else 0.05
     return esc.simulate(esc.Escapement(mechanism, INERTIA, 0.0113, friction), engagements)
 
 
@@ -48,8 +44,8 @@ def test_the_last_picture_is_that_of_its_instant(mechanism, tmp_path):
     state = shown.at(instant)
     alone = plots.plot_mechanism(mechanism, float(state.theta))
     assert place(drawing) == pytest.approx(place(alone))
-    marks = velocities.lines[-1]
-    np.testing.assert_allclose(marks.get_ydata(), [state.theta_dot, state.phi_dot])
+    speeds = [state.theta_dot, state.phi_dot]
+    np.testing.assert_allclose(velocities.lines[-1].get_ydata(), speeds)
     assert re.match(rf"{1e3 * instant:.0f}(\.\d+)? ms, ", drawing.get_title())
     np.testing.assert_allclose(velocities.get_xlim(), [1e3 * start, 1e3 * stop])
 
@@ -57,8 +53,7 @@ def test_the_last_picture_is_that_of_its_instant(mechanism, tmp_path):
 def test_the_file_plays_for_ever_at_the_rate_asked_for(tmp_path):
     shown = motion(DRIVES[0])
     for name in "ab":
-        film = plots.animate(shown, frames=3, rate=20.0)
-        plots.save(film, tmp_path / f"{name}.gif")
+        plots.save(film := plots.animate(shown, frames=3, rate=20.0), tmp_path / f"{name}.gif")
     with Image.open(tmp_path / "a.gif") as image:
         assert (image.n_frames, image.info["duration"], image.info["loop"]) == (3, 50, 0)
     assert f"{3 / 20 / shown.end_time:.3g} times slower" in film._fig.axes[0].get_title()
@@ -68,11 +63,11 @@ def test_the_file_plays_for_ever_at_the_rate_asked_for(tmp_path):
 def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
     film = plots.animate(motion(DRIVES[0], 1), frames=2)
 
-    def full(_film):
+    def full(*_, **__):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patch:
-        patch.setattr(saving, "_film", full)
+        patch.setattr(film, "save", full)
         with pytest.raises(StorageError, match="No space left"):
             plots.save(film, tmp_path / "film.gif")
     with pytest.raises(InvalidValue, match=r"must end in \.gif, got '\.png'"):
@@ -82,18 +77,16 @@ def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
 
 
-@pytest.mark.parametrize(
-    ("choice", "said"),
-    [
-        ({"start": -1.0}, "film must be a part of the motion's"),
-        ({"start": 1e-3, "stop": 1e-3}, "film must be a part of the motion's"),
-        ({"frames": 1}, "frames must be a whole number of at least 2"),
-        ({"frames": 5000}, "frames must be a whole number of at most 2000"),
-        ({"rate": 0.0}, "rate must be"),
-    ],
-)
-def test_what_cannot_be_shown_is_refused(choice, said):
-    with pytest.raises(InvalidValue, match=said):
-        plots.animate(motion(DRIVES[0], 1), **choice)
+def test_what_cannot_be_shown_is_refused():
+    shown = motion(DRIVES[0], 1)
+    for said, choice in (
+        ("film must be a part of the motion's", {"start": -1.0}),
+        ("film must be a part of the motion's", {"start": 1e-3, "stop": 1e-3}),
+        ("frames must be a whole number of at least 2", {"frames": 1}),
+        ("frames must be a whole number of at most 2000", {"frames": 5000}),
+        ("rate must be", {"rate": 0.0}),
+    ):
+        with pytest.raises(InvalidValue, match=said):
+            plots.animate(shown, **choice)
     with pytest.raises(InvalidValue, match="plot_velocities"):  # a table has no shape
         plots.animate(esc.simulate(esc.Escapement(exact(40), INERTIA, 0.01), 1))

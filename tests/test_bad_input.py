@@ -14,7 +14,6 @@ from escapement.cli._arguments import option
 from escapement.errors import InvalidValue
 from escapement.model import Run
 from escapement.quantity import Quantity, Truth
-from escapement.solver import Solver
 from escapement.status import Status
 
 
@@ -47,15 +46,11 @@ FILED = [case for case in BAD if case[0] not in (Run,) and not isinstance(case[4
 
 @pytest.mark.parametrize("case", FILED, ids=shown)
 def test_a_study_file_refuses(case):
-    owner, kind, _, entry, value = case
-    if owner is Solver:
-        wrong = {"solver": {"engine": "ivp", entry.key: value}}
-    elif entry.section == "mechanism":
-        wrong = {"mechanism": {"kind": kind} | MACHINES[kind] | {entry.key: value}}
-    elif entry.section == "inertia":
-        wrong = {"inertia": {"driver": 1.0, "follower": 1.0} | {entry.key: value}}
-    else:
-        wrong = {entry.key: value}
+    _, kind, _, entry, value = case
+    right = {"mechanism": {"kind": kind} | MACHINES[kind], "solver": {"engine": "ivp"}}
+    right |= {"inertia": {"driver": 1.0, "follower": 1.0}, "": {}}
+    wrong = right[entry.section] | {entry.key: value}
+    wrong = {entry.section: wrong} if entry.section else wrong
     with pytest.raises(InvalidValue) as caught:
         study(kind, **wrong)
     check_message(str(caught.value), entry.key)

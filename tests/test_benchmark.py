@@ -14,10 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from escapement.benchmark import work_precision
-from escapement.benchmark.measuring import write_csv
-from escapement.benchmark.problems import PROBLEMS, REFERENCE
-from escapement.benchmark.solvers import MeasuredSolver, own_solvers
+from escapement.benchmark import work_precision, write_csv
+from escapement.benchmark.problems import PROBLEMS, REFERENCE, MeasuredSolver, own_solvers
 from escapement.benchmark.work_precision import Point, standings, time_at
 from escapement.cli import main
 from escapement.errors import StorageError
@@ -31,12 +29,7 @@ OWN = list(own_solvers())
 ALL = [*OWN, *peers.peer_solvers()]
 RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8, "CyRK": 1e-8}
 
-PAIRS = [
-    (solver, problem)
-    for solver in ALL
-    for problem in PROBLEMS
-    if problem is MEYER or solver.family != "solve_ivp"
-]
+PAIRS = [(s, p) for s in ALL for p in PROBLEMS if p is MEYER or s.family != "solve_ivp"]
 
 
 def point(error, time, solver="x", rtol=1e-9):
@@ -89,8 +82,7 @@ def test_the_package_measures_its_engines_and_scipy_and_the_peers_that_are_insta
 
 
 def test_a_further_solver_stands_in_every_table(tmp_path, monkeypatch):
-    small = work_precision.Effort([MEYER], 5, 0.0, 1, ("energy",))
-    monkeypatch.setattr(work_precision, "QUICK", small)
+    monkeypatch.setattr(work_precision, "QUICK_SOLVERS", ("energy",))
     further = MeasuredSolver("heyoka", "heyoka", "Taylor", "LLVM", -6, -6, OWN[0].prepare)
     results = work_precision.run(quick=True, further=[further])
     assert {row.solver for row in results.standings} == {"energy", "heyoka"}

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 import escapement as esc
-from natural_units import drive
+from random_drives import drive
 
 
 class Frictionless:

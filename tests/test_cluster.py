@@ -11,32 +11,25 @@ import pytest
 
 from escapement.cli import main
 from escapement.errors import InvalidValue, StorageError
-from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
 from escapement.study import pool, run
+from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
-from escapement.study.run import write_plan
-from escapement.study.sweep import plan_from, sweep
+from escapement.study.run import sweep, write_plan
 from escapement.study.writer import partial_path
-from study_tools import without_date
+from study_tools import TIMER, without_date
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own making
 
-TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
+
+QUIET = {"threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
 
 
 @pytest.fixture(scope="module")
 def client():
     """Two workers on this machine."""
     with (
-        distributed.LocalCluster(
-            n_workers=2,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            dashboard_address=None,
-            silence_logs=50,
-        ) as cluster,
+        distributed.LocalCluster(n_workers=2, host="127.0.0.1", **QUIET) as cluster,
         distributed.Client(cluster) as client,
     ):
         yield client
@@ -145,9 +138,8 @@ def test_a_scheduler_that_is_lost(tmp_path, client, serial):
         if done:
             other.close()
 
-    quiet = {"processes": False, "dashboard_address": None, "silence_logs": 50}
     with (
-        distributed.LocalCluster(n_workers=1, threads_per_worker=1, **quiet) as other,
+        distributed.LocalCluster(n_workers=1, processes=False, **QUIET) as other,
         distributed.Client(other) as lost,
         pytest.raises(StorageError, match="was lost"),
     ):

@@ -4,16 +4,17 @@ A sample of `benchmarks/crash.py`, which goes through every call, error and many
 """
 
 import random
-import resource
 import signal
 import subprocess
 import sys
+import time
 from itertools import cycle
-from pathlib import Path
 
 import pytest
 
 import crash_tools as tools
+from escapement.cli import main
+from study_tools import IVP_STUDY, without_date
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and locks")
 
@@ -22,10 +23,28 @@ def test_killed_at_ten_random_instants(tmp_path):
     assert tools.kill_until_done(tmp_path / "a.h5", 10, random.Random(7)) > 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_asked_to_end(tmp_path, number):
-    told = tools.kill_one(tmp_path / "a.h5", 0.02, number)
-    assert not set(told) & set(tools.missing(tmp_path / "a.h5"))
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 130)])
+def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
+    tmp_path, monkeypatch, capsys, number, code
+):
+    monkeypatch.chdir(tmp_path)
+    text = IVP_STUDY.replace("num = 40", "num = 60_000").replace('"ivp"', '"energy"')
+    (tmp_path / "s.toml").write_text(text)
+    command = [sys.executable, "-m", "escapement", "sweep", "s.toml", "--quiet", "--workers", "1"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        log = tmp_path / "s.h5.partial-wal"
+        while not log.exists() or log.stat().st_size < 100_000:
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert ("what was finished is in s.h5.partial" in errors) == (number == signal.SIGTERM)
+    assert not (tmp_path / "s.h5").exists()
+    assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
+    assert " of them from before" in capsys.readouterr().err
+    assert main(["sweep", "s.toml", "--quiet", "-o", "t.h5"]) == 0
+    assert without_date(tmp_path / "s.h5") == without_date(tmp_path / "t.h5")
 
 
 @pytest.mark.parametrize("begun", [False, True], ids=["fresh", "resumed"])
@@ -56,31 +75,14 @@ def test_damage_costs_what_it_hits_and_no_more(tmp_path):
     assert len(tools.missing(path)) == 6  # what was saved is whole
 
 
-LIMITED = """
-import resource, sys
-sys.path.insert(0, {folder!r})
-import crash_tools as tools
-from pathlib import Path
-resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
-try:
-    tools.write(Path({path!r}), tools.small_study(), resume=True)
-except tools.EscapementError as error:
-    print(error)
-    sys.exit(error.exit_code)
-"""
-
-
 @pytest.mark.parametrize("limit", [0, 100, 10_000, 30_000])
 def test_a_limit_on_the_size_of_files(tmp_path, limit):
     path = tmp_path / "a.h5"
-    code = LIMITED.format(folder=str(Path(__file__).parent), limit=limit, path=str(path))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (74, "")
-    assert done.stdout.startswith(f"writing {path} failed: ")
-    assert done.stdout.count("\n") == 1
+    call = f"tools.write(tools.Path({str(path)!r}), tools.small_study(), resume=True)"
+    told = tools.run_limited(limit, call)
+    assert told.startswith(f"writing {path} failed: ")
     assert tools.partial_path(path).exists() == (limit > 20_000)
-    assert ("is kept in a.h5.partial" in done.stdout) == (limit > 20_000)
-    assert ("nothing was left behind" in done.stdout) == (limit < 20_000)
+    assert ("is kept in a.h5.partial" in told) == (limit > 20_000)
+    assert ("nothing was left behind" in told) == (limit < 20_000)
     tools.write(path, tools.small_study(), resume=True)
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
-    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] != limit

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from escapement import dynamics
+from escapement.scene import Path, Scene
 from random_drives import from_python
 
 time, theta = sp.symbols("t theta", real=True)
@@ -134,37 +136,14 @@ def test_geneva_identities(kind):
     assert sp.simplify(1 / (1 / sp.sin(sp.pi / n) ** 2 - 1) - sp.tan(sp.pi / n) ** 2) == 0
 
 
-def painleve_cubic(g, t, r):
-    return t * g**3 + (t + 2 * r) * g**2 - 3 * r * t * g - r * t
-
-
 def test_painleve_limit_is_a_root_of_the_cubic():
     """Stationarity of ((rho + g^2)/(g u))^2 with u^2 = T (1 + 2 g) - g^2."""
     g = sp.symbols("g", positive=True)
     square = tangent * (1 + 2 * g) - g**2
     limit = ((rho + g**2) / g) ** 2 / square
-    expected = 2 * (rho + g**2) * painleve_cubic(g, tangent, rho) / (g**3 * square**2)
+    cubic = tangent * g**3 + (tangent + 2 * rho) * g**2 - 3 * rho * tangent * g - rho * tangent
+    expected = 2 * (rho + g**2) * cubic / (g**3 * square**2)
     assert sp.simplify(limit.diff(g) - expected) == 0
-
-
-@pytest.mark.parametrize(
-    ("slots", "inertia_ratio", "expected"),
-    [(3, "0.6", 0.565685), (4, "0.06", 0.406079), (6, "0.075", 0.824379), (4, "0.6", 1.106078)],
-)
-def test_painleve_limit_values(slots, inertia_ratio, expected):
-    g = sp.symbols("g")
-    t, r = sp.tan(sp.pi / slots) ** 2, sp.Rational(inertia_ratio)
-    roots = [x for x in sp.Poly(painleve_cubic(g, t, r), g).nroots(n=30) if x.is_real and x > 0]
-    values = [(r + x**2) / (x * sp.sqrt(t * (1 + 2 * x) - x**2)) for x in roots]
-    assert float(min(sp.N(v, 20) for v in values)) == pytest.approx(expected, abs=5.1e-7)
-
-
-def test_painleve_limit_of_the_six_pin_escapement_is_exact():
-    r, g = sp.Rational(3, 5), sp.symbols("g")
-    assert painleve_cubic(1, 3, r) == 0
-    assert sp.Poly(painleve_cubic(g, 3, r), g).count_roots(0, sp.oo) == 1
-    limit = (r + 1) / sp.sqrt(3 * (1 + 2) - 1)
-    assert sp.simplify(limit - sp.Rational(2, 5) * sp.sqrt(2)) == 0
 
 
 def random_states(count=400, seed=1973):
@@ -212,42 +191,40 @@ def dimensionless():
     }
 
 
-def test_kernels_follow_the_lagrangian(dimensionless):
-    from escapement import dynamics
-    from escapement.scene import Path, Scene
+def scene(rho, mu_plus, mu_minus, load, *, table=False):
+    nothing, numbers = np.empty(0), (rho, mu_plus, mu_minus, load)
+    absent = (0.0,) * (len(Scene._fields) - 3 - len(numbers))
+    return Scene(Path(table, nothing, nothing), nothing, 0.0, *numbers, *absent)
 
+
+def test_kernels_follow_the_lagrangian(dimensionless):
     states = random_states()
     g, _, dg, w, _, r, _, m = states
-    everything, some = dimensionless["state"], dimensionless["contact_state"]
+    bend, net_torque = from_python(dynamics.bend), from_python(dynamics.net_torque)
+    inertia, contact_of = from_python(dynamics.reduced_inertia), from_python(dynamics.contact)
 
-    def scene(rho, mu, load):
-        nothing = np.empty(0)
-        return Scene(Path(False, nothing, nothing), nothing, 0.0, rho, mu, mu, load)
+    def acceleration(g, u, dg, w, s, rho, mu, load):
+        here = scene(rho, mu, mu, load)
+        c = bend(g, u, 1.0, s, here)
+        return net_torque(g, c, dg, w, 0.0, here) / inertia(g, c, here)
 
-    def with_pin(kernel):
-        return lambda g, u, dg, w, s, rho, mu, load: kernel(g, u, dg, w, s, scene(rho, mu, load))
-
-    of_contact = from_python(dynamics.contact)
+    def moment(g, u, dg, w, s, rho, mu, load):
+        here = scene(rho, mu, mu, load)
+        return contact_of(g, dg, w, 0.0, here) / inertia(g, bend(g, u, 1.0, s, here), here)
 
     def contact(g, dg, w, rho, load):
-        return of_contact(g, dg, w, scene(rho, 0.0, load))
+        return contact_of(g, dg, w, 0.0, scene(rho, 0.0, 0.0, load))
 
-    acceleration = with_pin(from_python(dynamics.acceleration))
-    moment = with_pin(from_python(dynamics.contact_moment))
-    compare(acceleration, dimensionless["acceleration"], everything, states)
-    compare(moment, dimensionless["moment"], everything, states)
-    compare(contact, dimensionless["contact"], some, (g, dg, w, r, m))
+    kernels = {"acceleration": acceleration, "moment": moment}
+    for name, kernel in kernels.items():
+        compare(kernel, dimensionless[name], dimensionless["state"], states)
+    compare(contact, dimensionless["contact"], dimensionless["contact_state"], (g, dg, w, r, m))
 
 
 def test_a_mesh_divides_by_its_efficiency_what_it_passes_on_and_multiplies_what_comes_back():
-    from escapement import dynamics
-    from escapement.scene import Path, Scene
-
-    nothing = np.empty(0)
-    table = Path(True, nothing, nothing)
-    bent = from_python(dynamics.effective_ratio)
+    bend = from_python(dynamics.bend)
     for eta in (0.3, 0.87, 1.0):
-        scene = Scene(table, nothing, 0.0, 1.0, 1.0 / eta - 1.0, 1.0 - eta, 0.0)
+        mesh = scene(1.0, 1.0 / eta - 1.0, 1.0 - eta, 0.0, table=True)
         for g in (1e-9, 0.7, 6.0):
-            assert bent(g, g, 1.0, scene) == pytest.approx(g / eta, rel=1e-15)
-            assert bent(g, g, -1.0, scene) == pytest.approx(g * eta, rel=1e-15)
+            assert g + bend(g, g, 1.0, 1.0, mesh) == pytest.approx(g / eta, rel=1e-15)
+            assert g + bend(g, g, 1.0, -1.0, mesh) == pytest.approx(g * eta, rel=1e-15)

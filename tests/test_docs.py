@@ -1,12 +1,12 @@
 """Documentation: its code runs, its sessions print what they show, its links lead somewhere."""
 
 import contextlib
-import importlib.util
 import inspect
 import io
 import json
 import math
 import re
+import runpy
 import shlex
 import shutil
 import tomllib
@@ -24,7 +24,7 @@ import pytest
 import escapement as esc
 from escapement import errors
 from escapement.cli import COMMANDS, main
-from escapement.cli._arguments import Parser
+from escapement.cli._arguments import parser_of
 from escapement.study.parse import parse_plan
 from escapement.units import INCH_POUND
 
@@ -49,17 +49,19 @@ class Block(NamedTuple):
     below: str | None
 
 
-def blocks(page: Path) -> Iterator[Block]:
+def blocks(page: Path, *languages: str) -> Iterator[Block]:
+    """The fenced blocks of a page, or those in some languages."""
     text = page.read_text(encoding="utf-8")
     fences = list(_FENCE.finditer(text))
     for fence, after in zip_longest(fences, fences[1:]):
         touching = after is not None and not text[fence.end() : after.start()].strip()
         below = after[2] if touching and after is not None and after[1] == "text" else None
-        yield Block(fence[1], fence[2], below)
+        if not languages or fence[1] in languages:
+            yield Block(fence[1], fence[2], below)
 
 
 def having(language: str) -> list[Path]:
-    return [page for page in PAGES if any(block.language == language for block in blocks(page))]
+    return [page for page in PAGES if any(blocks(page, language))]
 
 
 def name_of(page: Path) -> str:
@@ -99,40 +101,25 @@ def same_line(shown: str, found: str) -> bool:
     return len(a) == len(b) and all(map(same_token, a, b))
 
 
-def find(chunk: list[str], lines: list[str], start: int) -> int | None:
-    """Where `chunk` stands in `lines`, from `start` on."""
-    for i in range(start, len(lines) - len(chunk) + 1):
-        if all(map(same_line, chunk, lines[i : i + len(chunk)])):
-            return i
-    return None
+def matches(shown: list[str], found: list[str]) -> bool:
+    """Whether lines are those shown, in which a line of dots stands for any lines."""
+    if not shown:
+        return not found
+    if shown[0].strip() == "...":
+        return any(matches(shown[1:], found[i:]) for i in range(len(found) + 1))
+    return bool(found) and same_line(shown[0], found[0]) and matches(shown[1:], found[1:])
 
 
 def compare(shown: str, printed: str) -> None:
-    """Fail unless `printed` is `shown`, in which a line of dots stands for any lines."""
-    chunks: list[list[str]] = [[]]
-    for line in shown.strip("\n").splitlines():
-        if line.strip() == "...":
-            chunks.append([])
-        else:
-            chunks[-1].append(line)
-    lines = printed.strip("\n").splitlines()
-    place = 0
-    for i, chunk in enumerate(chunks):
-        last = i == len(chunks) - 1
-        start = len(lines) - len(chunk) if last and chunk else place
-        found = find(chunk, lines, max(start, place))
-        assert found is not None, f"not printed: {chunk}\nprinted:\n{printed}"
-        assert i > 0 or found == 0, f"printed before {chunk[0]}:\n{printed}"
-        place = found + len(chunk)
-    assert not chunks[-1] or place == len(lines)
+    """Fail unless `printed` is `shown`."""
+    lines, found = (text.strip("\n").splitlines() for text in (shown, printed))
+    assert matches(lines, found), f"shown:\n{shown}\nprinted:\n{printed}"
 
 
 @pytest.mark.parametrize("page", having("python"), ids=name_of)
 def test_python_runs_and_prints_what_is_shown(page, workplace):
     names: dict[str, object] = {}
-    for block in blocks(page):
-        if block.language != "python":
-            continue
+    for block in blocks(page, "python"):
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             exec(compile(block.text, name_of(page), "exec"), names)
@@ -144,13 +131,13 @@ def test_python_runs_and_prints_what_is_shown(page, workplace):
 
 @pytest.mark.parametrize("page", having("console"), ids=name_of)
 def test_sessions_print_what_is_shown(page, workplace, capsys):
-    for block in blocks(page):
-        if block.language != "console":
-            continue
+    for block in blocks(page, "console"):
         assert block.text.startswith("$ ")
         for session in re.split(r"^\$ ", block.text, flags=re.MULTILINE)[1:]:
             command, _, shown = session.partition("\n")
-            main(arguments_of(command))
+            name, *arguments = shlex.split(command)
+            assert Path(name).name == "escapement"
+            main(arguments)
             out, err = capsys.readouterr()
             notes = [line for line in shown.splitlines() if line.startswith("escapement: ")]
             for note in notes:
@@ -158,20 +145,13 @@ def test_sessions_print_what_is_shown(page, workplace, capsys):
             compare("\n".join(line for line in shown.splitlines() if line not in notes), out)
 
 
-def arguments_of(command: str) -> list[str]:
-    name, *arguments = shlex.split(command)
-    assert Path(name).name == "escapement"
-    return arguments
-
-
 def commands_of(page: Path) -> Iterator[str]:
     """Every whole command line of a page, those in a chain of shell commands included."""
-    for block in blocks(page):
-        if block.language in ("sh", "console"):
-            prompt = "$ " if block.language == "console" else ""
-            for line in block.text.splitlines():
-                if line.startswith(prompt):
-                    yield from line.removeprefix(prompt).split("&&")
+    for block in blocks(page, "sh", "console"):
+        prompt = "$ " if block.language == "console" else ""
+        for line in block.text.splitlines():
+            if line.startswith(prompt):
+                yield from line.removeprefix(prompt).split("&&")
 
 
 @pytest.mark.parametrize("page", having("sh") + having("console"), ids=name_of)
@@ -180,7 +160,7 @@ def test_command_lines_are_understood(page):
         words = shlex.split(command)
         if Path(words[0]).name != "escapement" or words[1].startswith("-"):
             continue
-        assert parser_of(words[1]).understand(words[2:]) is not None
+        assert parser_of(words[1])[1].understand(words[2:]) is not None
         for word in words:
             assert not word.endswith(".toml") or (ROOT / word).is_file()
 
@@ -193,25 +173,18 @@ def test_commands_in_running_text_exist(page):
         if words[0] != "escapement" or len(words) == 1 or words[1] == "COMMAND":
             continue
         assert words[1] in COMMANDS, span
-        options = parser_of(words[1])._option_string_actions
+        options = parser_of(words[1])[1]._option_string_actions
         assert all(word in options for word in words[2:] if word.startswith("-")), span
-
-
-def parser_of(command: str) -> Parser:
-    parser = Parser(prog=f"escapement {command}")
-    import_module(f"escapement.cli.{command.replace('-', '_')}").configure(parser)
-    return parser
 
 
 @pytest.mark.parametrize("page", having("toml"), ids=name_of)
 def test_studies_are_valid(page):
-    for block in blocks(page):
-        if block.language == "toml":
-            assert parse_plan(tomllib.loads(block.text)).cases > 1
+    for block in blocks(page, "toml"):
+        assert parse_plan(tomllib.loads(block.text)).cases > 1
 
 
 def test_the_readme_installs_and_tests_in_one_line_each():
-    install, test = [block.text.strip() for block in blocks(PAGES[0]) if block.language == "sh"]
+    install, test = [block.text.strip() for block in blocks(PAGES[0], "sh")]
     for line in (install, test):
         assert "\n" not in line
         assert line.startswith("python3.11 -m venv .venv && .venv/bin/pip install ")
@@ -239,6 +212,13 @@ def test_sensitivities_are_those_of_the_model():
         for figure, cell in zip(FIGURES, shown.split(" | "), strict=True):
             change = getattr(after, figure) / getattr(before, figure) - 1.0
             assert f"{100.0 * change:+.2f}" == cell, (name, figure)
+
+
+def test_the_table_of_effects_is_what_its_script_prints(monkeypatch):
+    monkeypatch.syspath_prepend(str(DOCS))
+    found = import_module("pages.effects").table().splitlines()
+    shown = page_text("effects.md").splitlines()
+    assert [line for line in found if "---" not in line and line not in shown] == []
 
 
 def test_how_often_the_published_test_rejects_is_what_its_row_says():
@@ -347,13 +327,9 @@ def test_blocks_have_a_language_and_are_closed(page):
 
 
 def test_figures_can_be_drawn_again_and_are_all_shown(tmp_path, monkeypatch):
-    spec = importlib.util.spec_from_file_location("make_figures", DOCS / "make_figures.py")
-    assert spec is not None
-    assert spec.loader is not None
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    monkeypatch.setattr(script, "DPI", 40)
-    script.main(tmp_path)
+    main = runpy.run_path(str(DOCS / "make_figures.py"))["main"]
+    monkeypatch.setitem(main.__globals__, "DPI", 40)
+    main(tmp_path)
     images = {image.name for image in (DOCS / "images").iterdir()}
     assert {image.name for image in tmp_path.iterdir()} == images
     shown = {Path(target).name for page in PAGES for target in links(page.read_text("utf-8"))}

@@ -6,7 +6,6 @@ from scipy.integrate import solve_ivp
 
 import escapement as esc
 from elliptical_tools import PAPER
-from escapement.errors import InvalidValue
 from escapement.units import INCH_POUND
 
 INERTIA = esc.Inertia(driver=3e-6 * INCH_POUND, follower=50e-6 * INCH_POUND)
@@ -102,11 +101,6 @@ def test_without_a_loss_the_energy_is_the_work():
     # at a stop the follower rests, so all of it is the driver's
     work = TORQUE * PAPER.cell_angle * np.arange(1, 11)
     np.testing.assert_allclose(0.5 * INERTIA.driver * found.handoff_velocities**2, work, rtol=1e-12)
-
-
-def test_friction_is_for_slots():
-    with pytest.raises(InvalidValue, match=r"friction must be 0 .* efficiency"):
-        esc.Escapement(PAPER, INERTIA, TORQUE, friction=0.1)
 
 
 @pytest.mark.parametrize("efficiency", [1.0, 0.8])

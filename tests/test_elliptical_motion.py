@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from any_path import series_of
 from elliptical_tools import PAPER, drives
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.mechanisms.slotted import transmission
-from escapement.mechanisms.table import read_table
 from escapement.model import Mechanism
 
 places = st.floats(-1.0, 1.0)
@@ -61,34 +61,6 @@ def test_position_function_is_the_integral_of_equation_9(drive, place):
 
 
 @settings(deadline=None)
-@given(drives, places)
-def test_closed_form_of_the_position_function(drive, place):
-    """phi = theta - p - 2 atan2(e sin p, 1 - e cos p), another form of the integral."""
-    theta = 0.5 * place * drive.cell_angle
-    e, p = drive.eccentricity, drive.ratio * theta
-    other = theta - p - 2.0 * math.atan2(e * math.sin(p), 1.0 - e * math.cos(p))
-    assert float(drive.follower_angle(theta)) == pytest.approx(-other, abs=2e-14)
-
-
-@settings(deadline=None)
-@given(drives, places)
-def test_derivatives_are_derivatives(drive, place):
-    theta = 0.5 * place * drive.cell_angle
-    h = 1e-3 * drive.cell_angle * (1.0 - drive.eccentricity)
-    nodes = theta + h * np.array([-2.0, -1.0, 1.0, 2.0])
-    weights = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * h)
-    found, near = drive.transmission(theta), drive.transmission(nodes)
-    scale = drive.ratio_max
-    rate = scale / drive.cell_angle / (1.0 - drive.eccentricity)
-    assert weights @ drive.follower_angle(nodes) == pytest.approx(float(found.g), abs=1e-7 * scale)
-    assert weights @ near.g == pytest.approx(float(found.dg), abs=1e-6 * rate)
-    jerk = float(drive.jerk(theta))
-    assert weights @ near.dg == pytest.approx(
-        jerk, abs=1e-5 * rate / drive.cell_angle / (1.0 - drive.eccentricity)
-    )
-
-
-@settings(deadline=None)
 @given(drives)
 def test_the_output_stops_at_both_ends_of_a_cell(drive):
     ends = np.array(drive.breaks)
@@ -114,7 +86,7 @@ def test_kernels_see_the_same_transmission(drive):
     slope = np.abs(mine.dg).max()
     assert np.abs(mine.g - theirs.g).max() <= 1e-14 * drive.ratio_max + moved * slope
     # a rounding error in every coefficient of order k comes out k^2 times as great
-    edges, series = read_table(drive.path)
+    edges, series = series_of(drive.path)
     pieces, order = series.shape
     length = np.diff(edges)
     piece = np.clip(np.searchsorted(edges[:-1], theta, "right") - 1, 0, pieces - 1)

@@ -1,57 +1,30 @@
 """The names of `import escapement as esc`: what type checkers and editors know of them."""
 
-import ast
 import os
 import re
 import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 import escapement as esc
 
-HEAD = Path(esc.__file__)
-LAZY = esc._HOMES
+PACKAGE = Path(esc.__file__).parent
 
 
 def test_every_public_name_is_there():
-    assert set(esc.__all__) == {*LAZY, "__version__"} == set(dir(esc))
+    assert set(esc.__all__) == set(dir(esc))
+    assert {"__version__", "simulate", "Study", "units"} < set(esc.__all__)
     for name in esc.__all__:
         assert getattr(esc, name) is not None
-    for name, home in LAZY.items():
-        value = getattr(esc, name)
-        if not home:
-            assert isinstance(value, ModuleType)
-        else:
-            assert value is getattr(import_module(f"escapement.{home}"), name)
+    assert esc.units is import_module("escapement.units")
 
 
 def test_an_unknown_name_is_refused():
     with pytest.raises(AttributeError, match="module 'escapement' has no attribute 'nonsense'"):
         esc.nonsense  # noqa: B018
-
-
-def typed_homes():
-    """Module of each name as the imports for type checkers have it."""
-    (guarded,) = [
-        node.body
-        for node in ast.parse(HEAD.read_text()).body
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
-    ]
-    found = {}
-    for line in guarded:
-        home = line.module.removeprefix("escapement").removeprefix(".")
-        # a name imported without "as" is private to a strict type checker
-        assert all(alias.name == alias.asname for alias in line.names)
-        found |= dict.fromkeys((alias.name for alias in line.names), home)
-    return found
-
-
-def test_the_imports_for_type_checkers_are_those_of_the_lazy_table():
-    assert typed_homes() == LAZY
 
 
 @pytest.fixture(scope="module")
@@ -61,8 +34,8 @@ def checked(tmp_path_factory):
     lines = ["import escapement as esc", *(f"reveal_type(esc.{name})" for name in esc.__all__)]
     (folder / "user.py").write_text("\n".join([*lines, "esc.nonsense", ""]))
     # mypy finds an installed package itself and refuses to be told where it is
-    installed = HEAD.parents[1].name == "site-packages"
-    place = {} if installed else {"MYPYPATH": str(HEAD.parents[1])}
+    installed = PACKAGE.parent.name == "site-packages"
+    place = {} if installed else {"MYPYPATH": str(PACKAGE.parent)}
     environment = {name: text for name, text in os.environ.items() if name != "MYPYPATH"} | place
     done = subprocess.run(
         [

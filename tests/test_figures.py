@@ -8,24 +8,22 @@ import pytest
 
 import escapement as esc
 from escapement.status import Status
-from natural_units import drive
+from random_drives import drive
 
 BOTH = ("energy", "ivp")
+NO_TERMINAL = Status.NO_TERMINAL
 
 
 def brute(scene, speed, engagements):
     """Figures of merit from dense samples of motions, by the words of their definitions."""
     figures = esc.terminal(scene, initial_speed=speed)
     cycle = esc.simulate(scene, 1, initial_speed=figures.handoff_velocity)
-    corners = [*cycle.trajectory.start, cycle.end_time]
-    parts = [
-        cycle.within(piece, np.linspace(a, b, 4001))
-        for piece, (a, b) in enumerate(pairwise(corners))
-    ]
+    pieces = [*enumerate(pairwise([*cycle.trajectory.start, cycle.end_time]))]
+    parts = [cycle.within(piece, np.linspace(a, b, 4001)) for piece, (a, b) in pieces]
 
     def peak(name):
         best = 0.0
-        for piece, (a, b) in enumerate(pairwise(corners)):
+        for piece, (a, b) in pieces:
             for _ in range(4):  # each look is between the neighbours of the best point
                 times = np.linspace(a, b, 2001)
                 values = np.abs(getattr(cycle.within(piece, times), name))
@@ -41,8 +39,7 @@ def brute(scene, speed, engagements):
         "velocity_mean": scene.mechanism.cell_angle / cycle.end_time,
         "acceleration_max": peak("theta_ddot"),
         "follower_acceleration_max": peak("phi_ddot"),
-        "contact_moment_max": peak("contact_moment"),
-        "contact_force_max": peak("contact_force"),
+        **{f"{name}_max": peak(name) for name in ("contact_moment", "contact_force")},
     }
     motion = esc.simulate(scene, engagements, initial_speed=speed)
     extrema = motion.extrema
@@ -102,9 +99,9 @@ def test_both_engines_give_the_same_figures(scene, speed):
 def test_terminal_figures_keep_the_tolerance_where_little_is_lost():
     """An engagement that hardly contracts magnifies the error of the map it is the root of."""
     scene = drive(rho=1.0, mu=1e-4)
-    fast, judge = (esc.terminal(scene, engine=engine, rtol=1e-10) for engine in BOTH)
-    assert judge.velocity_max == pytest.approx(fast.velocity_max, rel=1e-9)
-    assert judge.period == pytest.approx(fast.period, rel=1e-9)
+    cycles = (esc.terminal(scene, engine=engine, rtol=1e-10) for engine in BOTH)
+    fast, judge = ([cycle.velocity_max, cycle.period] for cycle in cycles)
+    assert judge == pytest.approx(fast, rel=1e-9)
 
 
 @pytest.mark.parametrize(("mu", "load", "speed"), [(0.1, 0.76, 5.0), (0.02, 0.94, 50.0)])
@@ -122,23 +119,17 @@ def test_a_stall_on_the_way_to_the_cycle_is_told_as_it_happens(engine):
     motion = esc.simulate(scene, 40, initial_speed=100.0)
     assert motion.status is Status.STALL
     assert esc.terminal(scene, engine=engine, initial_speed=100.0).message == motion.message
-
-
-@pytest.mark.parametrize("engine", BOTH)
-def test_without_friction_a_load_may_still_stop_the_start(engine):
+    # without friction a load may still stop the start, and nothing stops a fast one
     scene = drive(rho=1.0, mu=0.0, load=0.9)
-    assert esc.simulate(scene, 1, engine=engine).status is Status.STALL
-    assert esc.terminal(scene, engine=engine).status is Status.STALL
-    assert esc.simulate(scene, 50, initial_speed=5.0, engine=engine).status is Status.OK
-    assert esc.terminal(scene, engine=engine, initial_speed=5.0).status is Status.NO_TERMINAL
+    for speed, moves, ends in ((0.0, Status.STALL, Status.STALL), (5.0, Status.OK, NO_TERMINAL)):
+        assert esc.simulate(scene, 50, engine=engine, initial_speed=speed).status is moves
+        assert esc.terminal(scene, engine=engine, initial_speed=speed).status is ends
 
 
 def test_much_friction_makes_a_load_a_help():
     """Where mu |u| > g the load relieves the braking slot of more than it takes."""
-    easy, loaded = (
-        esc.terminal(drive(24, 1, 0.2417, 6.63, load)).velocity_mean for load in (0.05, 0.5)
-    )
-    assert loaded > easy
+    easy, loaded = (esc.terminal(drive(24, 1, 0.2417, 6.63, load)) for load in (0.05, 0.5))
+    assert loaded.velocity_mean > easy.velocity_mean
 
 
 @pytest.mark.parametrize(
@@ -159,22 +150,15 @@ def test_a_load_that_turns_the_pin_twice_between_points(slots, pins, ratio, fric
 @pytest.mark.parametrize("engine", BOTH)
 def test_peaks_are_sampled_only_when_asked_for(engine, monkeypatch):
     """Speeds and times of the fast engine need no state of any motion; peaks need one each."""
-    looked = []
-    state = esc.Motion._state
-
-    def watched(motion, *places):
-        looked.append(motion)
-        return state(motion, *places)
-
-    monkeypatch.setattr(esc.Motion, "_state", watched)
+    looked, state = [], esc.Motion._state
+    monkeypatch.setattr(esc.Motion, "_state", lambda *given: looked.append(given) or state(*given))
     figures = esc.terminal(drive(mu=0.3), engine=engine)
     assert figures.rise_time > 0.0
     if engine == "energy":
         assert not looked
     before = len(looked)
     assert figures.acceleration_max > 0.0
-    once = len(looked)
-    assert once > before
+    assert (once := len(looked)) > before
     assert figures.follower_acceleration_max > 0.0
     assert len(looked) == once
 

@@ -58,7 +58,7 @@ def test_no_solution_is_missed():
     assert missing > 100
 
 
-def test_follower_turns_by_a_station_and_starts_and_ends_at_rest():
+def test_follower_turns_by_a_station_from_rest_to_rest_and_never_back():
     assert len(chart()) > 4000
     for wheel in (*chart(), *(wheel.cognate for wheel in chart()[::3])):
         ends = np.array([wheel.breaks[0], wheel.breaks[-1]])
@@ -68,26 +68,10 @@ def test_follower_turns_by_a_station_and_starts_and_ends_at_rest():
         if wheel.curve in SOURCES:
             assert 0.0 < wheel.alpha <= math.pi - 2.0 * math.pi / wheel.stations
         assert 0.0 < wheel.motion_ratio < 1.0
-
-
-def test_no_wheel_turns_back():
-    """g is positive inside the engagement and monotone from dead centre to the exit."""
-    inside = np.linspace(0.0, 1.0, 33)[:-1]
-    for wheel in chart()[::7]:
-        found = wheel.transmission(inside * wheel.breaks[-1])
-        assert found.g.min() > 0.0
-        assert (np.diff(found.g) < 0.0).all()
-        assert (found.dg[1:] < 0.0).all()
-
-
-def test_arm_of_equation_15():
-    """MC/R = k sin(alpha + gamma)/(2 sin(k alpha/2)), and M0C = R0 cos((alpha + gamma)/2)."""
-    for n, m, curve in [(12, 3, "hypocycloid"), (12, 5, "epicycloid"), (4, 1, "epicycloid")]:
-        wheel = GearDriven(n, m, curve)
-        k, end = float(wheel.gear_ratio), wheel.alpha + 2.0 * math.pi / n
-        arm = math.sin(end) / (2.0 * math.sin(0.5 * k * wheel.alpha))
-        assert wheel.arms.second == pytest.approx(arm, rel=1e-13)
-        assert wheel.entry_radius_over_fixed == pytest.approx(math.cos(0.5 * end), rel=1e-13)
+        # and never turns back: g falls all the way from dead centre to the exit
+        inside = wheel.transmission(np.linspace(0.0, 1.0, 33)[:-1] * wheel.breaks[-1])
+        assert inside.g.min() > 0.0
+        assert (np.diff(inside.g) < 0.0).all()
 
 
 def test_roots_against_many_digits():
@@ -179,47 +163,6 @@ def test_cognates_trace_the_same_path():
         assert turned.u * abs(1.0 - k) == pytest.approx(u, rel=1e-9, abs=1e-12)
 
 
-def follow(wheel, arrivals):
-    """Slots of the wheel that pins enter, in whole parts of its circumference.
-
-    Pin j arrives at carrier angle (i p + j) lobe/p in that direction; at each arrival
-    that is used the wheel steps back by gamma against the carrier.
-    """
-    lobe = 1 / abs(wheel.gear_ratio)  # of a turn
-    step = Fraction(1, wheel.stations)
-    wheel_turn, used = Fraction(0), set()
-    for i in range(arrivals):
-        direction = i * lobe / wheel.pins
-        if i % (wheel.unused_lobes + 1) == 0:
-            used.add((direction - wheel_turn) % 1)
-            wheel_turn -= step
-    return used
-
-
-@pytest.mark.parametrize(
-    ("arguments", "slots"),
-    [
-        ((4, 1, "epicycloid"), 4),
-        ((12, 5, "epicycloid"), 12),
-        ((12, 3, "hypocycloid"), 12),
-        ((12, 5, "epicycloid", 6), 6),
-        ((24, 5, "hypocycloid", 2), 6),
-        ((12, 0, "epicycloid", 1, 1), 4),
-        ((12, 2, "hypocycloid", 1, 0), 3),
-        ((9, "1/2", "epicycloid"), 18),
-        ((11, "1/2", "hypocycloid", 1, 2), 2),
-    ],
-)
-def test_slots(arguments, slots):
-    wheel = GearDriven(*arguments)
-    entered = follow(wheel, 40 * wheel.slots * (wheel.unused_lobes + 1))
-    assert wheel.slots == len(entered)
-    assert wheel.slots == slots
-    cell = 2.0 * math.pi / abs(float(wheel.gear_ratio)) * (wheel.unused_lobes + 1) / wheel.pins
-    assert wheel.cell_angle == pytest.approx(cell)
-    assert wheel.motion_ratio == pytest.approx(wheel.alpha / cell)
-
-
 @pytest.mark.parametrize("n", [4, 6, 10, 24])
 @pytest.mark.parametrize(("curve", "sign"), [("hypocycloid", -1.0), ("epicycloid", 1.0)])
 def test_through_the_centre(n, curve, sign):
@@ -253,13 +196,10 @@ IMPOSSIBLE = {
     "irrational": ((4, math.sqrt(2.0), "epicycloid"), "lobes must be a rational number.*1.414"),
     "lobes in words": ((4, "one", "epicycloid"), "lobes must be a rational number.*'one'"),
     "division by zero": ((4, "1/0", "epicycloid"), "lobes must be a rational"),
-    "not a number": ((4, math.nan, "epicycloid"), "lobes must be a rational"),
     "truth": ((4, True, "epicycloid"), "lobes must be a rational number.*True"),
     "too many lobes": ((6, 2), "lobes must be below stations/2 - 1 = 2 for a hypocycloid.*'2'"),
-    "the same cognate": ((6, 2, "contracted-hypocycloid"), "lobes must be below"),
     "beyond the limit": ((5, 1), "no mechanism corresponds to stations 5, lobes 1.*alpha <= pi"),
     "unknown curve": ((5, 1, "epicycle"), "curve must be .*did you mean 'epicycloid'"),
-    "no pin": ((4, 1, "epicycloid", 0), "pins must be .* at least 1, got 0"),
     "too many pins": ((4, 1, "epicycloid", 9), "pins must be at most 8 .*0.119282"),
     "negative lobe": ((4, 1, "epicycloid", 1, -1), "unused_lobes must be .* at least 0"),
     "slot in the way": ((6, "1/2", "epicycloid", 1, 1), "unused_lobes .*where lobe 1 passes"),

@@ -7,15 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from escapement import (
-    Escapement,
-    GearDriven,
-    Inertia,
-    critical_friction,
-    simulate,
-    sweep,
-    terminal,
-)
+from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, sweep, terminal
 from escapement.constant_speed import drive_torque
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES

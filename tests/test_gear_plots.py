@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,8 +11,8 @@ from matplotlib.path import Path
 from escapement import GearDriven
 from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
-from escapement.outlines.gear_driven import GearDrivenOutline
-from escapement.plots import gear_driven
+from escapement.outlines.gears import GearDrivenOutline
+from escapement.plots import drawing, gear_driven
 
 WHEELS = [
     GearDriven(4, 1, "epicycloid"),
@@ -26,28 +27,22 @@ WHEELS = [
 ]
 
 
-def named(wheel):
-    return f"{wheel.stations} {wheel.curve} {wheel.pins}"
-
-
-@pytest.mark.parametrize("wheel", WHEELS, ids=named)
+@pytest.mark.parametrize("wheel", WHEELS, ids=repr)
 def test_a_pin_stands_in_a_slot_while_it_drives(wheel):
     shapes = GearDrivenOutline(wheel)
     pitch = 2.0 * math.pi / wheel.slots
-    for cell in range(-3, 40):
-        for place in (-0.499, -0.2, 0.0, 0.4, 0.499):
-            theta = cell * wheel.cell_angle + place * wheel.alpha
-            pins = np.array([complex(shapes.pin_at(theta, j)) for j in range(wheel.pins)])
-            in_wheel = pins * np.exp(-1j * shapes.wheel_at(theta))
-            aside = np.angle(in_wheel) / pitch
-            aside = np.abs(aside - np.rint(aside)) * pitch * abs(pins)
-            engaged = (abs(pins) < shapes.mouth) == shapes.inward
-            assert aside[engaged].max() < 1e-12
-            # the others are out of the wheel's way
-            assert engaged.sum() == 1
+    for cell, place in product(range(-3, 40), (-0.499, -0.2, 0.0, 0.4, 0.499)):
+        theta = cell * wheel.cell_angle + place * wheel.alpha
+        pins = np.array([complex(shapes.pin_at(theta, j)) for j in range(wheel.pins)])
+        aside = np.angle(pins * np.exp(-1j * shapes.wheel_at(theta))) / pitch
+        aside = np.abs(aside - np.rint(aside)) * pitch * abs(pins)
+        engaged = (abs(pins) < shapes.mouth) == shapes.inward
+        assert aside[engaged].max() < 1e-12
+        # the others are out of the wheel's way
+        assert engaged.sum() == 1
 
 
-@pytest.mark.parametrize("wheel", WHEELS, ids=named)
+@pytest.mark.parametrize("wheel", WHEELS, ids=repr)
 def test_the_path_closes_and_gears_touch(wheel):
     shapes = GearDrivenOutline(wheel)
     path = shapes.path()
@@ -61,15 +56,11 @@ def test_the_path_closes_and_gears_touch(wheel):
     assert {"follower", "fixed-gear", "planet", "carrier", "path", "pin-0"} <= ids
 
 
-UNUSED = [
-    (curve, n, m, pins, unused)
-    for curve in CURVES
-    for n, m, pins in [(12, 0, 1), (11, "1/3", 1), (14, "1/2", 2), (12, "1/2", 1), (6, "1/2", 1)]
-    for unused in (1, 2, 3)
-]
-
-
-@pytest.mark.parametrize(("curve", "n", "m", "pins", "unused"), UNUSED)
+@pytest.mark.parametrize("unused", [1, 2, 3])
+@pytest.mark.parametrize("curve", CURVES)
+@pytest.mark.parametrize(
+    ("n", "m", "pins"), [(12, 0, 1), (11, "1/3", 1), (14, "1/2", 2), (12, "1/2", 1), (6, "1/2", 1)]
+)
 def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
     """Where a mechanism is refused a lobe does sweep over a slot; else none does.
 
@@ -86,8 +77,7 @@ def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
     for lobe in range(1, unused + 1):
         place = np.linspace(-0.5, 0.5, 41) * wheel.alpha
         # every pin passes in the same way: the one that comes at this lobe
-        ahead = lobe * wheel.cell_angle
-        at = np.exp(1j * ahead) * GearDrivenOutline(wheel).pin_at(place, 0)
+        at = np.exp(1j * lobe * wheel.cell_angle) * GearDrivenOutline(wheel).pin_at(place, 0)
         turned = np.unwrap(np.angle(at * np.exp(-0.5j * sense * wheel.follower_step)))
         low, high = turned.min() - 1e-9, turned.max() + 1e-9
         swept.append(math.floor(high / pitch) >= math.ceil(low / pitch))
@@ -97,7 +87,7 @@ def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
     else:
         shapes = GearDrivenOutline(GearDriven(n, m, curve, pins, unused))
         assert shapes.mechanism.slots == slots
-        assert len(shapes.relief_edges()) == unused * slots
+        assert len(shapes.reliefs(0.0)) == unused * slots
 
 
 @pytest.mark.parametrize("curve", CURVES)
@@ -105,34 +95,31 @@ def test_the_wheel_is_cut_away_where_unused_lobes_pass(curve):
     m, unused = ("1/2", 1) if "hypo" in curve else (0, 2)
     wheel = GearDriven(12, m, curve, unused_lobes=unused)
     shapes = GearDrivenOutline(wheel)
-    bands = [Path(np.column_stack([b.real, b.imag])) for b in shapes.relief_edges()]
+    bands = [Path(drawing.rows(body.edges[0])) for body in shapes.reliefs(0.0)]
     lobe = 2.0 * math.pi / abs(float(wheel.gear_ratio))
-    for cell in range(5):
-        for passing in range(1, unused + 1):
-            for place in (-0.49, 0.0, 0.49):
-                theta = cell * wheel.cell_angle + passing * lobe + place * wheel.alpha
-                pin = complex(shapes.pin_at(theta, 0)) * np.exp(-1j * shapes.wheel_at(theta))
-                assert any(band.contains_point((pin.real, pin.imag)) for band in bands)
+    for cell, passing, place in product(range(5), range(1, unused + 1), (-0.49, 0.0, 0.49)):
+        theta = cell * wheel.cell_angle + passing * lobe + place * wheel.alpha
+        pin = complex(shapes.pin_at(theta, 0)) * np.exp(-1j * shapes.wheel_at(theta))
+        assert any(band.contains_point((pin.real, pin.imag)) for band in bands)
 
 
 def test_rings_of_slots_do_not_cross():
     for wheel in WHEELS[:-1]:
-        shapes = GearDrivenOutline(wheel)
-        outline = shapes.wheel_edges()[0]
-        assert np.all(np.diff(np.unwrap(np.angle(outline))) < 0.9 * math.pi)
-        steps = np.unwrap(np.angle(outline))
+        steps = np.unwrap(np.angle(GearDrivenOutline(wheel).wheel_edges()[0]))
+        assert np.all(np.diff(steps) < 0.9 * math.pi)
         assert steps[-1] - steps[0] == pytest.approx(2.0 * math.pi, abs=2.0 * math.pi / wheel.slots)
 
 
 def test_what_cannot_be_drawn_is_refused():
-    with pytest.raises(InvalidValue, match="theta must be a finite"):
-        gear_driven.plot_gear_driven(WHEELS[0], math.nan)
-    with pytest.raises(InvalidValue, match="slots must be at most 200 in a drawing, got 203"):
-        gear_driven.plot_gear_driven(GearDriven(203, 0))
-    with pytest.raises(InvalidValue, match="lobes of the whole path must be at most 200"):
-        gear_driven.plot_gear_driven(GearDriven(4, 1001, "epicycloid"))
+    for said, *given in (
+        ("theta must be a finite", WHEELS[0], math.nan),
+        ("slots must be at most 200 in a drawing, got 203", GearDriven(203, 0)),
+        ("lobes of the whole path must be at most 200", GearDriven(4, 1001, "epicycloid")),
+    ):
+        with pytest.raises(InvalidValue, match=said):
+            gear_driven.plot_gear_driven(*given)
 
 
 def test_sheets():
-    assert len(gear_driven.plot_gear_driven_examples().axes) == 4
-    assert len(gear_driven.plot_curves().axes) == 4
+    for sheet in (gear_driven.plot_gear_driven_examples, gear_driven.plot_curves):
+        assert len(sheet().axes) == 4

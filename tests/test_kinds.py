@@ -16,8 +16,7 @@ from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind
 from escapement.quantity import quantity
-from escapement.study.parse import parse_plan
-from escapement.study.sweep import plan_from
+from escapement.study.parse import parse_plan, plan_from
 
 
 @dataclass(frozen=True)
@@ -168,20 +167,6 @@ def test_gear_driven_solutions(command, report, tmp_path):
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize(
-    ("argv", "said"),
-    [
-        (["gear-driven"], "required with gear-driven: --stations, --lobes, --curve"),
-        ([*TWELVE, "--lobes", "-1"], "--lobes must be a rational number of at least 0"),
-        ([*TWELVE, "--lobes", "pi"], "--lobes must be a rational number"),
-        ([*TWELVE, "--lobes", "5", "--slots", "4"], "--slots must not come with a gear-driven"),
-        (["--lobes", "5"], "--lobes must not come with a geneva mechanism"),
-    ],
-)
-def test_gear_driven_errors(argv, said, refusal):
-    assert said in refusal(2, "mechanism", *argv)
-
-
 def test_gear_driven_study(tmp_path, report):
     """A sweep over lobes, a fraction among the fixed values, and one case of it again."""
     text = """
@@ -217,23 +202,3 @@ def test_gear_driven_study_from_python():
     )
     plan = plan_from(drive, {"torque": [0.01, 0.02]})
     assert parse_plan(plan.configuration).escapement(0).mechanism == drive.mechanism
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"lobes": "one"}, "mechanism.lobes must be a rational number"),
-        ({"curve": "circle"}, "mechanism.curve must be one of hypocycloid"),
-        ({"slots": 4}, r"'slots' .* of kind 'geneva'"),
-    ],
-)
-def test_gear_driven_study_errors(change, words):
-    machine = {"kind": "gear-driven", "stations": 12, "lobes": 5, "curve": "epicycloid"}
-    study = {
-        "mechanism": machine | change,
-        "inertia": {"driver": 1.0, "follower": 1.0},
-        "torque": 1.0,
-        "sweep": {"friction": [0.1]},
-    }
-    with pytest.raises(InvalidValue, match=words):
-        parse_plan(study)

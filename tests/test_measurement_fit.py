@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 import escapement as esc
 from escapement import measurement
 from escapement.errors import InvalidValue
-from escapement.measurement.readings import unwrapped
-from measurement_tools import DEG, DRIVES, NAMES, PRIKHODKO, read
+from measurement_tools import DEG, DRIVES, PRIKHODKO, read
 
 
 def noise_of(size, seed=0):
@@ -27,7 +26,7 @@ def test_prikhodko_s_position_over_many_cells():
     np.testing.assert_allclose(measurement.position(PRIKHODKO, theta), -phi, atol=2e-14 * 100)
 
 
-@pytest.mark.parametrize("drive", DRIVES, ids=NAMES)
+@pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
 def test_each_cell_adds_a_step_and_the_follower_never_jumps(drive):
     theta = np.linspace(-9.0, 9.0, 5000)
     phi = measurement.position(drive, theta)
@@ -36,21 +35,17 @@ def test_each_cell_adds_a_step_and_the_follower_never_jumps(drive):
     g = measurement.slope(drive, theta)
     assert np.diff(phi).max() <= 1.01 * np.diff(theta)[0] * g.max()
     assert np.diff(phi).min() > -1e-12
-
-
-@pytest.mark.parametrize("drive", DRIVES, ids=NAMES)
-def test_slope_is_the_transmission_and_zero_in_the_dwell(drive):
+    # the slope is the transmission, and zero in the dwell
     entry, exit_ = drive.breaks[0], drive.breaks[-1]
     theta = np.linspace(entry + 1e-4, exit_ - 1e-4, 501)
-    for cell in (0, 7):
-        g = measurement.slope(drive, theta + cell * drive.cell_angle)
-        np.testing.assert_allclose(g, drive.transmission(theta).g, atol=5e-8)
+    g = measurement.slope(drive, theta + 7 * drive.cell_angle)
+    np.testing.assert_allclose(g, drive.transmission(theta).g, atol=5e-8)
     if exit_ < entry + drive.cell_angle - 0.1:
         assert (measurement.slope(drive, np.linspace(exit_ + 0.01, exit_ + 0.09, 9)) == 0.0).all()
 
 
 @pytest.mark.parametrize("sense", [1, -1])
-@pytest.mark.parametrize("drive", DRIVES, ids=NAMES)
+@pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
 def test_zeros_come_back_exactly_without_errors_but_one_count(drive, sense):
     fine = esc.Encoder(1 << 24)
     readings = read(drive, phase=17 * DEG, offset=-33 * DEG, sense=sense, encoder=fine)
@@ -72,13 +67,6 @@ def test_standard_errors_of_the_zeros_are_what_repetition_shows():
         assert abs(found.mean() - value) < 4 * told / math.sqrt(len(fits))
         # the standard error of a standard deviation of 200 is 5 %
         assert found.std() == pytest.approx(told, rel=0.2)
-
-
-def test_known_zeros_are_kept_and_the_mean_error_remains():
-    readings = read(noise=0.2 * DEG, offset=0.3 * DEG)
-    result = esc.measure(readings, PRIKHODKO, zeros=(0.0, 0.0))
-    assert (result.fit.phase, result.fit.offset, result.fit.phase_error) == (0.0, 0.0, 0.0)
-    assert result.mean == pytest.approx(0.3 * DEG, abs=4 * 0.2 * DEG / math.sqrt(600))
 
 
 @pytest.mark.parametrize("drive", [esc.Geneva(7, pins=1), PRIKHODKO], ids=["seven", "planetary"])
@@ -108,13 +96,6 @@ def test_samples_in_step_with_the_cells_tell_the_phase():
     result = esc.measure(readings, drive)
     assert result.fit.phase == pytest.approx(0.3, abs=4 * result.fit.phase_error)
     assert result.standard_deviation == pytest.approx(0.1 * DEG, rel=0.01)
-
-
-def test_turning_back_and_forth_is_no_obstacle():
-    theta = 4.0 * np.sin(np.linspace(0.0, 20.0, 900))
-    output = measurement.position(PRIKHODKO, theta + 0.2) + 1e-6 * np.sin(np.arange(900.0) ** 2)
-    result = esc.measure(esc.Readings(np.mod(theta, 2 * np.pi), output), PRIKHODKO)
-    assert result.fit.phase == pytest.approx(0.2, abs=1e-6)
 
 
 def test_missing_samples_do_not_lose_a_turn():
@@ -181,15 +162,6 @@ def test_angles_a_double_cannot_tell_are_refused(column):
         esc.Readings(**columns)
     columns[column][7] = 6e10
     assert np.isfinite(esc.measure(esc.Readings(**columns), PRIKHODKO).standard_deviation)
-    with pytest.raises(InvalidValue, match="offset must be within 1e10 turns"):
-        esc.measure(read(noise=0.1), PRIKHODKO, zeros=(0.0, -1e300))
-
-
-def test_unwrapping_adds_whole_turns_only():
-    angle = np.mod(np.cumsum(np.random.default_rng(3).uniform(-2.0, 3.0, 500)), 2 * np.pi)
-    steps = np.diff(unwrapped(angle, np.arange(500)))
-    assert np.abs(steps).max() <= np.pi + 1e-12
-    np.testing.assert_allclose(np.exp(1j * steps), np.exp(1j * np.diff(angle)), atol=1e-12)
 
 
 @pytest.mark.parametrize("samples", [300, 5000])
@@ -207,7 +179,7 @@ def test_even_output_tells_no_phase(samples):
 
 @settings(deadline=None, max_examples=60)
 @given(
-    drive=st.sampled_from(DRIVES),
+    drive=st.sampled_from([*DRIVES.values()]),
     seed=st.integers(0, 2**32 - 1),
     samples=st.integers(20, 80),
     spread=st.sampled_from([1e-9, 1e-3, 1.0, 30.0, 1e6]),

@@ -25,16 +25,6 @@ def test_planted_eccentricity_is_found_on_its_shaft(drive, shaft):
     assert other.amplitude < 4 * other.standard_error
 
 
-def test_eccentricity_of_the_output_is_the_peak_of_the_periodogram():
-    result = esc.measure(read(noise=0.4 * DEG, output_eccentricity=0.4 * DEG), PRIKHODKO)
-    found = result.periodogram
-    power = found.power[found.peak]
-    turns = PRIKHODKO.follower_step / PRIKHODKO.cell_angle
-    assert found.frequency[found.peak] == pytest.approx(turns, abs=0.1)  # 5 turns: 0.2 apart
-    assert found.false_alarm_probability(power) < 1e-10
-    assert power > found.level(0.01)
-
-
 def test_without_eccentricity_nothing_is_found_more_often_than_by_chance():
     sets = 200
     least, peaks = [], []
@@ -53,7 +43,7 @@ def test_periodogram_is_a_least_squares_fit_of_a_sinusoid():
     random = np.random.default_rng(11)
     angle = np.sort(random.uniform(0.0, 40.0, 200))
     errors = random.standard_normal(200) + np.cos(3.0 * angle)
-    found = measurement.spectrum.periodogram(angle, errors)
+    found = measurement.periodic.periodogram(angle, errors)
     for i in (3, found.peak, len(found.frequency) // 2, -1):
         phase = angle * found.frequency[i]
         table = np.column_stack([np.ones(200), np.cos(phase), np.sin(phase)])
@@ -69,7 +59,7 @@ def test_where_no_sinusoid_can_be_told_there_is_no_power(turns):
     random = np.random.default_rng(3)
     angle = np.sort(random.uniform(0.0, 2.0 * np.pi * turns, 57))
     errors = random.standard_normal(57)
-    found = measurement.spectrum.periodogram(angle, errors)
+    found = measurement.periodic.periodogram(angle, errors)
     cycles = found.frequency * found.turns
     for value in (found.power, found.amplitude):
         assert np.isnan(value[cycles < 0.17]).all()
@@ -90,14 +80,6 @@ def test_periodogram_of_few_samples_a_turn(samples, turns):
         assert highest == np.nanmax(found.power)
         alarms.append(found.false_alarm_probability(highest) < 0.05)
     assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 40)
-
-
-def test_a_shaft_that_did_not_turn_round_is_not_judged():
-    drive = esc.Geneva(8)
-    result = esc.measure(read(drive, turns=3.0, noise=0.1 * DEG), drive)
-    found = shown(result, "output")
-    assert found.turns == pytest.approx(3 / 8, abs=0.2)
-    assert math.isnan(found.p_value)
 
 
 def test_correlated_errors_are_remarked_upon():

@@ -17,7 +17,7 @@ from measurement_tools import DEG, PRIKHODKO, read
 def test_the_paper_s_numbers():
     expected = np.full(9, 148 / 9)
     observed = expected + np.sqrt(7.595 / 9 * expected)
-    classes = measurement.Histogram(np.arange(10.0), observed, expected, None, None)
+    classes = measurement.Histogram(np.arange(10.0), observed, expected)
     test = measurement.published_chi_squared(classes)
     assert test.statistic == pytest.approx(7.595)
     assert 100.0 * test.p_value == pytest.approx(26.93, abs=0.005)
@@ -53,8 +53,6 @@ def test_anderson_darling_is_that_of_scipy():
     assert found.statistic == pytest.approx(by_hand, rel=1e-10)
     # 5 % point of the modified statistic, Stephens' table
     critical = 0.752 / (1 + 0.75 / 90 + 2.25 / 8100)
-    z = np.random.default_rng(0).standard_normal((1, 90))
-    assert measurement.anderson_darling(z).p_value.shape == (1,)
     near = measurement.normality._anderson_darling_p(critical, 90)
     assert near == pytest.approx(0.05, abs=5e-4)
 
@@ -106,11 +104,6 @@ def test_committed_rates_hold_what_the_page_says():
                 assert float(row["rate"]) == pytest.approx(level, abs=near)
 
 
-def test_published_test_rejects_normal_errors_twice_too_often(normal_errors):
-    classes = measurement.histogram(normal_errors, 9)
-    assert 0.10 < (measurement.published_chi_squared(classes).p_value < 0.05).mean() < 0.13
-
-
 def test_an_outlier_where_none_is_expected():
     errors = np.random.default_rng(0).standard_normal(5000)
     for far in (60.0, -60.0):
@@ -150,23 +143,17 @@ def test_intervals_hold_what_they_promise():
     assert np.mean(covered) == pytest.approx(0.9, abs=3 * math.sqrt(0.09 / 300))
 
 
-def test_interval_is_the_paper_s():
-    result = esc.measure(read(noise=DEG), PRIKHODKO, zeros=(0.0, 0.0))
-    half = stats.norm.ppf(0.995) * result.standard_deviation
-    assert result.interval == pytest.approx((result.mean - half, result.mean + half))
+COUNTS = {"sturges": 11, "square-root": 32, "scott": "scott", "freedman-diaconis": "fd", 17: 17}
 
 
-@pytest.mark.parametrize(
-    ("rule", "count"),
-    [("sturges", 11), ("square-root", 32), ("scott", None), ("freedman-diaconis", None), (17, 17)],
-)
+@pytest.mark.parametrize(("rule", "count"), COUNTS.items())
 def test_numbers_of_classes(rule, count):
     errors = np.random.default_rng(0).standard_normal(1000)
     found = measurement.class_count(errors, rule)
-    if count is None:
-        named = {"scott": "scott", "freedman-diaconis": "fd"}[rule]
-        count = len(np.histogram_bin_edges(errors, named)) - 1
-    assert abs(found - count) <= (0 if rule in ("sturges", "square-root", 17) else 1)
+    if isinstance(count, str):  # NumPy's own rule
+        assert found == pytest.approx(len(np.histogram_bin_edges(errors, count)) - 1, abs=1)
+    else:
+        assert found == count
     result = measurement.histogram(errors, found)
     assert result.observed.sum() == 1000
     assert result.edges[[0, -1]] == pytest.approx([errors.min(), errors.max()])

@@ -74,32 +74,6 @@ def test_laws_that_every_motion_obeys(engine, scene):
     assert abs(motion.ledger.residual) < 10.0 * ENGINES[engine]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_without_friction_energy_is_conserved(engine):
-    scene = timer(friction=0.0)
-    motion = esc.simulate(scene, engagements=3, engine=engine)
-    state = motion.at(np.linspace(0.0, motion.end_time, 50))
-    kinetic = scene.inertia.driver * state.theta_dot**2 + scene.inertia.follower * state.phi_dot**2
-    work = scene.torque * (state.theta - scene.mechanism.breaks[0])
-    np.testing.assert_allclose(kinetic / 2.0, work, rtol=0, atol=1e-8 * work[-1])
-    assert esc.terminal(scene, engine=engine).status is Status.NO_TERMINAL
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_dwell_is_a_free_turn(engine):
-    scene = timer(5, 0.1, pins=1)
-    motion = esc.simulate(scene, engagements=2, engine=engine)
-    free = np.nonzero(motion.trajectory.sign == 0.0)[0]
-    start, end = motion.trajectory.start[free[0]], motion.handoff_times[0]
-    state = motion.within(free[0], np.linspace(start, end, 7))
-    rate = scene.torque / scene.inertia.driver
-    speeds = state.theta_dot[0] + rate * (state.t - start)
-    np.testing.assert_allclose(state.theta_dot, speeds, rtol=1e-9)
-    assert np.all(state.phi_dot == 0.0)
-    assert np.ptp(state.phi) == 0.0
-    assert state.contact_force is None
-
-
 @pytest.mark.parametrize("piece", [-1, 9, [0, 9], 0.5, True, "first"])
 def test_a_piece_that_is_not_there_is_refused(piece):
     motion = esc.simulate(timer(4, 0.35), engagements=3)

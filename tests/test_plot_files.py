@@ -80,32 +80,17 @@ def test_impossible_outputs_are_refused_in_one_line(figure, tmp_path):
     file.write_text("kept")
     (tmp_path / "dir.png").mkdir()
     cases = {
-        tmp_path / "none" / "x.png": "create",
-        tmp_path / "dir.png": "directory",
-        file / "x.png": "another folder",
-        tmp_path / ("x" * 300 + ".png"): "another folder or name",
+        tmp_path / "none" / "x.png": (CannotCreate, "create"),
+        tmp_path / "dir.png": (CannotCreate, "directory"),
+        file / "x.png": (CannotCreate, "another folder"),
+        tmp_path / ("x" * 300 + ".png"): (CannotCreate, "another folder or name"),
+        tmp_path / "x.bmp": (InvalidValue, "change the suffix"),
     }
-    wrong = {tmp_path / name: "change the suffix" for name in ("x", "x.bmp")}
-    for kind, paths in ((CannotCreate, cases), (InvalidValue, wrong)):
-        for path, remedy in paths.items():
-            with pytest.raises(kind) as error:
-                plots.save(figure, path)
-            text = str(error.value)
-            assert text.startswith("output ")
-            assert remedy in text
-            assert str(path) in text
-            assert "\n" not in text
+    for path, (kind, remedy) in cases.items():
+        with pytest.raises(kind, match=rf"output {path} .*{remedy}"):
+            plots.save(figure, path)
     assert sorted(os.listdir(tmp_path)) == ["dir.png", "file"]
     assert file.read_text() == "kept"
-
-
-def test_read_only_file_is_not_replaced(figure, tmp_path, monkeypatch):
-    target = tmp_path / "x.png"
-    target.write_bytes(b"old")
-    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)  # root may write it
-    with pytest.raises(CannotCreate, match="got a read-only one; name another"):
-        plots.save(figure, target)
-    assert target.read_bytes() == b"old"
 
 
 def test_full_disk_keeps_the_old_file(figure, tmp_path, monkeypatch):

@@ -16,7 +16,7 @@ from escapement.mechanisms import KINDS, kind_of
 from escapement.model import Run
 from escapement.quantity import declared, quantities
 from escapement.study.parse import parse_plan
-from escapement.study.plan import PlanKind
+from escapement.study.plan import settings_of
 from escapement.units import SYSTEMS, printed, unit_name
 
 OWNERS = [esc.Escapement, esc.Inertia, *map(kind_of, KINDS)]
@@ -80,13 +80,14 @@ def test_a_number_is_told_everywhere(name):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
-    known = PlanKind.named(kind)
-    assert {*known.parameters} <= {*known.settings} == {*declared(kind_of(kind))}
-    for name, entry in known.all_parameters.items():
-        assert entry.axis
+    build = kind_of(kind)
+    known = settings_of(build, build.meshed)
+    assert {*declared(build)} <= {*known}
+    for name, entry in known.items():
+        assert entry.axis or entry.section == "mechanism"
         assert entry.name == name
-    lost = {"friction", "efficiency"} - {*known.all_parameters}
-    assert lost == {"friction" if known.meshed else "efficiency"}
+    lost = {"friction", "efficiency"} - {*known}
+    assert lost == {"friction" if build.meshed else "efficiency"}
 
 
 def test_units_are_printed_as_they_are_written():
@@ -112,7 +113,8 @@ def test_every_number_of_the_model_decides_of_a_scene():
         | {"inertia": {"follower": 1.0}}
     )
     model = {name for owner in (esc.Escapement, esc.Inertia) for name in quantities(owner)}
-    assert {*plan.parameters} == model - {"efficiency"} | {"slots", "pins", "initial_speed"}
+    wheel = {"slots", "pins", "pin_radius", "roller_radius"}
+    assert {*plan.parameters} == model - {"efficiency"} | wheel | {"initial_speed"}
 
 
 def test_building_an_escapement_takes_no_time():

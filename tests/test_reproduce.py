@@ -33,43 +33,58 @@ def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
 
 
 FIGURES = {
+    "meyer": {f"figure{name}.png" for name in ("_8", "_9", "_10", "_11", "s_12_to_14")},
     "filemon": {
-        *(f"filemon_figure_{name}.pdf" for name in NOMOGRAMS),
-        *(f"filemon_figure_{number}.png" for number in (*range(3, 13), 15)),
+        *(f"figure_{name}.pdf" for name in NOMOGRAMS),
+        *(f"figure_{number}.png" for number in (*range(3, 13), 15)),
     },
-    "dijksman": {
-        f"dijksman_{name}.png" for name in ("figure_2", "figures_6_to_9", "charts", "motions")
+    "dijksman": {f"{name}.png" for name in ("figure_2", "figures_6_to_9", "charts", "motions")},
+    "prikhodko": {
+        *("figure_2.png", "figure_3.png", "figure_6.png", "equation_9.png"),
+        *(f"figure_{number}_synthetic.png" for number in (7, 8, 9)),
     },
 }
 
 
 @pytest.mark.parametrize(
     ("source", "name", "wrong", "cells"),
-    [("filemon", "filemon_table_1", 18, 48), ("dijksman", "dijksman_figures", 4, 16)],
+    [
+        ("meyer", "meyer_appendix_e", 0, 49),
+        ("filemon", "filemon_table_1", 18, 48),
+        ("dijksman", "dijksman_figures", 4, 16),
+        ("prikhodko", "prikhodko", 3, 17),
+    ],
 )
 def test_tables_and_figures_fill_a_folder(reproduced, source, name, wrong, cells):
     folder = reproduced[0] / source
     written = {path.name for path in folder.iterdir()}
-    assert written == FIGURES[source] | {f"{name}.json", f"{name}.csv"}
+    figures = {f"{source}_{figure}" for figure in FIGURES[source]}
+    assert written == figures | {f"{name}.json", f"{name}.csv"}
     pictures = [path for path in folder.iterdir() if path.suffix == ".png"]
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
-    assert json.loads((folder / f"{name}.json").read_text()) == reproduced[1][source]
+    assert json.loads((folder / f"{name}.json").read_text("utf-8")) == reproduced[1][source]
     rows = list(csv.DictReader((folder / f"{name}.csv").read_text("utf-8").splitlines()))
-    assert (sum(row["agrees"] == "no" for row in rows), len(rows)) == (wrong, cells)
+    assert (sum(bool(row.get("reason")) for row in rows), len(rows)) == (wrong, cells)
 
 
-def test_meyer(reproduced):
-    folder, record = reproduced[0] / "meyer", reproduced[1]["meyer"]
-    written = {path.name for path in folder.iterdir()}
-    assert {"meyer_appendix_e.csv", "meyer_appendix_e.json", "meyer_figure_8.png"} <= written
-    assert json.loads((folder / "meyer_appendix_e.json").read_text()) == record
-    assert (record["units"], len(record["rows"])) == ("SI", 49)
-    with (folder / "meyer_appendix_e.csv").open(newline="") as file:
-        table = list(csv.DictReader(file))
-    assert len(table) == 49
-    assert all(line["units"] == "SI" for line in table)
-    torques = [(float(line["torque"]), float(line["torque_inlbf"])) for line in table]
-    assert all(si == pytest.approx(inches * INCH_POUND) for si, inches in torques)
+def test_inputs_of_meyer_are_in_the_units_asked_for(reproduced):
+    assert reproduced[1]["meyer"]["units"] == "SI"
+    text = (reproduced[0] / "meyer" / "meyer_appendix_e.csv").read_text("utf-8")
+    for line in csv.DictReader(text.splitlines()):
+        assert line["units"] == "SI"
+        assert float(line["torque"]) == pytest.approx(float(line["torque_inlbf"]) * INCH_POUND)
+
+
+@pytest.mark.parametrize(("source", "formulas"), [("filemon", 7), ("dijksman", 4)])
+def test_corrected_equations_hold_and_printed_ones_do_not(reproduced, source, formulas):
+    slips = reproduced[1][source]["equations"]
+    assert len(slips) == 11
+    assert all(slip["printed"] != slip["right"] for slip in slips)
+    tried = [slip for slip in slips if slip["printed_error"] is not None]
+    assert len(tried) == formulas
+    for slip in tried:
+        assert slip["right_error"] < 1e-12
+        assert slip["printed_error"] > 0.1
 
 
 @pytest.mark.parametrize(
@@ -100,25 +115,16 @@ def test_meyer_prints_rows_reasons_and_counts(command):
 
 def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
     # what the pictures show is drawn with those of all sources
-    monkeypatch.setattr(Figure, "savefig", lambda _, stream, **_options: stream.write(b"drawn"))
+    monkeypatch.setattr(Figure, "savefig", lambda _, path, **_options: path.write_bytes(b"drawn"))
     code, out, err = command("reproduce", "prikhodko", "-o", "there")
-    assert code == 0
-    assert "26.9301" in out
-    assert "202.5" in out
-    assert "-157.5" in out
-    assert err == "escapement: tables and figures in there\n"
+    assert (code, err) == (0, "escapement: tables and figures in there\n")
+    assert all(number in out for number in ("26.9301", "202.5", "-157.5"))
     made = {path.name for path in (tmp_path / "there").iterdir()}
     assert made == {path.name for path in (reproduced[0] / "prikhodko").iterdir()}
-    assert made >= {
-        *("prikhodko.csv", "prikhodko.json", "prikhodko_figure_2.png"),
-        *("prikhodko_figure_3.png", "prikhodko_figure_6.png"),
-        *(f"prikhodko_figure_{number}_synthetic.png" for number in (7, 8, 9)),
-    }
     text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))
     assert [row["right"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
     record = reproduced[1]["prikhodko"]
-    assert record == json.loads((tmp_path / "there" / "prikhodko.json").read_text("utf-8"))
     assert (record["agreeing"], record["judged"]) == (8, 11)
 
 

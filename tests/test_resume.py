@@ -3,10 +3,9 @@
 import os
 import re
 import sqlite3
-import subprocess
-import sys
 import time
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,18 +14,14 @@ import crash_tools as tools
 from escapement import simulation
 from escapement.cli import main
 from escapement.errors import CannotCreate
-from escapement.mechanisms import Geneva
 from escapement.metrics import Figures
-from escapement.model import Escapement, Inertia
 from escapement.study import run
+from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import SCHEMA_VERSION
-from escapement.study.run import write_plan
-from escapement.study.sweep import plan_from, sweep
+from escapement.study.run import sweep, write_plan
 from escapement.study.writer import partial_path
-from study_tools import IVP_STUDY, let_go, without_date
-
-TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
+from study_tools import IVP_STUDY, TIMER, let_go, without_date
 
 
 @pytest.fixture
@@ -94,9 +89,7 @@ def test_the_file_is_dated_when_it_was_begun(tmp_path, solved, monkeypatch):
         (plan(rtol=1e-8), "solver.rtol was not set and is 1e-08"),
         (
             plan_from(
-                Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.02, 0.35),
-                {"friction": np.linspace(0.01, 0.3, 40)},
-                engine="ivp",
+                replace(TIMER, torque=0.02), {"friction": np.linspace(0.01, 0.3, 40)}, engine="ivp"
             ),
             "torque was 0.0113 and is 0.02",
         ),
@@ -183,12 +176,25 @@ def test_killed_between_the_last_two_steps(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_file_of_someone_else_is_not_taken_for_partial_results(tmp_path):
-    partial_path(tmp_path / "a.h5").write_text("my own notes, of some length")
+def notes(path):
+    path.write_text("my own notes, of some length")
+
+
+def database(path):
+    with closing(sqlite3.connect(path)) as made, made:
+        made.execute("CREATE TABLE notes (text)")
+
+
+@pytest.mark.parametrize("make", [notes, database])
+def test_a_file_of_someone_else_is_not_taken_for_partial_results(tmp_path, make):
+    partial = partial_path(tmp_path / "a.h5")
+    make(partial)
+    before = partial.read_bytes()
     for options in ({}, {"resume": True}, {"force": True}):
         with pytest.raises(CannotCreate, match="no partial result; move it away"):
             tools.write(tmp_path / "a.h5", tools.small_study(), **options)
-    assert partial_path(tmp_path / "a.h5").read_text() == "my own notes, of some length"
+    assert partial.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [partial]
 
 
 def test_partial_results_of_the_version_before_are_named_and_kept(tmp_path):
@@ -204,18 +210,6 @@ def test_partial_results_of_the_version_before_are_named_and_kept(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
 
 
-def test_a_database_of_someone_else_is_not_touched(tmp_path):
-    partial = partial_path(tmp_path / "a.h5")
-    with closing(sqlite3.connect(partial)) as database, database:
-        database.execute("CREATE TABLE notes (text)")
-    before = partial.read_bytes()
-    for options in ({}, {"resume": True}, {"force": True}):
-        with pytest.raises(CannotCreate, match="no partial result; move it away"):
-            tools.write(tmp_path / "a.h5", tools.small_study(), **options)
-    assert partial.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [partial]
-
-
 def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path):
     for name in ("a.h5.unfinished", "a.unfinished", ".escapement-0123456789abcdef.partial"):
         (tmp_path / name).write_text("my own notes")
@@ -225,17 +219,6 @@ def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path
         tools.write(tmp_path / name, tools.small_study())
         (tmp_path / name).unlink()
     assert {path: path.read_text() for path in tmp_path.iterdir()} == before
-
-
-def test_what_a_killed_process_left_is_removed_by_the_next(tmp_path):
-    path = tmp_path / "a.h5"
-    with tools.start_writer(path, pause=60.0) as first:
-        assert first.stdout.readline() == "begun\n"
-        assert first.stdout.readline() == "0\n"
-        first.kill()
-    assert partial_path(path).exists()
-    tools.write(path, tools.small_study(), resume=True)
-    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_the_second_of_two_is_told_so(tmp_path):
@@ -300,33 +283,3 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     assert re.search(r"40 cases in s.h5, \d+ of them from before", errors)
     assert main(["sweep", "s.toml", "--resume", "--json"]) == 0
     assert '"resumed": 40' in capsys.readouterr().out
-
-
-SLOW_SWEEP = """
-import time
-from escapement.cli import main
-from escapement.study.writer import StudyWriter
-add = StudyWriter.add
-def add_and_wait(writer, block):
-    add(writer, block)
-    print("a block is safe", flush=True)
-    time.sleep(60)
-StudyWriter.add = add_and_wait
-main(["sweep", "s.toml", "--quiet", "--workers", "1"])
-"""
-
-
-def test_a_real_study_survives_its_process(tmp_path, monkeypatch):
-    """Killed by SIGKILL as a whole program, then continued."""
-    text = IVP_STUDY.replace("num = 40", "num = 50_000").replace('"ivp"', '"energy"')
-    (tmp_path / "s.toml").write_text(text)
-    program = [sys.executable, "-c", SLOW_SWEEP]
-    with subprocess.Popen(program, cwd=tmp_path, stdout=subprocess.PIPE) as process:
-        assert process.stdout.readline() == b"a block is safe\n"
-        process.kill()
-    assert process.returncode == -9
-    assert not (tmp_path / "s.h5").exists()
-    monkeypatch.chdir(tmp_path)
-    assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
-    assert main(["sweep", "s.toml", "--quiet", "-o", "t.h5"]) == 0
-    assert without_date(tmp_path / "s.h5") == without_date(tmp_path / "t.h5")

@@ -46,15 +46,6 @@ def test_every_stratum_of_every_parameter_holds_one_case(method):
         assert sorted(np.floor(share * 64).astype(int)) == list(range(64)), name
 
 
-def test_sobol_fills_every_elementary_box_of_a_plane():
-    """A net in base 2: boxes of area 1/64, however shaped, hold one point each."""
-    values = sample("sobol", friction=EVEN, torque={"low": 1.0, "high": 2.0}).sampled
-    x, y = (values["friction"] - 0.2) / 0.1, values["torque"] - 1.0
-    for power in range(7):
-        boxes = np.floor(x * 2**power) * 2 ** (6 - power) + np.floor(y * 2 ** (6 - power))
-        assert len(set(boxes)) == 64, power
-
-
 def test_a_normal_distribution_can_be_cut_off():
     cut = {"standard_deviation": 0.1, "low": 0.25, "high": 0.5}
     values = sample(friction=cut).sampled["friction"]

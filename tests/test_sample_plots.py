@@ -81,9 +81,8 @@ def test_a_time_that_is_not_given_is_longer_than_any(study, share, drawn):
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
     assert texts[-2:] == [f"no result ({cut.failed} of 200)", "no time"]
     figure.draw_without_rendering()
-    legend = figure.legends[0].get_window_extent()
-    assert figure.bbox.x0 <= legend.x0
-    assert legend.x1 <= figure.bbox.x1
+    place = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= place.x0 <= place.x1 <= figure.bbox.x1
 
 
 def test_a_quantile_on_the_last_number_before_infinity_is_that_number():
@@ -99,11 +98,9 @@ def test_a_quantile_on_the_last_number_before_infinity_is_that_number():
 
 
 def test_of_many_parameters_those_with_most_effect_are_drawn():
-    drawn = {"method": "sobol", "size": 2048, "torque": {"relative_tolerance": 0.1}}
-    drawn |= {"friction": {"tolerance": 0.05}}
-    drawn |= {"driver_inertia": {"relative_tolerance": 0.3}}
-    drawn |= {"follower_inertia": {"relative_tolerance": 1e-9}}
-    study = esc.sweep(TIMER, sample=drawn)
+    spread = {"torque": 0.1, "friction": 0.2, "driver_inertia": 0.3, "follower_inertia": 1e-9}
+    drawn = {name: {"relative_tolerance": width} for name, width in spread.items()}
+    study = esc.sweep(TIMER, sample={"method": "sobol", "size": 2048} | drawn)
     figure = plots.plot_study(study)
     labels = [ax.get_xlabel().replace("\n", " ") for ax in figure.axes[-4:]]
     assert labels[-1] == "Cases"
@@ -116,16 +113,14 @@ def test_of_many_parameters_those_with_most_effect_are_drawn():
 def test_rank_correlation_counts_ties_and_gaps_as_they_are():
     rng = np.random.default_rng(1)
     x = rng.random(100)
-    assert rank_correlation(x, np.exp(3.0 * x)) == pytest.approx(1.0)
-    assert rank_correlation(x, -x) == pytest.approx(-1.0)
+    assert [rank_correlation(x, y) for y in (np.exp(3.0 * x), -x)] == pytest.approx([1.0, -1.0])
     # ranks 1.5 1.5 3.5 3.5 against 1 2 3 4: covariance 1, variances 1 and 5/4
     tied, y = np.array([4.0, 4.0, 5.0, 5.0]), np.array([1.0, 2.0, 3.0, 4.0])
     assert rank_correlation(tied, y) == pytest.approx(2.0 / np.sqrt(5.0), rel=1e-12)
     assert rank_correlation(np.append(tied, 0.0), np.append(y, np.nan)) == rank_correlation(tied, y)
     # infinity is a rank above all others: 1 2 3.5 3.5 against 1 2 3 4
     longest = np.array([1.0, 2.0, np.inf, np.inf])
-    expected = 4.5 / np.sqrt(5.0 * 4.5)
-    assert rank_correlation(longest, y) == pytest.approx(expected, rel=1e-12)
+    assert rank_correlation(longest, y) == pytest.approx(4.5 / np.sqrt(5.0 * 4.5), rel=1e-12)
     assert rank_correlation(x, np.full(100, np.inf)) == 0.0
     assert rank_correlation(x, np.full(100, np.nan)) == rank_correlation(x, np.ones(100)) == 0.0
 
@@ -175,12 +170,9 @@ def test_a_band_ends_where_times_are_not_given(grid):
     assert "cases: too many to draw" in alone.get_legend().get_title().get_text()
 
 
-def test_one_axis_beside_a_sample_needs_no_legend():
+def test_one_axis_beside_a_sample_needs_no_legend_and_one_of_a_single_value_is_none(study):
     figure = plots.plot_study(esc.sweep(TIMER, sample=DRAWN | {"size": 20}, slots=[4, 6, 8]))
     assert figure.axes[0].get_title().startswith("Median and 5 % to 95 % of 20 cases")
-
-
-def test_an_axis_of_one_value_is_none(study):
     alone = esc.sweep(TIMER, sample=DRAWN, load_torque=[0.0])
     ours, theirs = plots.plot_study(alone), plots.plot_study(study)
     for one, other in zip(ours.axes, theirs.axes, strict=True):
@@ -197,15 +189,21 @@ def test_a_sample_of_whole_numbers_and_of_a_single_case():
 
 
 def test_what_cannot_be_drawn_is_refused(study, grid):
-    for draw in (plots.plot_lines, plots.plot_map):
-        with pytest.raises(InvalidValue, match="must be a grid to be drawn as lines or a map"):
-            draw(study, "period")
-    with pytest.raises(InvalidValue, match="must be a sample at one point of its grid"):
-        plots.plot_sample(grid)
-    with pytest.raises(InvalidValue, match=r"results must be one of velocity_max, .*'periods'"):
-        plots.plot_sample(study, results=["periods"])
-    with pytest.raises(InvalidValue, match="results must be a list of names, got 'period'"):
-        plots.plot_sample(study, results="period")
     nothing = {name: values * np.nan for name, values in study.results.items()}
-    with pytest.raises(InvalidValue, match="must hold a number for period or velocity_max"):
-        plots.plot_study(replace(study, results=nothing))
+    plain = esc.sweep(TIMER, friction=[0.2, 0.3])
+    for said, draw, *given in (
+        ("must be a grid to be drawn as lines or a map", plots.plot_lines, study, "period"),
+        ("must be a grid to be drawn as lines or a map", plots.plot_map, study, "period"),
+        ("must be a sample at one point of its grid", plots.plot_sample, grid),
+        ("must be a sample for this figure, got a grid", plots.plot_spread, plain),
+        (
+            r"results must be one of velocity_max, .*'periods'",
+            plots.plot_sample,
+            study,
+            ["periods"],
+        ),
+        ("results must be a list of names, got 'period'", plots.plot_sample, study, "period"),
+        ("number for period or velocity_max", plots.plot_study, replace(study, results=nothing)),
+    ):
+        with pytest.raises(InvalidValue, match=said):
+            draw(*given)

@@ -8,16 +8,14 @@ import pytest
 import xarray
 
 import escapement as esc
-from escapement import simulation
 from escapement.errors import CannotCreate
 from escapement.study import varied
-from escapement.study.parse import parse_plan
+from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
-from escapement.study.run import run_plan, write_plan
-from escapement.study.sweep import plan_from, sweep
+from escapement.study.run import run_plan, sweep, write_plan
 from escapement.units import INCH_POUND
-from study_tools import without_date
+from study_tools import assert_as_alone, without_date
 
 TIMER = esc.Escapement(esc.Geneva(slots=4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, 0.3)
 EVEN = {"low": 0.2, "high": 0.3}
@@ -33,12 +31,9 @@ def test_a_case_is_what_terminal_says(axes):
     assert list(study.axes) == [*axes, "case"]
     assert study.axes["case"].tolist() == [0, 1, 2, 3]
     for case in range(plan.cases):
-        alone = simulation.terminal(plan.escapement(case))
         sampled = {name: values[case % 4] for name, values in study.sampled.items()}
         assert sampled.items() <= plan.values(case).items()
-        for name in RESULTS:
-            value = study.results[name].reshape(-1)[case]
-            assert value == pytest.approx(getattr(alone, name), rel=1e-11), name
+    assert_as_alone(plan, study.results)
 
 
 def test_a_list_that_repeats_a_scene_solves_it_once(solves):
@@ -190,9 +185,4 @@ def test_other_kinds_of_mechanism_scatter_alike():
     tables = {"mechanism": machine, "inertia": inertia, "sample": drawn}
     plan = parse_plan({"torque": 0.01, **tables})
     assert len({plan.escapement(i).mechanism.cell_angle for i in range(5)}) == 5
-    study = run_plan(plan)
-    for case in range(5):
-        alone = simulation.terminal(plan.escapement(case))
-        for name in RESULTS:
-            value = study.results[name][case]
-            assert value == pytest.approx(getattr(alone, name), rel=1e-11), name
+    assert_as_alone(plan, run_plan(plan).results)

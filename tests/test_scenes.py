@@ -7,15 +7,13 @@ import pytest
 
 from escapement import simulation
 from escapement.engines.energy import batch
-from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
 from escapement.status import Status
 from escapement.study import scenes
+from escapement.study.parse import plan_from
 from escapement.study.result import RESULTS
 from escapement.study.run import run_plan
-from escapement.study.sweep import plan_from
+from study_tools import TIMER
 
-TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
 TORQUE, FRICTION = np.linspace(0.005, 0.02, 500), np.linspace(0.05, 0.4, 90)
 GRIDS = {
     "torque first": {"torque": TORQUE, "friction": FRICTION},
@@ -58,14 +56,6 @@ def test_the_bits_do_not_depend_on_what_is_shared(order, monkeypatch):
     for name in RESULTS:
         np.testing.assert_array_equal(shared.results[name], threads.results[name])
         np.testing.assert_array_equal(shared.results[name], alone.results[name])
-
-
-def test_both_orders_are_one_map():
-    one, other = (
-        run_plan(plan_from(TIMER, GRIDS[order])) for order in ("torque first", "torque last")
-    )
-    for name in RESULTS:
-        np.testing.assert_array_equal(one.results[name], other.results[name].T)
 
 
 INERTIAS = {"driver_inertia": [1e-6, 2e-6, 4e-6], "follower_inertia": [1e-6, 2e-6, 4e-6]}

@@ -2,58 +2,29 @@
 
 import errno
 import os
-import subprocess
 import sys
 
 import h5py
 import pytest
 
+import crash_tools as tools
 from escapement import files
 from escapement.errors import InputFileError, MissingInput, StorageError
-from escapement.study import writer
 from escapement.study.reader import read_study
 from escapement.study.result import SCHEMA_VERSION
 from escapement.study.writer import write_study
 from study_tools import a_file, assert_same, study, write_in_blocks
 
 
-class FailingFile:
-    """A file whose writes fail from one call on, after doing them by halves."""
-
-    def __init__(self, file, failing_call, code):
-        self._file, self._left, self._code = file, failing_call, code
-
-    def __getattr__(self, name):
-        return getattr(self._file, name)
-
-    def _spend(self):
-        self._left -= 1
-        if self._left < 0:
-            raise OSError(self._code, os.strerror(self._code))
-
-    def write(self, data):
-        self._spend()
-        return self._file.write(data[: max(1, len(data) // 2)])
-
-    def truncate(self, size):
-        self._spend()
-        return self._file.truncate(size)
-
-    def fileno(self):
-        self._spend()
-        return self._file.fileno()
-
-
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
     """Message of the storage error, None where nothing failed."""
+    faults = tools.Faults(failing_call, code)
 
-    class Failing(files.PendingFile):
-        def __init__(self, *arguments):
-            super().__init__(*arguments)
-            self.handle = FailingFile(self.handle, failing_call, code)
+    def faulty_open(*arguments, **options):
+        return tools.FaultyFile(open(*arguments, **options), faults)
 
     with monkeypatch.context() as patch:
-        patch.setattr(writer, "PendingFile", Failing)
+        patch.setattr(files, "open", faulty_open, raising=False)
         try:
             write_study(study((2, 9_000)), path, force=True)
         except StorageError as error:
@@ -77,30 +48,12 @@ def test_a_disk_that_fails_at_any_write_costs_one_clean_error(tmp_path, monkeypa
     assert_same(read_study(path), study((2, 9_000)))
 
 
-SMALL_DISK = """
-import resource, sys
-sys.path.insert(0, {folder!r})
-from study_tools import study
-from escapement.errors import EscapementError
-from escapement.study.writer import write_study
-resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
-try:
-    write_study(study((3, 70_000)), {path!r})
-except EscapementError as error:
-    print(error)
-    sys.exit(error.exit_code)
-"""
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="no resource limits")
 @pytest.mark.parametrize("limit", [100, 5_000, 300_000, 3_000_000])
 def test_a_full_disk_ends_the_process_in_peace(tmp_path, limit):
     path = str(tmp_path / "a.h5")
-    code = SMALL_DISK.format(folder=os.path.dirname(__file__), limit=limit, path=path)
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (74, "")
-    assert done.stdout.startswith(f"writing {path} failed: File too large; nothing was left")
-    assert done.stdout.count("\n") == 1
+    told = tools.run_limited(limit, f"write_study(study((3, 70_000)), {path!r})")
+    assert told.startswith(f"writing {path} failed: File too large; nothing was left")
     assert list(tmp_path.iterdir()) == []
 
 

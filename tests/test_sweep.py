@@ -3,24 +3,25 @@
 import io
 import os
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from escapement import simulation, solver
-from escapement.errors import CannotCreate, InvalidValue, StorageError
+from escapement import progress, simulation, solver
+from escapement.errors import InvalidValue, StorageError
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.metrics import Figures
 from escapement.model import Escapement, Inertia
-from escapement.progress import Progress, describe, duration
+from escapement.progress import Progress, duration
 from escapement.status import Status
-from escapement.study.parse import parse_plan
+from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
-from escapement.study.run import Tally, run_plan, write_plan
+from escapement.study.run import Tally, run_plan, sweep, write_plan
 from escapement.study.scenes import evaluate
-from escapement.study.sweep import plan_from, sweep
 from escapement.units import INCH_POUND
+from study_tools import assert_as_alone
 
 TIMER = Escapement(
     Geneva(slots=4), Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.1 * INCH_POUND, 0.35
@@ -70,13 +71,7 @@ def test_a_case_is_what_terminal_says(engine):
 )
 def test_shared_solves_give_what_each_case_gives_alone(axes):
     plan = plan_from(TIMER, axes)
-    grid = run_plan(plan)
-    for case in range(plan.cases):
-        speed = plan.values(case)["initial_speed"]
-        alone = simulation.terminal(plan.escapement(case), initial_speed=speed)
-        for name in RESULTS:
-            value = grid.results[name].reshape(-1)[case]
-            assert value == pytest.approx(getattr(alone, name), rel=1e-11, nan_ok=True), name
+    assert_as_alone(plan, run_plan(plan).results)
 
 
 @pytest.mark.parametrize(
@@ -92,14 +87,6 @@ def test_no_scene_is_solved_twice(axes, scenes, solves):
     plan = plan_from(TIMER, axes)
     evaluate(plan, 0, plan.cases)
     assert sum(solves) == scenes
-
-
-def test_results_are_the_same_bits_for_any_number_of_workers():
-    axes = {"friction": np.linspace(0.01, 0.4, 400), "driver_inertia": np.geomspace(1e-8, 1e-5, 30)}
-    plan = plan_from(TIMER, axes)
-    one, three = run_plan(plan, workers=1), run_plan(plan, workers=3)
-    for name in RESULTS:
-        np.testing.assert_array_equal(one.results[name], three.results[name])
 
 
 @pytest.mark.usefixtures("quick")
@@ -189,7 +176,8 @@ def test_a_mechanism_that_has_no_motion_is_marked_too(engine):
 
 def test_a_study_says_in_a_line_what_it_is():
     study = sweep(TIMER, friction=[0.2, 0.3, 0.5], torque=[0.008, 0.01])
-    assert repr(study) == "Study(friction 3 x torque 2: 6 cases, 2 failed)"
+    axes = "friction=3 from 0.2 to 0.5, torque=2 from 0.008 to 0.01 N m"
+    assert repr(study) == f"Study(cases=6, failed=2, {axes})"
 
 
 def test_an_error_of_the_program_is_not_hidden(tmp_path, monkeypatch):
@@ -214,10 +202,8 @@ def test_an_array_of_initial_speeds_is_an_axis():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"frction": [0.1]}, "did you mean 'friction'?"),
         ({}, "must sweep at least one parameter"),
         ({"friction": [0.1], "initial_speed": "a"}, "initial_speed must be a finite number"),
-        ({"friction": []}, "friction must have at least one value"),
         ({"friction": [0.1], "engine": "magic"}, "engine must be one of"),
         ({"friction": [0.1], "workers": 0}, "workers must be a whole number of at least 1"),
         ({"friction": [0.1], "rtol": 2.0}, "rtol must be at least 1e-13 and below 1"),
@@ -227,14 +213,6 @@ def test_bad_arguments_are_refused(arguments, message):
     with pytest.raises(InvalidValue) as caught:
         sweep(TIMER, **arguments)
     assert message in str(caught.value)
-
-
-def test_an_output_in_the_way_stops_before_the_first_case(tmp_path, monkeypatch):
-    monkeypatch.setattr(simulation, "terminal", None)
-    (tmp_path / "a.h5").write_text("precious")
-    with pytest.raises(CannotCreate):
-        sweep(TIMER, friction=[0.1], path=tmp_path / "a.h5")
-    assert (tmp_path / "a.h5").read_text() == "precious"
 
 
 def test_a_full_disk_ends_the_sweep_and_its_threads(tmp_path, monkeypatch):
@@ -270,35 +248,34 @@ def test_progress_counts_up_to_the_end(capsys):
     assert errors.startswith("100 % 1 of 1 cases, ")
 
 
-class Clock:
-    now = 0.0
-
-    def __call__(self):
-        return self.now
-
-
 class Terminal(io.StringIO):
     def isatty(self):
         return True
 
 
-def show(stream, times, **options):
-    clock = Clock()
-    with Progress(stream, clock=clock, **options) as progress:
-        for count, now in enumerate(times, 1):
-            clock.now = now
-            progress(count, len(times), count // 2)
-    return stream.getvalue()
+@pytest.fixture
+def show(monkeypatch):
+    """What a bar writes that is told of a case at each of some times."""
+
+    def shown(stream, times, **options):
+        now = [0.0]
+        monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: now[0]))
+        with Progress(stream, **options) as bar:
+            for count, now[0] in enumerate(times, 1):
+                bar(count, len(times), count // 2)
+        return stream.getvalue()
+
+    return shown
 
 
-def test_a_log_gets_a_line_every_half_minute_and_one_at_the_end():
+def test_a_log_gets_a_line_every_half_minute_and_one_at_the_end(show):
     lines = show(io.StringIO(), [10, 29, 31, 45, 60, 62, 100]).splitlines()
     counts = [line.split(" cases")[0].strip() for line in lines]
     assert counts == ["42 % 3 of 7", "85 % 6 of 7", "100 % 7 of 7"]
     assert lines[-1].endswith("took 1 min 40 s, 3 failed")
 
 
-def test_a_terminal_gets_one_line_that_is_drawn_again():
+def test_a_terminal_gets_one_line_that_is_drawn_again(show):
     text = show(Terminal(), [0.05, 0.15, 0.2, 0.3, 0.31])
     assert text.count("\r") == 3
     assert text.endswith("\n")
@@ -306,12 +283,12 @@ def test_a_terminal_gets_one_line_that_is_drawn_again():
     assert "[##############..........]  60 % 3 of 5 cases, 15/s, 0.1 s left, 1 failed" in text
 
 
-def test_quiet_is_silent_and_a_closed_stream_no_trouble():
+def test_quiet_is_silent_and_a_closed_stream_no_trouble(show):
     assert show(io.StringIO(), [100], quiet=True) == ""
     stream = io.StringIO()
     stream.close()
-    with Progress(stream) as progress:
-        progress(1, 2, 0)
+    with Progress(stream) as bar:
+        bar(1, 2, 0)
 
 
 @pytest.mark.parametrize(
@@ -323,4 +300,7 @@ def test_durations_read_well(seconds, text):
 
 
 def test_nothing_done_yet_promises_nothing():
-    assert describe(0, 10, 0, 0.0) == "  0 % 0 of 10 cases, 0/s, starting"
+    stream = io.StringIO()
+    with Progress(stream) as bar:
+        bar(0, 10, 0)
+    assert stream.getvalue() == "  0 % 0 of 10 cases, 0/s, starting\n"

@@ -110,14 +110,6 @@ def test_uniform_motion_has_no_acceleration():
         follower_motion(WHEELS[0], [0.0, math.nan])
 
 
-def test_cognates_move_the_wheel_alike():
-    """The same path gives the same motion: only the driver's angle is another."""
-    for wheel in (GearDriven(12, 3), GearDriven(9, "1/2", "epicycloid")):
-        one, other = motion_peaks(wheel), motion_peaks(wheel.cognate)
-        for name, value in vars(one).items():
-            assert getattr(other, name) == pytest.approx(value, rel=1e-10)
-
-
 def test_the_jerk_at_the_start_stays():
     """The wheel is still taken along at once: Dijksman's aim is met in V alone.
 

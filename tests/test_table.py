@@ -6,7 +6,7 @@ import pytest
 import escapement as esc
 from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import radius, transmission
-from escapement.mechanisms.table import chebyshev_table, read_table
+from escapement.mechanisms.table import chebyshev_table
 from escapement.status import Status
 
 WHEEL = esc.Geneva(4)
@@ -59,36 +59,6 @@ def test_a_corner_between_two_edges_is_refused():
     broken = chebyshev_table(lambda theta: np.abs(theta - 0.3), (0.0, 0.3, 1.0))
     assert transmission(broken, 0.2).g == pytest.approx(0.1, abs=2e-16)
     assert transmission(broken, 0.3).dg == pytest.approx(1.0, abs=5e-13)  # rounding times 17^2
-
-
-@pytest.mark.parametrize("load", [0.0, 0.2])
-@pytest.mark.parametrize("efficiency", [0.85, 0.6])
-def test_both_engines_agree_on_a_mesh(efficiency, load):
-    scene = timer(efficiency=efficiency, load_torque=load)
-    fast = esc.simulate(scene, 4, rtol=1e-12)
-    slow = esc.simulate(scene, 4, engine="ivp", rtol=1e-11)
-    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-10)
-    np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-10)
-    np.testing.assert_allclose(fast.extrema.theta_dot, slow.extrema.theta_dot, rtol=1e-10)
-    assert abs(fast.ledger.residual) <= 1e-11
-    ours, theirs = esc.terminal(scene), esc.terminal(scene, engine="ivp")
-    for name in ("velocity_max", "velocity_min", "period", "settling_time", "rise_time"):
-        assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-9), name
-
-
-def test_what_a_mesh_loses_is_its_share_of_what_passes():
-    """Terminal cycle: the work of the drive is lost in the mesh, both ways."""
-    eta = 0.7
-    scene = timer(efficiency=eta)
-    cycle = esc.terminal(scene)
-    motion = esc.simulate(scene, 1, initial_speed=cycle.handoff_velocity)
-    t = np.linspace(0.0, motion.end_time, 40001)
-    state = motion.at(t)
-    power = state.contact_moment * state.phi_dot
-    loss = np.where(power > 0.0, power * (1.0 / eta - 1.0), -power * (1.0 - eta))
-    work = scene.torque * Drive.cell_angle
-    assert np.trapezoid(loss, t) == pytest.approx(work, rel=1e-6)
-    assert float(motion.handoff_velocities[0]) == pytest.approx(cycle.handoff_velocity, rel=1e-10)
 
 
 def test_a_mesh_has_no_painleve_limit_and_without_a_loss_no_terminal_speed():
@@ -148,17 +118,6 @@ def test_many_rows_cost_the_reference_engine_no_digits():
     velocity = esc.simulate(timer, 1, engine="ivp", rtol=1e-13).handoff_velocities[0]
     work = timer.torque * DRIVE.cell_angle
     assert velocity == pytest.approx(np.sqrt(2.0 * work / INERTIA.driver), rel=1e-13)
-
-
-@pytest.mark.parametrize("rows", [61, 201, 601])
-def test_a_ratio_has_no_steps_at_the_knots(rows):
-    _edges, series = read_table(exact(DRIVE, rows).path)
-    signs = (-1.0) ** np.arange(series.shape[1])
-    steps = (series @ signs)[1:] - series.sum(axis=1)[:-1]
-    assert np.abs(steps).max() < 10.0 * np.finfo(float).eps * DRIVE.ratio_max
-    # nor a bias: the mean of steps of half a rounding error each, by chance
-    chance = 4.0 * 0.6 / np.sqrt(steps.size)
-    assert abs(steps.mean()) < chance * np.finfo(float).eps * DRIVE.ratio_max
 
 
 @pytest.mark.parametrize("rows", [451, 601])

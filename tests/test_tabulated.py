@@ -4,12 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.errors import InvalidValue
-from escapement.mechanisms._periodic_spline import interpolating, smoothing
 from escapement.model import Mechanism
 from tabulated_drive import ANGLES, DRIVE, INERTIA, exact, measured
 
@@ -34,41 +31,6 @@ def test_exact_tables_converge_with_the_sixth_power():
         )
     orders = np.polynomial.polynomial.polyfit(np.log(rows), np.log(np.array(errors)), 1)[1]
     np.testing.assert_allclose(-orders, [6.0, 6.0, 4.0], atol=1.0)
-
-
-@settings(deadline=None, max_examples=20)
-@given(st.integers(12, 60), st.integers(0, 1000))
-def test_it_goes_through_its_points_and_repeats_itself(rows, seed):
-    random = np.random.default_rng(seed)
-    x = np.cumsum(random.uniform(0.5, 1.5, rows + 1))
-    y = random.standard_normal(rows + 1)
-    y[-1] = y[0]
-    spline = interpolating(x, y)
-    np.testing.assert_allclose(spline(x), y, rtol=0.0, atol=1e-7)
-    for order in range(5):
-        ends = spline(x[[0, -1]], order)
-        size = np.abs(spline(np.linspace(x[0], x[-1], 201), order)).max()
-        assert ends[0] == pytest.approx(ends[1], abs=1e-9 * size)
-        np.testing.assert_allclose(
-            spline(x[:-1] + 0.1 + 3 * spline.period, order), spline(x[:-1] + 0.1, order),
-            rtol=0.0, atol=1e-6 * size,
-        )  # fmt: skip
-
-
-def test_a_sine_comes_through_noise():
-    """Ten samples: errors are what the deviations say, and few parameters are spent."""
-    angles = np.linspace(0.0, 2.0 * math.pi, 301)
-    noises, errors, doubts = [], [], []
-    for seed in range(10):
-        random = np.random.default_rng(seed)
-        x = np.sort(random.uniform(0.0, 2.0 * math.pi, 500))
-        spline = smoothing(x, np.sin(x) + 0.1 * random.standard_normal(x.size), 2.0 * math.pi)
-        noises.append(spline.noise)
-        errors.append(np.mean((spline(angles) - np.sin(angles)) ** 2))
-        doubts.append(np.mean(spline.deviation(angles) ** 2))
-    assert np.mean(noises) == pytest.approx(0.1, abs=4.0 * 0.1 / math.sqrt(2 * 10 * 480))
-    assert np.mean(errors) == pytest.approx(np.mean(doubts), rel=0.5)
-    assert np.mean(errors) < 0.1**2 * 12 / 500
 
 
 @pytest.mark.parametrize(("rows", "noise_deg"), [(148, 1.298), (2000, 0.1)])
@@ -109,20 +71,6 @@ def test_smooth_tables_follow_the_drive():
     assert exact(60).noise == 0.0
 
 
-def test_rows_of_several_cells_in_any_order():
-    """An exact table folded into one cell is the table of that cell."""
-    theta = np.linspace(*DRIVE.breaks, 61)[:-1]
-    turns = np.array([5, -2, 0, 3] * 15)
-    away = theta + DRIVE.cell_angle * turns
-    phi = -DRIVE.follower_angle(away)
-    order = np.random.default_rng(3).permutation(theta.size)
-    table = esc.Tabulated(
-        away[order], phi[order], cell_angle=DRIVE.cell_angle, follower_step=DRIVE.follower_step
-    )
-    found = table.transmission(ANGLES)
-    np.testing.assert_allclose(found.g, exact(60).transmission(ANGLES).g, rtol=0.0, atol=1e-10)
-
-
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
 def test_the_follower_angle_grows(sense):
     table = exact(60, sense)
@@ -140,23 +88,9 @@ def test_the_follower_angle_grows(sense):
 
 def test_a_table_of_a_drive_moves_like_the_drive():
     truth = esc.terminal(esc.Escapement(DRIVE, INERTIA, 0.01, efficiency=0.9))
-    errors = []
-    for rows in (60, 240):
-        timer = esc.Escapement(exact(rows), INERTIA, 0.01, efficiency=0.9)
-        found = esc.terminal(timer)
-        errors.append(abs(found.velocity_max / truth.velocity_max - 1.0))
-    assert errors[0] < 1e-6
-    assert errors[1] < 1e-8
-
-
-def test_engines_agree_on_a_measured_mechanism():
-    table = measured(1000, math.radians(0.05))
-    timer = esc.Escapement(table, INERTIA, 0.01, efficiency=0.9, load_torque=0.002)
-    fast = esc.simulate(timer, 6)
-    slow = esc.simulate(timer, 6, engine="ivp", rtol=1e-10)
-    # steps in the third derivative of g cost both a few digits
-    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-7)
-    np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-7)
+    for rows, off in ((60, 1e-6), (240, 1e-8)):
+        found = esc.terminal(esc.Escapement(exact(rows), INERTIA, 0.01, efficiency=0.9))
+        assert found.velocity_max == pytest.approx(truth.velocity_max, rel=off)
 
 
 def test_everything_else_takes_a_table(tmp_path):
@@ -224,7 +158,7 @@ def test_its_repr_is_short_and_tells_tables_apart():
     text = repr(esc.Escapement(table, esc.Inertia(1e-6, 1e-5), 0.01, efficiency=0.9))
     assert repr(table) in text
     assert len(text) < 350
-    assert repr(table).startswith("Tabulated(<201 rows, checksum ")
+    assert repr(table).startswith("Tabulated(rows=201, checksum=")
     moved = esc.Tabulated(table.theta, 1.0 + np.array(table.phi))
     assert len({repr(table), repr(other), repr(moved)}) == 3
     assert repr(esc.Tabulated(table.theta, table.phi)) == repr(table)
@@ -233,7 +167,7 @@ def test_its_repr_is_short_and_tells_tables_apart():
 def test_a_measured_table_is_drawn_with_its_doubt():
     from matplotlib.figure import Figure
 
-    from escapement.plots.tabulated import plot_table
+    from escapement.plots import plot_table
 
     table = measured(300, math.radians(0.3))
     ax = plot_table(table, Figure().add_subplot())

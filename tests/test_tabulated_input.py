@@ -9,19 +9,7 @@ import pytest
 import escapement as esc
 from escapement.errors import InputFileError, InvalidValue
 from escapement.study.parse import parse_plan
-from tabulated_drive import ANGLES, DRIVE, INERTIA, exact
-
-
-def test_csv(tmp_path):
-    theta = np.degrees(np.linspace(*DRIVE.breaks, 41))
-    rows = [f"{a!r},{b!r}" for a, b in zip(
-        theta.tolist(), np.degrees(-DRIVE.follower_angle(np.radians(theta))).tolist(), strict=True
-    )]  # fmt: skip
-    place = tmp_path / "table.csv"
-    place.write_text("# a drive\ndriver (deg),follower (deg)\n\n" + "\n".join(rows) + "\n")
-    table = esc.Tabulated.from_csv(place)
-    found = table.transmission(ANGLES).g
-    np.testing.assert_allclose(found, exact(40).transmission(ANGLES).g, rtol=0.0, atol=1e-9)
+from tabulated_drive import ANGLES, DRIVE, INERTIA
 
 
 @pytest.mark.parametrize(

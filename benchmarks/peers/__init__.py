@@ -8,7 +8,7 @@ from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 
-from escapement.benchmark.solvers import MeasuredSolver
+from escapement.benchmark.problems import MeasuredSolver
 
 HEYOKA, CYRK = "heyoka", "CyRK"
 PEERS = (HEYOKA, CYRK)

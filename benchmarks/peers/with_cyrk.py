@@ -14,7 +14,7 @@ import numba
 import numpy as np
 from CyRK import cyjit, nbsolve2_ivp
 
-from escapement.benchmark.problems import Problem, contact_function, driver_acceleration, pieces_of
+from escapement.benchmark.problems import Problem, derivative, pieces_of, reversal
 from escapement.model import FloatArray
 
 METHODS = ("DOP853", "Vern8")
@@ -25,14 +25,13 @@ _LAST = 1e-8  # share below which two Taylor terms are exact
 # The solver comes as a function pointer of the running process: a kernel that holds one
 # cannot be cached on disk, so the package's own decorator is of no use here.
 compiled = numba.njit(error_model="numpy", nogil=True)
-_acceleration = compiled(driver_acceleration)
-_contact = compiled(contact_function)
+_rates = compiled(derivative)
+_contact = compiled(reversal)
 
 
 @cyjit
 def _derivative(dy, t, y, parameters):
-    dy[0] = y[1]
-    dy[1] = _acceleration(y[0], y[1], parameters[0], parameters[1], parameters[2])
+    dy[0], dy[1] = _rates(t, y, parameters[0], parameters[1], parameters[2])
 
 
 @compiled
@@ -40,7 +39,7 @@ def _remaining(target, theta, speed, parameters):
     """Positive before the event: angle to go, or contact at the reversal (target NaN)."""
     if target == target:
         return target - theta
-    return _contact(theta, speed, parameters[0], parameters[1])
+    return _contact(0.0, (theta, speed), parameters[0], parameters[1], parameters[2])
 
 
 @compiled
@@ -48,12 +47,12 @@ def _time_to_go(target, theta, speed, parameters):
     """Newton's estimate of the time to the event."""
     a, rho, kappa = parameters
     value = _remaining(target, theta, speed, parameters)
-    rate = _acceleration(theta, speed, a, rho, kappa)
+    rate = _rates(0.0, (theta, speed), a, rho, kappa)[1]
     if target == target:
         return 2.0 * value / (speed + math.sqrt(max(speed * speed + 2.0 * rate * value, 0.0)))
     step = 1e-6
-    ahead = _contact(theta + step * speed, speed + step * rate, a, rho)
-    behind = _contact(theta - step * speed, speed - step * rate, a, rho)
+    ahead = _contact(0.0, (theta + step * speed, speed + step * rate), a, rho, kappa)
+    behind = _contact(0.0, (theta - step * speed, speed - step * rate), a, rho, kappa)
     return -2.0 * step * value / (ahead - behind)
 
 
@@ -80,7 +79,7 @@ def _to_event(address, method, tolerance, y, parameters, target, guess):
         solved.free()
         if abs(going) <= _LAST * guess:
             break
-    rate = _acceleration(y[0], y[1], parameters[0], parameters[1], parameters[2])
+    rate = _rates(0.0, y, parameters[0], parameters[1], parameters[2])[1]
     y[0] += going * (y[1] + 0.5 * going * rate)
     y[1] += going * rate
     return elapsed + going
@@ -108,10 +107,9 @@ def prepare(
     problem: Problem, rtol: float, method: str
 ) -> Callable[[], tuple[FloatArray, FloatArray]]:
     """A run of `problem` at a tolerance by one of its methods."""
-    pieces = pieces_of(problem)
-    parameters = np.array([piece.parameters for piece in pieces])
-    starts = np.array([piece.start for piece in pieces], dtype=float)  # None becomes NaN
-    targets = np.array([piece.end for piece in pieces], dtype=float)
+    # None becomes NaN
+    columns = zip(*pieces_of(problem), strict=True)
+    parameters, starts, targets = (np.array(column, dtype=float) for column in columns)
     address = _derivative.address
     out = np.empty((2, problem.engagements))
 

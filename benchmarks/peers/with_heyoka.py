@@ -15,8 +15,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from escapement.benchmark.problems import Problem, pieces_of
-from escapement.benchmark.solvers import TimedRun
+from escapement.benchmark.problems import Problem, TimedRun, pieces_of
 from escapement.model import FloatArray
 
 _FOREVER = 1e6  # natural units; an event ends the run
@@ -24,7 +23,7 @@ _FOREVER = 1e6  # natural units; an event ends the run
 
 def prepare(problem: Problem, rtol: float) -> TimedRun:
     """A run of `problem` at a tolerance, in time."""
-    approach, push, follow = (piece.parameters[2] for piece in pieces_of(problem))
+    approach, push, follow = (parameters[2] for parameters, _start, _end in pieces_of(problem))
     end = problem.numbers[3]
     times, speeds = np.empty(problem.engagements), np.empty(problem.engagements)
     done = 0
@@ -60,7 +59,7 @@ def prepare(problem: Problem, rtol: float) -> TimedRun:
 
 def prepare_angle(problem: Problem, rtol: float) -> TimedRun:
     """The same over the driver angle, but for the way from rest to the first dead centre."""
-    approach, push, follow = (piece.parameters[2] for piece in pieces_of(problem))
+    approach, push, follow = (parameters[2] for parameters, _start, _end in pieces_of(problem))
     end = problem.numbers[3]
     times, squares = np.empty(problem.engagements), np.empty(problem.engagements)
 

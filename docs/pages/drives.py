@@ -5,9 +5,9 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
+from escapement.plots import plot_table
 from escapement.plots.planetary import plot_planetary
 from escapement.plots.style import legend_above
-from escapement.plots.tabulated import plot_table
 from escapement.sources import meyer
 from escapement.sources.filemon.figures import plot_reversal_curves
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram

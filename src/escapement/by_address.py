@@ -38,12 +38,11 @@ def by_address(
     config: Any = numba.config
     if config.DISABLE_JIT:
         return (lambda _addresses, *given: kernel(*given)), (lambda: 0)
-    accepted = arguments
 
     @cache
     def compiled() -> Any:
-        kernel.compile(accepted)
-        return kernel.overloads[accepted]
+        kernel.compile(arguments)
+        return kernel.overloads[arguments]
 
     @cache
     def address() -> int:
@@ -54,16 +53,16 @@ def by_address(
     def emit(context: Any, builder: Any, full: Any, values: Any) -> Any:
         addresses, given = values
         result = full.return_type
-        pointer = context.call_conv.get_function_type(result, accepted).as_pointer()
+        pointer = context.call_conv.get_function_type(result, arguments).as_pointer()
         function = builder.inttoptr(builder.extract_value(addresses, index), pointer)
-        row = [builder.extract_value(given, k) for k in range(len(accepted))]
-        return context.call_conv.call_function(builder, function, result, accepted, row)[1]
+        row = [builder.extract_value(given, k) for k in range(len(arguments))]
+        return context.call_conv.call_function(builder, function, result, arguments, row)[1]
 
     @intrinsic
     def call(context: Any, addresses: Any, *given: Any) -> Any:
-        if len(given) != len(accepted) or None in map(context.can_convert, given, accepted):
+        if len(given) != len(arguments) or None in map(context.can_convert, given, arguments):
             return None
-        row = types.StarArgTuple.from_types(accepted)
+        row = types.StarArgTuple.from_types(arguments)
         return compiled().signature.return_type(addresses, row), emit
 
     return call, address

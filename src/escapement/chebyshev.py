@@ -33,6 +33,13 @@ _CLOSE = 1e-9  # a stationary point this close to a piece's end, of its length, 
 _VANISHING = 1e-30  # a zero this close to a piece's end, of its length, is the end
 
 
+class Extremum(NamedTuple):
+    """A value and the angle that has it; of a transmission [-] and from dead centre [rad]."""
+
+    value: float
+    angle: float
+
+
 class Series(NamedTuple):
     """A function as Chebyshev series, one from edge to edge.
 
@@ -113,7 +120,6 @@ def fit(
     function: Function,
     points: Iterable[float],
     order: int = 33,
-    tail: int = 4,
     decayed: float = 4e-15,
     kinks: int = MOST_KINKS,
 ) -> Series:
@@ -128,10 +134,9 @@ def fit(
         located to 6e-8 of its interval, where the series is a straight line.
     order : int
         Coefficients of a series.
-    tail : int
-        Last coefficients that must have decayed.
     decayed : float
-        To this share of the largest value: values carry a few rounding errors.
+        The last eighth of them must be this share of the largest value: values carry a few
+        rounding errors.
     kinks : int
         How many the function may have.
 
@@ -140,7 +145,7 @@ def fit(
     InvalidValue
         When the function has more kinks.
     """
-    edges = np.unique(np.fromiter(points, dtype=float))
+    edges, tail = np.unique(np.fromiter(points, dtype=float)), order // 8
     low, high, scale = edges[:-1], edges[1:], 0.0
     starts, done = [], []
     for depth in range(_DEEPEST + 1):
@@ -218,20 +223,15 @@ def _polish(function: Function, series: Series, roots: Array, piece: NDArray[np.
     return roots
 
 
-def extremes(function: Function | Series, series: Series) -> tuple[float, float, float, float]:
+def extremes(function: Function | Series, series: Series) -> tuple[Extremum, Extremum]:
     """Greatest and least value of a function, each with the first place that has it.
 
     At a jump the limits from both sides count.
-
-    Returns
-    -------
-    greatest, place, least, place : float
     """
     edges, rows = series.edges, series.rows
-    both = np.column_stack([edges[:-1], edges[1:]])
     at_edges, limits = function(edges), series.limits()
     # a jump's other side is not among the values
-    beside = np.column_stack([at_edges[:-1], at_edges[1:]])
+    beside, both = (np.column_stack([x[:-1], x[1:]]) for x in (at_edges, edges))
     jump = np.abs(limits - beside) > _JUMP * np.abs(at_edges).max()
     # between its ends a series stays within its coefficients' sum
     span = np.abs(rows[:, 1:]).sum(axis=1)
@@ -246,6 +246,6 @@ def extremes(function: Function | Series, series: Series) -> tuple[float, float,
     order = np.argsort(places, kind="stable")
     places, values = places[order], values[order]
     equal = _NOISE * np.abs(values).max()
-    top = int(np.argmax(values >= values.max() - equal))
-    bottom = int(np.argmax(values <= values.min() + equal))
-    return float(values[top]), float(places[top]), float(values[bottom]), float(places[bottom])
+    firsts = np.argmax([values >= values.max() - equal, values <= values.min() + equal], axis=1)
+    top, bottom = (Extremum(float(values[k]), float(places[k])) for k in firsts)
+    return top, bottom

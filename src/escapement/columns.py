@@ -5,10 +5,11 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from itertools import chain
 from os import PathLike
-from typing import NamedTuple, TextIO
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +25,9 @@ NAMES = {
 }
 """Headings by which the columns of driver and follower are known."""
 _SPELLINGS = {
-    "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
-    "rad": "rad", "radian": "rad", "radians": "rad",
-}  # fmt: skip
+    **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
+    **dict.fromkeys(("rad", "radian", "radians"), "rad"),
+}
 # angles in these units are refused, for they would be taken for degrees
 _FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?")
 _NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?|nan", re.IGNORECASE)
@@ -51,14 +52,9 @@ class Columns(NamedTuple):
     comments: list[str]
 
 
-class _Layout(NamedTuple):
-    """How the rows of a file are to be read; `places` are those of input and output."""
-
-    separator: str
-    header: bool
-    width: int
-    places: tuple[int, ...]
-    units: tuple[str | None, ...]
+# of rows: separator, whether there is a header, number of fields, and of input and output
+# the places and the units
+_Layout = tuple[str, bool, int, tuple[int, ...], tuple[str | None, ...]]
 
 
 class _BrokenLine(Exception):
@@ -101,10 +97,19 @@ def read_columns(
     """
     if unit is not None:
         validate.choice("angle_unit", unit, tuple(UNITS))
-    find = partial(_find_layout, names=names, unit=unit, by_order=by_order)
+    lines = _Lines(path)
+    layout = partial(_find_layout, names=names, unit=unit, by_order=by_order)
     try:
-        # a pipe can be read only once, so it gets the reader that takes whatever is allowed
-        return _read(path, find, plain=os.path.isfile(path))
+        # plain numbers take half the time, but a pipe can be read only once
+        if os.path.isfile(path):
+            with suppress(_BrokenLine):
+                return _read(lines, layout, plain=True)
+        return _read(lines, layout, plain=False)
+    except _BrokenLine as error:
+        (rule, remedy), text = error.args, lines.text.strip()
+        shown = text if len(text) <= 60 else text[:57] + "..."
+        where = f"{path}, line {lines.number}"
+        raise InputFileError(f"{where} must {rule}, got {shown!r}; {remedy}") from None
     except (FileNotFoundError, NotADirectoryError):
         raise MissingInput(f"{what} {path} does not exist; check its name") from None
     except (OSError, UnicodeDecodeError) as error:
@@ -119,77 +124,56 @@ def read_columns(
         ) from None
 
 
-def _read(path: str | PathLike[str], find: Callable[[str], _Layout], plain: bool) -> Columns:
-    """Both columns, first as `plain` numbers, which takes half the time, then field by field."""
-    with open(path, encoding="utf-8-sig") as stream:
-        table = _Table(stream)
-        try:
-            return table.read(find, plain)
-        except _BrokenLine as error:
-            if not plain:
-                rule, remedy = error.args
-                text = table.text.strip()
-                shown = text if len(text) <= 60 else text[:57] + "..."
-                where = f"{path}, line {table.number}"
-                raise InputFileError(f"{where} must {rule}, got {shown!r}; {remedy}") from None
-    return _read(path, find, plain=False)
+class _Lines:
+    """Lines of a file, the one that was read last, and which of them held no row."""
 
+    def __init__(self, path: str | PathLike[str]) -> None:
+        self.path, self.number, self.text = path, 0, ""
 
-class _Table:
-    """A stream of lines, the one that was read last, and which of them held no row."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self.stream, self.number, self.text = stream, 0, ""
+    def __iter__(self) -> Iterator[str]:
+        """Lines that are neither blank nor comments, from the first one on."""
         self.passed_over, self.comments = [0], list[str]()
-
-    def rows(self) -> Iterator[str]:
-        """Lines that are neither blank nor comments."""
-        lines = enumerate(self.stream, 1)
-        for self.number, self.text in lines:
-            if self.text.isspace() or self.text[0] == "#":
-                self.passed_over.append(self.number)
-                self.comments.append(self.text)
-            # `loadtxt` would take the lines after an open quote for one field
-            elif '"' in self.text and self.text.count('"') % 2:
-                raise _BrokenLine("close its quotes", "correct it")
-            else:
-                yield self.text
-
-    def read(self, find: Callable[[str], _Layout], plain: bool) -> Columns:
-        """Both columns; an error is about the line that was read last."""
-        rows = self.rows()
-        layout = find(next(rows))
-        if layout.header:
-            self.passed_over.append(self.number)
-            next(rows)
-        number = partial(_number, decimal_comma=layout.separator != ",")
-        # a type for each field makes `loadtxt` refuse rows with more or fewer of them
-        kinds = [(str(i), float if i in layout.places else "U1") for i in range(layout.width)]
-        try:
-            table = np.loadtxt(
-                chain([self.text], rows), np.dtype(kinds), comments=None, encoding=None, ndmin=1,
-                delimiter=None if layout.separator == " " else layout.separator, quotechar='"',
-                converters=None if plain else dict.fromkeys(layout.places, number),
-            )  # fmt: skip
-        except ValueError as error:
-            if isinstance(error, UnicodeDecodeError):
-                raise
-            raise _BrokenLine(*_rule_of_rows(layout, self.text)) from None
-        line = np.delete(np.arange(self.number + 1), self.passed_over)
-        first, second = (
-            table[str(place)] * UNITS[unit or "deg"]
-            for place, unit in zip(layout.places, layout.units, strict=True)
-        )
-        return Columns((first, second), line, layout.units, self.comments)
+        with open(self.path, encoding="utf-8-sig") as stream:
+            for self.number, self.text in enumerate(stream, 1):
+                if self.text.isspace() or self.text[0] == "#":
+                    self.passed_over.append(self.number)
+                    self.comments.append(self.text)
+                # `loadtxt` would take the lines after an open quote for one field
+                elif '"' in self.text and self.text.count('"') % 2:
+                    raise _BrokenLine("close its quotes", "correct it")
+                else:
+                    yield self.text
 
 
-def _rule_of_rows(layout: _Layout, text: str) -> tuple[str, str]:
-    """The rule that a row breaks, and the remedy."""
-    if len(_split(text, layout.separator)) != layout.width:
-        apart = _SEPARATORS[layout.separator]
-        return f"have {layout.width} fields apart by {apart}", "one row for each sample"
-    places = " and ".join(str(place + 1) for place in sorted(layout.places))
-    return f"have numbers in fields {places}", "correct it, or leave the field empty"
+def _read(lines: _Lines, find: Callable[[str], _Layout], plain: bool) -> Columns:
+    """Both columns, of `plain` numbers or of all that is allowed; an error is of the last line."""
+    rows = iter(lines)
+    separator, header, width, places, units = find(next(rows))
+    if header:
+        lines.passed_over.append(lines.number)
+        next(rows)
+    number = partial(_number, decimal_comma=separator != ",")
+    # a type for each field makes `loadtxt` refuse rows with more or fewer of them
+    kinds = [(str(i), float if i in places else "U1") for i in range(width)]
+    try:
+        table = np.loadtxt(
+            chain([lines.text], rows), np.dtype(kinds), comments=None, encoding=None, ndmin=1,
+            delimiter=None if separator == " " else separator, quotechar='"',
+            converters=None if plain else dict.fromkeys(places, number),
+        )  # fmt: skip
+    except UnicodeDecodeError:
+        raise
+    except ValueError:
+        if len(_split(lines.text, separator)) != width:
+            rule = f"have {width} fields apart by {_SEPARATORS[separator]}"
+            raise _BrokenLine(rule, "one row for each sample") from None
+        rule = f"have numbers in fields {' and '.join(str(i + 1) for i in sorted(places))}"
+        raise _BrokenLine(rule, "correct it, or leave the field empty") from None
+    line = np.delete(np.arange(lines.number + 1), lines.passed_over)
+    first, second = (
+        table[str(place)] * UNITS[unit or "deg"] for place, unit in zip(places, units, strict=True)
+    )
+    return Columns((first, second), line, units, lines.comments)
 
 
 def _find_layout(
@@ -206,7 +190,7 @@ def _find_layout(
     if header:
         places = _named_places(fields, names, by_order)
     elif len(fields) == 2 and names == (None, None):
-        return _Layout(separator, header, 2, (0, 1), (unit, unit))
+        return separator, header, 2, (0, 1), (unit, unit)
     else:
         remedy = "put a line with input and output among the names first"
         raise _BrokenLine(f"name its {len(fields)} columns", remedy)
@@ -214,7 +198,7 @@ def _find_layout(
     if not set(units) <= {*UNITS, None}:
         remedy = "convert them, or give the unit that they are in"
         raise _BrokenLine("have angles in degrees or radians", remedy)
-    return _Layout(separator, header, len(fields), places, units)
+    return separator, header, len(fields), places, units
 
 
 def _named_places(
@@ -222,7 +206,6 @@ def _named_places(
 ) -> tuple[int, ...]:
     """Places of input and output, by the names given or usual ones."""
     places: list[int | None] = []
-    by_order = by_order and len(fields) == 2
     for (role, usual), name in zip(NAMES.items(), names, strict=True):
         wanted = usual if name is None else (_name_and_unit(name)[0],)
         found = [i for i, field in enumerate(fields) if field == name]
@@ -230,16 +213,14 @@ def _named_places(
         if len(found) != 1 and name is not None:
             rule, remedy = f"one of {', '.join(fields)}", validate.nearest(name, tuple(fields))
             raise validate.fail(f"{role} column", rule, name, remedy)
-        if len(found) > 1 or not (found or by_order):
+        if len(found) > 1 or not (found or (by_order and len(fields) == 2)):
             rule = f"have one column called {' or '.join(usual)}"
             raise _BrokenLine(rule, f"name the {role}'s column")
         places.append(found[0] if found else None)
     first, second = places
     # of two columns, the one that is known tells the other
-    if first is None:
-        first = 0 if second is None else 1 - second
-    if second is None:
-        second = 1 - first
+    first = (0 if second is None else 1 - second) if first is None else first
+    second = 1 - first if second is None else second
     if first == second:
         raise InvalidValue(
             f"input and output must be different columns, got {fields[first]!r} for both"

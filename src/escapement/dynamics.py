@@ -1,31 +1,50 @@
 """The equation of motion, dimensionless.
 
 With the follower's inertia, the driving torque and sqrt(I_f/torque) as units of
-inertia, torque and time, a `Scene` holds what remains beside the mechanism:
+inertia, torque and time, a `Scene` holds what remains beside the mechanism. Lengths are in
+the unit of the mechanism's path, such as the crank radius.
 
-    rho   driver over follower inertia         mu    loss of each side, mu_plus and mu_minus
-    load  load torque over driving torque
+    rho           driver over follower inertia
+    mu            friction of each side, mu_plus and mu_minus
+    load, bearing load torque, and constant torque of the driver's bearing
+    c_d, c_f      drag of driver and follower that grows with the square of the speed
+    nu_d, nu_f    viscous drag of driver and follower
+    r_p           radius of the pin, whose body turns by beta per driver radian
+    b_d, b_f      journals: the bearing's friction over the contact force
 
-and with w = theta_dot^2, the side s = +1 or -1 of the slot that carries the
-force and the ratio as friction bends it, p = g + s mu_s |u|,
+With w = theta_dot^2 and the side s = +1 or -1 of the slot that carries the force, the drive D
+and the resistance F of the follower are
 
-    (rho + g p) theta_ddot + p (g' w + load) = 1
-    contact moment on the follower  N R = (rho (g' w + load) + g) / (rho + g p)
+    D = 1 - bearing - c_d w - nu_d sqrt(w)
+    F = k w + load + nu_f g sqrt(w),                            k = g' + c_f g |g|
 
-A pin loses by sliding: both mu_s are its coefficient of friction. A mesh of
-efficiency eta has p = g eta^(-s), because power that flows back is multiplied by eta. That
-is the same law with |u| = g, mu_+ = 1/eta - 1 and mu_- = 1 - eta.
+and with the pin's distance R from the follower's axis and its slide V = u R, the sliding speed
+v of the contact, the lever h of the contact force and the ratio p as friction bends it
 
-With load = 0 this is Meyer's eq. 1-18/1-19, his S being s sign(sin theta). An
-engine integrates the functions of this file over the time (`acceleration`) or over
-the angle (`energy_rates`); `painleve` asks where J_s vanishes.
+    v = V + s r_p (g - beta),    h = R - sign(v) mu r_p - s b_f sign(g)
+    p = g + c,                   c = s (mu |v| + b_d + b_f |g|)/h
+    (rho + g p) theta_ddot = D - p F
+    moment of the contact force about the follower's axis, losses taken off
+        N h = X/(rho + g p),     X = rho F + g D
+
+An ideal pin has c = s mu |u|. A mesh of efficiency eta has p = g eta^(-s), because power that
+flows back is multiplied by eta. That is the same law with |u| = g, mu_+ = 1/eta - 1 and
+mu_- = 1 - eta. In a dwell the follower is locked, so that g, u and g' are zero.
+
+With load = 0 an ideal one is Meyer's eq. 1-18/1-19, his S being s sign(sin theta). An
+engine integrates the functions of this file over the time (`net_torque` over
+`reduced_inertia`) or over the angle (`energy_rates`); `painleve` asks where
+J_s = rho + g p vanishes.
 """
 
 import numpy as np
 
 from escapement.jit import inner_jit, jit
-from escapement.mechanisms.slotted import transmission_at
+from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
+
+LOSSES = ("friction", "driver_bearing", "follower_bearing", "driver_drag", "follower_drag")
+"""Where work is lost: in the slot or the mesh, in the bearings, and to the air or to oil."""
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -37,77 +56,140 @@ def scene_of(scene_tuple):
 
 @inner_jit
 def signed_loss(side, scene):
-    """The signed loss s mu_s of the side that carries the force."""
+    """The signed friction s mu_s of the side that carries the force."""
     return scene.mu_plus if side > 0.0 else -scene.mu_minus
 
 
+@inner_jit
+def is_ideal(scene):
+    """Whether the pin has no width and the bearings no friction that grows with the force."""
+    return scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
+
+
+@inner_jit
+def is_viscous(scene):
+    """Whether there is drag in proportion to the speed, which makes the law nonlinear in w."""
+    return scene.driver_viscous > 0.0 or scene.follower_viscous > 0.0
+
+
+@inner_jit
+def is_drag_free(scene):
+    """Whether nothing resists the motion that grows with the speed itself."""
+    return scene.driver_drag + scene.follower_drag == 0.0 and not is_viscous(scene)
+
+
 @jit
-def drive(scene):
-    """Torque that drives the driver, in units of the driving torque: all of it."""
-    return 1.0
+def is_lossless(scene):
+    """Whether no loss grows with the speed: every engagement then adds the same energy."""
+    losses = scene.mu_plus + scene.driver_journal + scene.follower_journal
+    return losses == 0.0 and is_drag_free(scene)
 
 
 @inner_jit
-def free_gain(angle, scene):
-    """What a driver that turns free of the follower gains in w over an angle."""
-    return 2.0 * angle * drive(scene) / scene.rho
+def grip(g, u, radius, side, scene):
+    """Sliding speed |v| per driver radian, and lever h of the contact force."""
+    if is_ideal(scene):
+        return radius * abs(u), radius
+    slide = radius * u + side * scene.pin * (g - scene.path.numbers[9])
+    lever = radius - abs(signed_loss(side, scene)) * np.copysign(scene.pin, slide)
+    return abs(slide), lever - side * np.copysign(scene.follower_journal, g)
 
 
 @inner_jit
-def effective_ratio(g, u, side, scene):
-    """Transmission function as friction bends it, p = g + s mu_s |u|."""
-    return g + signed_loss(side, scene) * abs(u)
+def bend(g, u, radius, side, scene):
+    """What friction adds to the transmission function, c = p - g."""
+    friction = signed_loss(side, scene)
+    # in a dwell u and R are given as zero
+    if is_ideal(scene) or radius == 0.0:
+        return friction * abs(u)
+    slide, lever = grip(g, u, radius, side, scene)
+    lost = scene.driver_journal + scene.follower_journal * abs(g)
+    return (friction * slide + side * lost) / lever
 
 
 @inner_jit
-def contact(g, dg, w, scene):
-    """X = N R (rho + g p): its sign is the side of the slot that carries the force.
+def dragged_slope(g, dg, scene):
+    """k = g' + c_f g |g|."""
+    return dg + scene.follower_drag * (g * abs(g))
 
-    Neither friction nor the side itself enters, so the side is explicit and
-    unique below the Painleve limit. Its zero is Filemon's pin reversal.
+
+@inner_jit
+def root_of(w, scene):
+    """Speed sqrt(w) where viscous drag asks for it, otherwise 0."""
+    return np.sqrt(max(w, 0.0)) if is_viscous(scene) else 0.0
+
+
+@jit
+def constant_drive(scene):
+    """Torque of the drive less that of the driver's bearing, in units of the driving torque."""
+    return 1.0 - scene.bearing
+
+
+@inner_jit
+def drive(w, root, scene):
+    """D: torque that is left of the drive at the squared speed w; `root` is as of `root_of`."""
+    return constant_drive(scene) - scene.driver_drag * w - scene.driver_viscous * root
+
+
+@inner_jit
+def drive_sign(w, scene):
+    """Whether the driver gains speed, 1, or loses it, -1, where there is no contact force."""
+    return 1.0 if drive(w, root_of(w, scene), scene) > 0.0 else -1.0
+
+
+@inner_jit
+def resistance(g, k, w, root, scene):
+    """F: moment of the follower's inertia at constant speed, of its load and its drag."""
+    return k * w + scene.load + scene.follower_viscous * g * root
+
+
+@inner_jit
+def contact(g, k, w, root, scene):
+    """X = N h (rho + g p): its sign is the side of the slot that carries the force.
+
+    It depends neither on the side itself nor on losses that grow with the contact force, so
+    the side is explicit and unique below the Painleve limit. Its zero is Filemon's pin reversal.
     """
-    return scene.rho * (dg * w + scene.load) + g * drive(scene)
+    return scene.rho * resistance(g, k, w, root, scene) + g * drive(w, root, scene)
 
 
 @inner_jit
-def net_torque(g, u, dg, w, side, scene):
-    """Torque that is left to accelerate the driver, J_s theta_ddot = 1 - p_s (g' w + load)."""
-    return drive(scene) - effective_ratio(g, u, side, scene) * (dg * w + scene.load)
+def net_torque(g, c, k, w, root, scene):
+    """Torque that is left to accelerate the driver, J_s theta_ddot = D - p F."""
+    return drive(w, root, scene) - (g + c) * resistance(g, k, w, root, scene)
 
 
 @inner_jit
-def reduced_inertia(g, u, side, scene):
-    """J_s = rho + g p_s; it vanishes at the Painleve limit."""
-    return scene.rho + g * effective_ratio(g, u, side, scene)
+def reduced_inertia(g, c, scene):
+    """J_s = rho + g p; it vanishes at the Painleve limit."""
+    return scene.rho + g * (g + c)
 
 
 @inner_jit
-def acceleration(g, u, dg, w, side, scene):
-    """Driver acceleration in units of torque / I_f."""
-    return net_torque(g, u, dg, w, side, scene) / reduced_inertia(g, u, side, scene)
+def free_gain(angle, w, scene):
+    """What a driver that turns free of the follower gains in w over a small angle."""
+    return 2.0 * angle * drive(w, root_of(w, scene), scene) / scene.rho
 
 
 @inner_jit
-def contact_moment(g, u, dg, w, side, scene):
-    """Moment N R on the follower in units of the driving torque."""
-    return contact(g, dg, w, scene) / reduced_inertia(g, u, side, scene)
-
-
-@inner_jit
-def energy_rates(g, u, dg, inverse_inertia, dtheta_dx, side, scene):
+def energy_rates(g, c, k, inverse_inertia, dtheta_dx, root, scene):
     """Coefficients of dE/dx = A - B E for E = (rho + g^2) w, twice the kinetic energy.
 
-    With c = p - g and J = rho + g^2 + g c
+    With J = rho + g^2 + g c
 
-        A = 2 theta' [(1 - g load) - c (rho load + g)/J],   B = 2 theta' c rho g'/(J (rho + g^2)).
+        A = 2 theta' [(D - g M) - c (rho M + g D)/J]
+        B = 2 theta'/J {c rho k/(rho + g^2) + c_d + [1 + g c/(rho + g^2)] c_f g^2 |g|}
 
-    Both are written in c, so that without a loss B is exactly zero and A is exact.
+    where D and M are the torques of drive and load that do not depend on w. Both are
+    written in c, so that without a loss B is exactly zero and A is exact. Viscous drag is
+    linear about the speed `root`, sqrt(w) = root/2 + w/(2 root): it adds to both D and M, and
+    to c_d and k.
 
     Parameters
     ----------
-    u : |u|, which is never negative here.
     inverse_inertia : 1/(rho + g^2).
     dtheta_dx : theta', the driver angle by the panel's coordinate x.
+    root : speed about which viscous drag is linear; 0 without it.
 
     Returns
     -------
@@ -115,36 +197,42 @@ def energy_rates(g, u, dg, inverse_inertia, dtheta_dx, side, scene):
         `amplification` is (rho + g^2)/J. It is large near the Painleve limit, where J is a
         difference of nearly equal terms, and multiplies the rounding error of A and B.
     """
-    c = signed_loss(side, scene) * u
+    torque, load, drag = constant_drive(scene), scene.load, scene.driver_drag
+    air = scene.follower_drag * (g * g * abs(g))
+    if root > 0.0:
+        half = 0.5 * root
+        torque -= scene.driver_viscous * half
+        load += scene.follower_viscous * g * half
+        drag += scene.driver_viscous * (0.5 / root)
+        shear = scene.follower_viscous * g * (0.5 / root)
+        k += shear
+        air += shear * g
     amplification = 1.0 / (1.0 + g * c * inverse_inertia)
     twice = 2.0 * dtheta_dx
-    lost = c * (scene.rho * scene.load + g * drive(scene)) * amplification * inverse_inertia
-    gain = twice * ((drive(scene) - g * scene.load) - lost)
-    decay = twice * c * scene.rho * dg * amplification * inverse_inertia * inverse_inertia
+    lost = c * (scene.rho * load + g * torque) * amplification * inverse_inertia
+    gain = twice * ((torque - g * load) - lost)
+    bent = c * scene.rho * k * inverse_inertia
+    decay = twice * inverse_inertia * ((bent + drag) * amplification + air)
     return gain, decay, amplification
 
 
 @inner_jit
-def loss_per_angle(g, u, dg, w, side, scene):
-    """Work lost in the contact per driver angle, mu_s |u| |N R|; `u` is |u|."""
-    lost = signed_loss(side, scene) * u
-    return abs(lost * contact(g, dg, w, scene) / (scene.rho + g * (g + lost)))
-
-
-@inner_jit
-def dwell_gain(scene):
-    """What a dwell adds to the squared speed."""
-    return free_gain(scene.dwell, scene)
-
-
-@inner_jit
-def free_turn(w, scene):
-    """Squared speed after the dwell, and the time that the dwell takes.
-
-    The driver turns free in it: rho theta_ddot = 1, so w grows by 2 dwell/rho.
-    """
-    after = w + dwell_gain(scene)
-    return after, 2.0 * scene.dwell / (np.sqrt(w) + np.sqrt(after)) if scene.dwell > 0.0 else 0.0
+def losses_per_angle(g, u, radius, k, w, side, scene):
+    """Contact force N, and the work lost per driver angle in each of `LOSSES`."""
+    root = np.sqrt(max(w, 0.0))
+    force = slot = at_driver = at_follower = 0.0
+    if radius > 0.0:
+        slide, lever = grip(g, u, radius, side, scene)
+        moment = contact(g, k, w, root_of(w, scene), scene)
+        moment /= reduced_inertia(g, bend(g, u, radius, side, scene), scene)
+        force = moment / lever
+        # with the sign of N they are smooth where a trial step of a solver passes a reversal
+        slot = signed_loss(side, scene) * slide * force
+        at_driver = side * scene.driver_journal * force
+        at_follower = side * scene.follower_journal * abs(g) * force
+    drag = scene.driver_drag * w + scene.driver_viscous * root
+    air = scene.follower_drag * w * abs(g) + scene.follower_viscous * root
+    return force, slot, at_driver + scene.bearing, at_follower, drag, g * g * air
 
 
 @inner_jit
@@ -158,7 +246,7 @@ def ends_alike(g_in, g_out, rho):
 
 
 @inner_jit
-def side_at(g, dg, w, scene):
+def side_at(g, k, w, scene):
     """Side that carries the force where a piece begins: +1 or -1.
 
     It is the sign of X. At pin entry g is zero up to rounding, and X is too when the driver
@@ -166,20 +254,46 @@ def side_at(g, dg, w, scene):
     entry. At the stop of a mesh g and g' are both zero, or the rounding errors of a table;
     the driver is then about to push the follower, and the side is +1.
     """
-    value = contact(g, dg, w, scene)
+    value = contact(g, k, w, root_of(w, scene), scene)
     # g' below 1e-9 is taken for a table's rounding
-    if abs(value) <= 1e-12 * (1.0 + abs(scene.rho * dg * w)):
-        value = dg if abs(dg) > 1e-9 else 1.0
+    if abs(value) <= 1e-12 * (1.0 + abs(scene.rho * k * w)):
+        value = k if abs(k) > 1e-9 else 1.0
     return 1.0 if value >= 0.0 else -1.0
+
+
+@inner_jit
+def bent_pose(theta, side, scene):
+    """g, c and k at a driver angle while the side s carries the force, 0 in a dwell."""
+    if side == 0.0:
+        return 0.0, 0.0, 0.0
+    g, u, dg, radius = pose_at(scene.path, theta)
+    return g, bend(g, u, radius, side, scene), dragged_slope(g, dg, scene)
 
 
 @jit
 def tabulate(scene, theta, w, side, out):
-    """Fill out[0:5] with g, g', theta_ddot, contact moment and X at each angle."""
+    """Fill out[0:5] with g, g', theta_ddot, contact moment N h and X at each angle."""
     for i in range(theta.size):
-        g, u, dg = transmission_at(scene.path, theta[i])
+        g, c, k = bent_pose(theta[i], side, scene)
+        root, inertia = root_of(w[i], scene), reduced_inertia(g, c, scene)
         out[0, i] = g
-        out[1, i] = dg
-        out[2, i] = acceleration(g, u, dg, w[i], side, scene)
-        out[3, i] = contact_moment(g, u, dg, w[i], side, scene)
-        out[4, i] = contact(g, dg, w[i], scene)
+        out[1, i] = k - scene.follower_drag * (g * abs(g))
+        out[2, i] = net_torque(g, c, k, w[i], root, scene) / inertia
+        # in a dwell nothing touches
+        out[4, i] = contact(g, k, w[i], root, scene) if side != 0.0 else 0.0
+        out[3, i] = out[4, i] / inertia
+
+
+@jit
+def tabulate_losses(scene, theta, w, side, out):
+    """Fill out[0] with the contact force N and out[1:] with each of `LOSSES` per driver angle.
+
+    `side` is 0 in a dwell. The force is in units of torque over the path's unit of length.
+    """
+    for i in range(theta.size):
+        g = u = k = radius = 0.0
+        if side != 0.0:
+            g, u, dg, radius = pose_at(scene.path, theta[i])
+            k = dragged_slope(g, dg, scene)
+        row = losses_per_angle(g, u, radius, k, w[i], side, scene)
+        out[0, i], out[1, i], out[2, i], out[3, i], out[4, i], out[5, i] = row

@@ -8,21 +8,17 @@ import errno
 import io
 import os
 import stat
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import Any, BinaryIO, cast
 
-from escapement.errors import (
-    CannotCreate,
-    EscapementError,
-    InputFileError,
-    InvalidValue,
-    MissingInput,
-    StorageError,
-)
+from escapement import errors
+from escapement.errors import CannotCreate, EscapementError, InvalidValue, StorageError
 
+AnyPath = str | PathLike[str]
 FORMATS = (".png", ".pdf", ".svg")
 """Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
 FILMS = (".gif",)
@@ -32,7 +28,7 @@ FILMS = (".gif",)
 _DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 
-def check_input(path: str | PathLike[str], what: str) -> None:
+def check_input(path: AnyPath, what: str) -> None:
     """Raise MissingInput or InputFileError unless `path` is an ordinary file.
 
     `what` names the kind of file in the message. A pipe is refused as well, because
@@ -40,12 +36,14 @@ def check_input(path: str | PathLike[str], what: str) -> None:
     """
     file = Path(path)
     if not file.exists():
-        raise MissingInput(f"{what} {path} does not exist; check its name")
+        raise errors.MissingInput(f"{what} {path} does not exist; check its name")
     if not file.is_file():
-        raise InputFileError(f"{what} {path} must be an ordinary file; name a file, not a folder")
+        raise errors.InputFileError(
+            f"{what} {path} must be an ordinary file; name a file, not a folder"
+        )
 
 
-def picture_format(path: str | PathLike[str], formats: tuple[str, ...] = FORMATS) -> str:
+def picture_format(path: AnyPath, formats: tuple[str, ...] = FORMATS) -> str:
     """The suffix of a figure's name, one of `formats`; raises InvalidValue for another."""
     suffix = Path(path).suffix
     if suffix.lower() not in formats:
@@ -55,7 +53,7 @@ def picture_format(path: str | PathLike[str], formats: tuple[str, ...] = FORMATS
     return suffix.lower()
 
 
-def check_target(path: str | PathLike[str], force: bool = False) -> Path:
+def check_target(path: AnyPath, force: bool = False, writable: bool = False) -> Path:
     """The path an output will have, after checks that it may be created.
 
     Parameters
@@ -65,6 +63,8 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
         that it points to and not the link.
     force : bool
         Whether an existing file may be replaced.
+    writable : bool
+        Whether that file must not be read-only.
 
     Raises
     ------
@@ -72,45 +72,36 @@ def check_target(path: str | PathLike[str], force: bool = False) -> Path:
         When the folder is missing, something stands in the way, or a file
         exists and `force` is not given.
     """
-    try:
+    kind = 0
+    with creating(path):
         # this fails where the working directory was removed
         target = Path(os.path.realpath(path))
-    except (OSError, ValueError) as error:
-        raise cannot_create(path, error) from None
-    try:
-        kind = target.lstat().st_mode
-    except FileNotFoundError:
-        if not target.parent.is_dir():
-            raise CannotCreate(
-                f"output {path} must be in an existing folder, got {target.parent}; create it first"
-            ) from None
-        return target
-    except OSError as error:
-        raise cannot_create(path, error) from None
-    if stat.S_ISDIR(kind):
-        raise CannotCreate(f"output {path} must be a file, got a directory; name a file in it")
-    if not stat.S_ISREG(kind):
-        raise CannotCreate(f"output {path} must be an ordinary file; name another")
-    if not force:
-        raise CannotCreate(
-            f"output {path} must not exist yet, got an existing file; "
-            "choose another name, or give force=True (--force) to replace it"
-        )
+        with suppress(FileNotFoundError):
+            kind = target.lstat().st_mode
+    there, folder = kind != 0, target.parent
+    refusals = {
+        f"be in an existing folder, got {folder}; create it first": not folder.is_dir(),
+        "be a file, got a directory; name a file in it": stat.S_ISDIR(kind),
+        "be an ordinary file; name another": there and not stat.S_ISREG(kind),
+        "not exist yet, got an existing file; choose another name, or give force=True (--force) "
+        "to replace it": there and not force,
+        "be a file that may be replaced, got a read-only one; name another": there
+        and writable
+        and not os.access(target, os.W_OK),
+    }
+    for rule, broken in refusals.items():
+        if broken:
+            raise CannotCreate(f"output {path} must {rule}")
     return target
 
 
-def check_replaceable(path: str | PathLike[str]) -> Path:
-    """`check_target` for a file that is replaced without asking, unless it is read-only."""
-    target = check_target(path, force=True)
-    if target.exists() and not os.access(target, os.W_OK):
-        raise CannotCreate(
-            f"output {path} must be a file that may be replaced, got a read-only one; name another"
-        )
-    return target
+@contextmanager
+def pending_file(
+    path: AnyPath, force: bool = False, temporary: Path | None = None
+) -> Iterator[BinaryIO]:
+    """A temporary file beside its target, put in place where the `with` block ends well.
 
-
-class PendingFile:
-    """A temporary file beside its target, put in place when it is complete.
+    After an error it is removed, and the target stays as it was.
 
     Parameters
     ----------
@@ -127,41 +118,43 @@ class PendingFile:
     StorageError
         When the disk is full or fails.
     """
-
-    def __init__(
-        self, path: str | PathLike[str], force: bool = False, temporary: Path | None = None
-    ) -> None:
-        self._named, self._force = path, force
-        self._target = check_target(path, force)
-        self._temporary = temporary or temporary_path(self._target, os.urandom(8).hex())
-        try:
-            file = open(self._temporary, "x+b", buffering=0)  # noqa: SIM115
-        except OSError as error:
-            raise creation_error(path, error) from None
-        self.handle: BinaryIO = cast(BinaryIO, file)
-
-    def place(self) -> None:
-        """Make the file durable and give it its name, in that order."""
-        try:
-            os.fsync(self.handle.fileno())
-            self.handle.close()
-            check_target(self._named, self._force)
-            os.replace(self._temporary, self._target)
-            sync_folder(self._target.parent)
-        except EscapementError:
-            raise
-        except OSError as error:
-            raise storage_error(self._named, error) from None
-        finally:
-            self.discard()
-
-    def discard(self) -> None:
-        """Remove the temporary file, if it is still there; the target stays as it was."""
+    target = check_target(path, force)
+    temporary = temporary or temporary_path(target, os.urandom(8).hex())
+    with creating(path):
+        handle = cast(BinaryIO, open(temporary, "x+b", buffering=0))  # noqa: SIM115
+    try:
+        with storing(path):
+            yield handle
+            # it must be durable before it gets its name
+            os.fsync(handle.fileno())
+            handle.close()
+            check_target(path, force)
+            os.replace(temporary, target)
+            sync_folder(target.parent)
+    finally:
         # Closing may report a full disk late, and the file may have its final name already.
         with suppress(OSError):
-            self.handle.close()
+            handle.close()
         with suppress(OSError):
-            self._temporary.unlink()
+            temporary.unlink()
+
+
+@contextmanager
+def pending_hdf5(
+    path: AnyPath, force: bool = False, temporary: Path | None = None
+) -> Iterator[tuple[Any, "DeferredErrorFile"]]:
+    """A new HDF5 file, open for writing, and the file object below; else as `pending_file`."""
+    import h5py
+
+    with pending_file(path, force, temporary) as handle:
+        target = DeferredErrorFile(handle)
+        try:
+            with h5py.File(target, "w") as hdf5:
+                yield hdf5, target
+        except RuntimeError as error:  # HDF5 tells a failed device by it
+            raise target.error or OSError(errno.EIO, str(error)) from None
+        if target.error is not None:
+            raise target.error
 
 
 def temporary_path(target: Path, word: str) -> Path:
@@ -169,7 +162,7 @@ def temporary_path(target: Path, word: str) -> Path:
     return target.with_name(f".escapement-{word}.partial")
 
 
-def write_file(path: str | PathLike[str], parts: Iterable[bytes], force: bool = False) -> None:
+def write_file(path: AnyPath, parts: Iterable[bytes], force: bool = False) -> None:
     """Write a file that consists of these parts, one after the other.
 
     Parameters
@@ -182,19 +175,11 @@ def write_file(path: str | PathLike[str], parts: Iterable[bytes], force: bool = 
     Raises
     ------
     CannotCreate, StorageError
-        As `PendingFile`.
+        As `pending_file`.
     """
-    pending = PendingFile(path, force)
-    try:
+    with pending_file(path, force) as handle:
         for part in parts:
-            write_all(pending.handle, part)
-        pending.place()
-    except EscapementError:
-        raise
-    except OSError as error:
-        raise storage_error(path, error) from None
-    finally:
-        pending.discard()
+            write_all(handle, part)
 
 
 def write_all(handle: BinaryIO, data: bytes | memoryview) -> None:
@@ -204,9 +189,9 @@ def write_all(handle: BinaryIO, data: bytes | memoryview) -> None:
         view = view[handle.write(view) :]
 
 
-def replace_file(path: str | PathLike[str], parts: Iterable[bytes]) -> None:
+def replace_file(path: AnyPath, parts: Iterable[bytes]) -> None:
     """`write_file` that replaces an existing file, unless that is read-only."""
-    check_replaceable(path)
+    check_target(path, force=True, writable=True)
     write_file(path, parts, force=True)
 
 
@@ -228,71 +213,81 @@ class DeferredErrorFile:
         self._position = offset + (self._end if whence == io.SEEK_END else 0)
         return self._position
 
-    def write(self, data: memoryview) -> int:
-        """Write all of `data`, unless there was an error before."""
-        size = memoryview(data).nbytes
-        if self.error is None:
-            try:
-                self._handle.seek(self._position)
-                write_all(self._handle, data)
-            except OSError as error:
-                self.error = error
-        self._end = max(self._end, self._position + size)
-        return size
-
     def tell(self) -> int:
         """Position of the next access."""
         return self._position
 
-    def read(self, size: int) -> bytes:
-        """Bytes from the current position; those that were never written are zeros."""
-        data = b""
-        try:
-            self._handle.seek(self._position)
-            data = self._handle.read(size)
-        except OSError as error:
-            self.error = self.error or error
-        return data.ljust(size, b"\0")
-
-    def readinto(self, buffer: memoryview) -> int:
-        """Fill `buffer` as `read` does."""
-        view = memoryview(buffer).cast("B")
-        view[:] = self.read(len(view))
-        return len(view)
+    def write(self, data: memoryview) -> int:
+        """Write all of `data`, unless there was an error before."""
+        size = memoryview(data).nbytes
+        if self.error is None:
+            self._tried(partial(write_all, self._handle), data)
+        self._end = max(self._end, self._position + size)
+        return size
 
     def truncate(self, size: int) -> None:
-        """Set the length."""
-        try:
-            if self.error is None:
-                self._handle.truncate(size)
-        except OSError as error:
-            self.error = error
+        """Set the length, unless there was an error before."""
+        if self.error is None:
+            self._tried(self._handle.truncate, size)
         self._end = size
+
+    def read(self, size: int) -> bytes:
+        """Bytes from the current position; those that were never written are zeros."""
+        return (self._tried(self._handle.read, size) or b"").ljust(size, b"\0")
 
     def flush(self) -> None:
         """Do nothing: the file below is unbuffered and holds nothing back."""
 
-
-def storage_error(path: str | PathLike[str], error: BaseException) -> StorageError:
-    """The error for a write to `path` that failed after it had begun."""
-    reason = getattr(error, "strerror", None) or error
-    return StorageError(
-        f"writing {path} failed: {reason}; nothing was left behind, free space or name another disk"
-    )
-
-
-def cannot_create(path: str | PathLike[str], error: Exception) -> CannotCreate:
-    """The error for an output that may not be created at `path`."""
-    reason = getattr(error, "strerror", None) or error
-    return CannotCreate(f"output {path} cannot be created: {reason}; choose another folder or name")
+    def _tried(self, use: Callable[[Any], Any], argument: Any) -> Any:
+        try:
+            self._handle.seek(self._position)
+            return use(argument)
+        except OSError as error:
+            self.error = self.error or error
+            return None
 
 
-def creation_error(path: str | PathLike[str], error: OSError) -> EscapementError:
-    """The error for an output file that could not be opened."""
-    if isinstance(error, EscapementError):
-        return error
-    make = storage_error if error.errno in _DEVICE_ERRORS else cannot_create
-    return make(path, error)
+@contextmanager
+def creating(path: AnyPath) -> Iterator[None]:
+    """Turn what the system says into the error for an output that may not be created."""
+    try:
+        yield
+    except EscapementError:
+        raise
+    except (OSError, ValueError) as error:
+        if getattr(error, "errno", None) in _DEVICE_ERRORS:
+            raise _storage_error(path, error) from None
+        reason = getattr(error, "strerror", None) or error
+        raise CannotCreate(
+            f"output {path} cannot be created: {reason}; choose another folder or name"
+        ) from None
+
+
+@contextmanager
+def storing(path: AnyPath, kept: Callable[[], str] = str) -> Iterator[None]:
+    """Turn what the system says into the error for a write that failed after it had begun.
+
+    kept : gives the name of the partial results that are left, if any.
+    """
+    try:
+        yield
+    except CannotCreate:
+        raise
+    except OSError as error:
+        raise _storage_error(path, error, kept()) from None
+
+
+def _storage_error(path: AnyPath, error: Exception, kept: str = "") -> StorageError:
+    reason = getattr(error, "strerror", None) or str(error)
+    end = "nothing was left behind, free space or name another disk"
+    if kept:
+        end = (
+            f"what was finished is kept in {kept}: free space, then continue with resume=True "
+            "(--resume)"
+        )
+    made = StorageError(f"writing {path} failed: {reason}; {end}")
+    made.strerror = reason
+    return made
 
 
 def sync_folder(folder: Path) -> None:

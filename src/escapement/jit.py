@@ -39,19 +39,13 @@ def kernel_digest(package: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def _user_cache() -> Path:
-    if "NUMBA_CACHE_DIR" in os.environ:
-        return Path(os.environ["NUMBA_CACHE_DIR"])
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-
-
 @cache
 def _cache_directory() -> str | None:
     """Folder of compiled kernels, or None where no folder can be written."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
     try:
-        folder = _user_cache() / "escapement" / kernel_digest(Path(__file__).parent)
+        usual = Path(chosen) if chosen else Path.home() / ".cache"
+        folder = usual / "escapement" / kernel_digest(Path(__file__).parent)
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return str(folder)
@@ -65,10 +59,8 @@ def _say_that_it_compiles() -> None:
     # standard error may be None, or closed
     with contextlib.suppress(AttributeError, OSError, ValueError):
         if sys.stderr.isatty():
-            print(
-                "escapement: compiling for this machine, once; it takes up to a minute",
-                file=sys.stderr,
-            )
+            text = "escapement: compiling for this machine, once; it takes up to a minute"
+            print(text, file=sys.stderr)
 
 
 def _watch_cache(dispatcher: Any) -> None:
@@ -100,15 +92,19 @@ def _watch_cache(dispatcher: Any) -> None:
     store.save_overload = save_or_skip
 
 
-def jit(
-    function: Any = None,
-    *,
-    allocates: bool = False,
-    reorders: bool = False,
-    inlined: bool = False,
-    inner: bool = False,
-) -> Any:
+_TRAITS: dict[str, dict[str, Any]] = {
+    "allocates": {"_nrt": True},
+    "reorders": {"fastmath": {"reassoc"}},
+    "inlined": {"inline": "always"},
+    "inner": {"no_cpython_wrapper": True},
+}
+"""Options of Numba by what `jit` calls them."""
+
+
+def jit(function: Any = None, **traits: bool) -> Any:
     """Compile on the first call, keep the code on disk, and release the GIL while it runs.
+
+    Traits of a kernel, each given as True:
 
     allocates : the kernel makes or returns arrays. In all others references are not
         counted, which would cost two atomic operations for every array of every call,
@@ -124,21 +120,16 @@ def jit(
     through a status code and never raise.
     """
     if function is None:
-        return partial(jit, allocates=allocates, reorders=reorders, inlined=inlined, inner=inner)
+        return partial(jit, **traits)
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
+    options["no_cfunc_wrapper"] = True  # nobody calls a kernel from C
+    for trait in traits:
+        options |= _TRAITS[trait]
     folder = _cache_directory()
     config: Any = numba.config
-    options: Any = {"nogil": True, "error_model": "numpy", "_nrt": allocates}
-    options["no_cfunc_wrapper"] = True  # nobody calls a kernel from C
-    if reorders:
-        options["fastmath"] = {"reassoc"}
-    if inlined:
-        options["inline"] = "always"
-    if inner:
-        options["no_cpython_wrapper"] = True
     if folder is None or config.DISABLE_JIT:
         return numba.njit(**options)(function)
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = folder
+    previous, config.CACHE_DIR = config.CACHE_DIR, folder
     try:
         dispatcher = numba.njit(cache=True, **options)(function)
     finally:
@@ -149,3 +140,9 @@ def jit(
 
 inner_jit = partial(jit, inner=True)
 """`jit` of a kernel that is called by kernels alone."""
+
+
+def as_python(kernel: Any) -> Any:
+    """Give the Python function of a kernel, for calls shorter than entering compiled code."""
+    # where Numba compiles nothing, a kernel is that function itself
+    return getattr(kernel, "py_func", kernel)

@@ -14,7 +14,9 @@ import numpy as np
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
+from escapement.text import Shown
 from escapement.trajectory import Extrema
+from escapement.units import printed
 
 RISE_BAND = 0.02
 """A rise is over at the first extremum this close to its terminal value [-]."""
@@ -31,8 +33,16 @@ _NEAREST = 1e-9
 """Of a piece: the search for a peak begins this close to its ends."""
 
 
-@dataclass(frozen=True, eq=False)  # NaN is not equal to itself, so two would never compare equal
-class Figures:
+def _peak(place: int, meaning: str) -> cached_property[float]:
+    """A figure that is one of the peaks of the terminal engagement."""
+    peak = cached_property(lambda figures: float(figures._peaks[place]))
+    peak.__doc__ = meaning
+    return peak
+
+
+# NaN is not equal to itself, so two would never compare equal
+@dataclass(frozen=True, eq=False, repr=False)
+class Figures(Shown):
     """Figures of merit of an escapement; NaN where there is none.
 
     Those from acceleration_max to reversal_angles need samples of the terminal
@@ -55,10 +65,13 @@ class Figures:
     energy_residual : energy unaccounted for over the terminal cycle, of the
         work done [-].
     reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
-    critical_friction : Painleve limit [-].
+    critical_friction : Painleve limit, from which on no motion exists [-].
+    uniqueness_friction : friction from which on another motion exists beside this one [-].
     motion : one engagement of the terminal cycle, None where there is none.
     status, message : outcome, and its reason in a sentence.
     """
+
+    _most = 600
 
     velocity_max: float = _NAN
     velocity_min: float = _NAN
@@ -69,9 +82,15 @@ class Figures:
     handoff_velocity: float = _NAN
     contraction: float = _NAN
     critical_friction: float = _NAN
+    uniqueness_friction: float = _NAN
     motion: Motion | None = field(default=None, repr=False)
     status: Status = Status.OK
     message: str = MESSAGES[Status.OK]
+
+    @property
+    def _units(self) -> dict[str, str]:  # type: ignore[override]
+        kinds = {"handoff_velocity": "speed", **FIGURES}
+        return {name: printed(kind, "SI") for name, kind in kinds.items()}
 
     @property
     def velocity_average_published(self) -> float:
@@ -82,25 +101,10 @@ class Figures:
     def _peaks(self) -> list[float]:
         return [_NAN] * 4 if self.motion is None else _find_peaks(self.motion)
 
-    @property
-    def acceleration_max(self) -> float:
-        """Greatest driver acceleration [rad/s^2]."""
-        return self._peaks[0]
-
-    @property
-    def follower_acceleration_max(self) -> float:
-        """Greatest follower acceleration [rad/s^2]."""
-        return self._peaks[1]
-
-    @property
-    def contact_moment_max(self) -> float:
-        """Greatest moment on the follower [N m]."""
-        return self._peaks[2]
-
-    @property
-    def contact_force_max(self) -> float:
-        """Greatest force on the pin [N]."""
-        return self._peaks[3]
+    acceleration_max = _peak(0, "Greatest driver acceleration [rad/s^2].")
+    follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
+    contact_moment_max = _peak(2, "Greatest moment on the follower [N m].")
+    contact_force_max = _peak(3, "Greatest force on the pin [N].")
 
     @property
     def energy_residual(self) -> float:
@@ -129,6 +133,7 @@ FIGURES = {
     "rise_time": "time",
     "settling_time": "time",
     "critical_friction": "ratio",
+    "uniqueness_friction": "ratio",
     "acceleration_max": "acceleration",
     "follower_acceleration_max": "acceleration",
     "contact_moment_max": "torque",

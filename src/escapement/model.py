@@ -46,7 +46,7 @@ class Mechanism(Protocol):
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Entry, every kink of the sliding speed, exit [rad], ascending.
+        """Entry, every kink of the sliding speed of a thin pin, exit [rad], ascending.
 
         Between neighbours the transmission is analytic. From the exit to the
         end of the cell the follower is locked.
@@ -78,6 +78,13 @@ def is_mechanism(thing: object) -> bool:
     return all(has) and not isinstance(thing, type)
 
 
+def checked(mechanism: Any) -> Any:
+    """`mechanism`, or the error that it is none."""
+    if not is_mechanism(mechanism):
+        raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+    return mechanism
+
+
 def dwell_angle(mechanism: Mechanism) -> float:
     """Driver angle of a cell in which the follower is locked [rad]."""
     dwell = mechanism.cell_angle - (mechanism.breaks[-1] - mechanism.breaks[0])
@@ -85,7 +92,7 @@ def dwell_angle(mechanism: Mechanism) -> float:
     return float(dwell) if dwell > 1e-12 else 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Inertia(Declared):
     """Moments of inertia about the two axes.
 
@@ -112,7 +119,46 @@ class Inertia(Declared):
         self.check_fields()
 
 
-@dataclass(frozen=True)
+def _bearing_friction(body: str) -> dict[str, Any]:
+    return quantity(
+        f"coefficient of friction of the {body}'s bearing", metavar="MU", slotted=True,
+        instead="driver_bearing_torque", remedy="give a coefficient of friction, 0 for none",
+    )  # fmt: skip
+
+
+def _bearing_radius(body: str) -> dict[str, Any]:
+    return quantity(
+        f"radius of the {body}'s journal", "length", slotted=True,
+        instead="driver_bearing_torque", remedy="give the radius, 0 for none",
+    )  # fmt: skip
+
+
+def _drag(body: str) -> dict[str, Any]:
+    return quantity(
+        f"drag of the {body} over the square of its speed", "drag", metavar="C",
+        remedy="give the drag torque over the square of the speed, 0 for none",
+    )  # fmt: skip
+
+
+def _viscous(body: str) -> dict[str, Any]:
+    return quantity(
+        f"viscous drag of the {body} over its speed", "viscous", metavar="C",
+        remedy="give the drag torque over the speed, 0 for none",
+    )  # fmt: skip
+
+
+_SLOT = ("mu_plus", "mu_minus", "pin", "driver_journal", "follower_journal")
+"""Numbers of a `Scene` that belong to the contact."""
+RESISTANCES = (
+    *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
+    *("driver_journal", "follower_journal"),
+)
+"""Numbers of a `Scene` that resist the motion beside friction in the slot."""
+LENGTHS = ("crank_radius", "pin_radius", "roller_radius")
+"""Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
+
+
+@dataclass(frozen=True, repr=False)
 class Escapement(Declared):
     """A mechanism with inertia and losses under a constant driving torque.
 
@@ -131,8 +177,21 @@ class Escapement(Declared):
     efficiency : float
         Share of the power that a mesh passes on, either way [-], in [0.001, 1]. It stands
         for friction in a mechanism without a slot; a slotted one has 1.
+    driver_bearing_friction, follower_bearing_friction : float
+        Coefficient of friction of the journals, which carry the force of the contact [-].
+    driver_bearing_radius, follower_bearing_radius : float
+        Radii of the journals [m]. The driver of a gear-driven wheel has none, because its
+        bearing carries the force of the mesh as well.
+    driver_bearing_torque : float
+        Torque of the driver's bearing that does not depend on the contact [N m].
+    driver_drag, follower_drag : float
+        Drag torque over the square of the speed, as of air [N m s^2/rad^2].
+    driver_viscous, follower_viscous : float
+        Drag torque over the speed, as of oil [N m s/rad].
 
-    Source: Meyer (1973), chapter I; the load torque is an extension.
+    Lengths need the length of the mechanism, `crank_radius` or `fixed_radius`.
+
+    Source: Meyer (1973), chapter I; all from the load torque on are extensions.
     """
 
     mechanism: Mechanism
@@ -152,39 +211,52 @@ class Escapement(Declared):
         instead="friction", minimum=1e-3, maximum=1.0, note=", in place of friction",
         remedy="give a share of 1, 1 for no loss"
     ))  # fmt: skip
+    driver_bearing_friction: float = field(default=0.0, metadata=_bearing_friction("driver"))
+    driver_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("driver"))
+    follower_bearing_friction: float = field(default=0.0, metadata=_bearing_friction("follower"))
+    follower_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("follower"))
+    driver_bearing_torque: float = field(default=0.0, metadata=quantity(
+        "constant torque of the driver's bearing", "torque",
+        remedy="give the resisting torque, 0 for none"
+    ))  # fmt: skip
+    driver_drag: float = field(default=0.0, metadata=_drag("driver"))
+    follower_drag: float = field(default=0.0, metadata=_drag("follower"))
+    driver_viscous: float = field(default=0.0, metadata=_viscous("driver"))
+    follower_viscous: float = field(default=0.0, metadata=_viscous("follower"))
 
     def __post_init__(self) -> None:
-        if not is_mechanism(self.mechanism):
-            raise validate.fail(
-                "mechanism", "a mechanism", self.mechanism, "give for example Geneva(slots=4)"
-            )
+        checked(self.mechanism)
         if not isinstance(self.inertia, Inertia):
-            raise validate.fail(
-                "inertia", "an Inertia", self.inertia, "give Inertia(driver=..., follower=...)"
-            )
+            remedy = "give Inertia(driver=..., follower=...)"
+            raise validate.fail("inertia", "an Inertia", self.inertia, remedy)
         self.check_fields()
         path: Any = self.mechanism.path
         if not isinstance(path, Path):
             remedy = "make it with two_vector_path or chebyshev_table"
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
+        plain_crank = getattr(self.mechanism, "plain_crank", True)
+        check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
 
     @cached_property
     def scene(self) -> Scene:
         """The escapement as an engine sees it."""
         mechanism = self.mechanism
-        path, own = mechanism.path, self.inertia
+        path, own = writeable(mechanism.path), self.inertia
         values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
+        for name in LENGTHS:
+            values[name] = getattr(mechanism, name, None) or 0.0
+        numbers = {name: float(value) for name, value in natural(values, path.table).items()}
         edges = smooth_intervals(path, mechanism.breaks)
-        numbers = natural(values, path.table)
-        return Scene(writeable(path), edges, dwell_angle(mechanism), **numbers)
+        return Scene(path, edges, dwell_angle(mechanism), **numbers)
 
     @cached_property
     def too_unequal(self) -> bool:
         """Whether the inertias and torques differ so much that kernels would overflow."""
         # the square of the time unit is the ratio of inertia and torque
         ratios = self.scene.rho, self.time_unit**2
-        return min(ratios) <= 1.0 / MOST_UNEQUAL or max(*ratios, self.scene.load) >= MOST_UNEQUAL
+        greatest = max(*ratios, *(getattr(self.scene, name) for name in RESISTANCES))
+        return min(ratios) <= 1.0 / MOST_UNEQUAL or greatest >= MOST_UNEQUAL
 
     @cached_property
     def kept(self) -> dict[str, Any]:
@@ -199,8 +271,8 @@ class Escapement(Declared):
     def time_unit(self) -> float:
         """Natural unit of time, sqrt(I_f / torque) [s].
 
-        In it the motion depends on the mechanism, the inertia ratio, the load
-        ratio and friction alone: torque is a pure change of clock.
+        In it the motion depends on the mechanism, friction and the ratios of inertias,
+        lengths, torques and drag alone: torque is a pure change of clock.
         """
         return math.sqrt(self.inertia.follower / self.torque)
 
@@ -219,16 +291,67 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
     meshed : bool
         Whether the mechanism loses by the efficiency of a mesh, not by friction in a slot.
     """
+    follower, torque = values["follower_inertia"], values["torque"]
+    found = {
+        "rho": values["driver_inertia"] / follower,
+        "load": values["load_torque"] / torque,
+        "bearing": values["driver_bearing_torque"] / torque,
+    }
+    for body in ("driver", "follower"):
+        found[f"{body}_drag"] = values[f"{body}_drag"] / follower
+        found[f"{body}_viscous"] = values[f"{body}_viscous"] / (follower * torque) ** 0.5
     if meshed:
         losses = 1.0 / values["efficiency"] - 1.0, 1.0 - values["efficiency"]
-    else:
-        losses = values["friction"], values["friction"]
-    return {
-        "rho": values["driver_inertia"] / values["follower_inertia"],
-        "mu_plus": losses[0],
-        "mu_minus": losses[1],
-        "load": values["load_torque"] / values["torque"],
-    }
+        return found | dict(zip(_SLOT, (*losses, *(0.0 * found["load"],) * 3), strict=True))
+    friction, pin = rolling(values)
+    # without a length all radii are 0
+    length = np.where(np.asarray(values["crank_radius"]) > 0.0, values["crank_radius"], 1.0)
+    share = np.hypot(1.0, friction) / length
+    journals = (
+        values[f"{body}_bearing_friction"] * values[f"{body}_bearing_radius"] * share
+        for body in ("driver", "follower")
+    )
+    return found | dict(zip(_SLOT, (friction, friction, pin / length, *journals), strict=True))
+
+
+def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Friction and radius of what touches the slot: of the pin, or of a roller on it.
+
+    A roller turns on the pin, whose friction then is that between the two. A massless one that
+    rolls on the wall acts as a pin of its own radius with less friction.
+    """
+    friction, pin, roller = values["friction"], values["pin_radius"], values["roller_radius"]
+    rolls = np.asarray(roller) > 0.0
+    if not rolls.any():
+        return friction, pin
+    q = pin / np.where(rolls, roller, np.inf) * friction / np.hypot(1.0, friction)
+    return np.where(rolls, q / np.sqrt(1.0 - q * q), friction), np.where(rolls, roller, pin)
+
+
+def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: bool) -> None:
+    """Refuse radii for a mechanism without a length, and a journal that it cannot have.
+
+    Parameters
+    ----------
+    values : Mapping
+        What is given of the radii and of the friction of bearings, by name [SI].
+    length : float or None
+        Unit of the mechanism's path [m].
+    plain_crank : bool
+        Whether the driver's bearing carries the force of the contact and no other.
+    """
+    radii = (*LENGTHS[1:], "driver_bearing_radius", "follower_bearing_radius")
+    for name in ("driver_bearing_friction", *radii):
+        value = values.get(name, 0.0)
+        if value == 0.0:
+            continue
+        if name.startswith("driver") and not plain_crank:
+            rule = "0 for a gear-driven wheel, whose driver's bearing also carries the mesh"
+            raise validate.fail(name, rule, value, "give driver_bearing_torque instead")
+        if name in radii and not length:
+            rule = "left out for a mechanism without a length"
+            remedy = "give the mechanism its crank_radius or fixed_radius"
+            raise validate.fail(name, rule, value, remedy)
 
 
 def check_losses(owner: Declared, meshed: bool) -> None:

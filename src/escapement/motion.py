@@ -2,23 +2,26 @@
 
 Within a piece one side of the slot carries the force and the transmission is
 analytic. The engine supplies position and speed. Acceleration, follower motion
-and contact moment follow from the equation of motion (PHYSICS.md 2), so they are
+and contact moment follow from the equation of motion, so they are
 computed when they are asked for.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
+from operator import attrgetter
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.dynamics import drive, tabulate
+from escapement.dynamics import LOSSES, tabulate, tabulate_losses
 from escapement.errors import InvalidValue
-from escapement.mechanisms.slotted import radius
+from escapement.mechanisms.slotted import slide_change
 from escapement.model import Escapement, FloatArray
 from escapement.painleve import painleve_message
 from escapement.status import Status
+from escapement.text import Shown
 from escapement.trajectory import Events, Extrema, NoTrajectory, Trajectory
 from escapement.validate import fail
 
@@ -30,8 +33,12 @@ class State:
     """Driver, follower and contact at the times `t`: arrays of one shape.
 
     t [s]; theta, phi [rad]; theta_dot, phi_dot [rad/s]; theta_ddot, phi_ddot
-    [rad/s^2]; contact_moment N R [N m], > 0 where the driver pushes the
-    follower forward; contact_force N [N], None without a crank radius.
+    [rad/s^2]; contact_moment N h [N m], what the contact turns the follower with, less the
+    friction of its bearing, > 0 where the driver pushes it forward; contact_force N [N], None
+    without a crank radius.
+    driver_bearing_reaction, follower_bearing_reaction [N]: forces that the bearings carry, None
+    without a crank radius, and of a gear-driven wheel's driver. power_lost [W]: arrays by the
+    names in `dynamics.LOSSES`.
     """
 
     t: FloatArray
@@ -43,20 +50,30 @@ class State:
     phi_ddot: FloatArray
     contact_moment: FloatArray
     contact_force: FloatArray | None
+    driver_bearing_reaction: FloatArray | None
+    follower_bearing_reaction: FloatArray | None
+    power_lost: dict[str, FloatArray]
 
 
-@dataclass(frozen=True)
-class Ledger:
+@dataclass(frozen=True, repr=False)
+class Ledger(Shown):
     """Where the work of the drive went over a motion [J].
 
-    work = kinetic + load + friction, up to `residual`, which is a share of the work or
-    of the kinetic energy at the start, whichever is greater.
+    work = kinetic + load + all that is lost, up to `residual`, which is a share of the work or
+    of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
+    the slot or the mesh, into either bearing and into drag on either body.
     """
+
+    _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES), "J")
 
     work: float
     kinetic: float
     load: float
     friction: float
+    driver_bearing: float
+    follower_bearing: float
+    driver_drag: float
+    follower_drag: float
     residual: float
 
 
@@ -68,8 +85,16 @@ def stall_message(angle: float, engagement: int) -> str:
     )
 
 
-@dataclass(eq=False)  # a frozen one takes longer to make than an engagement takes to solve
-class Motion:
+def _on_grid(name: str, meaning: str) -> cached_property[FloatArray]:
+    """An attribute of a motion that is a column of its `samples`."""
+    column = cached_property(attrgetter(f"samples.{name}"))
+    column.__doc__ = f"{meaning} on the default grid."
+    return column
+
+
+# a frozen one takes longer to make than an engagement takes to solve
+@dataclass(eq=False, repr=False)
+class Motion(Shown):
     """Motion of an escapement, exact between its handoffs and reversals.
 
     Attributes
@@ -98,6 +123,18 @@ class Motion:
     status: Status
     message: str
 
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        speeds, failed = self.handoff_velocities, self.status != Status.OK
+        return [
+            ("status", self.message if failed else self.status, ""),
+            ("engagements", self.handoff_times.size, ""),
+            ("end_time", self.end_time, "s"),
+            ("handoff_velocity", speeds[-1] if speeds.size else np.nan, "rad/s"),
+            ("engine", self.engine, ""),
+            ("rtol", self.rtol, ""),
+            ("mechanism", self.escapement.mechanism, ""),
+        ]
+
     @property
     def reversals(self) -> Events:
         """Every pin reversal, located exactly."""
@@ -107,6 +144,28 @@ class Motion:
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed, corners at handoffs included."""
         return self.trajectory.extrema
+
+    @cached_property
+    def slide_changes(self) -> Events:
+        """Every instant at which the contact point ceases to slide one way and slides the other.
+
+        There it crosses the line of centres; of a pin without width that is dead centre.
+        """
+        trajectory, scene = self.trajectory, self.escapement.scene
+        pieces = np.flatnonzero(np.diff(trajectory.engagement) == 0) + 1
+        if scene.path.table or pieces.size == 0:
+            return NoTrajectory.reversals
+        start = trajectory.start[pieces]
+        found = self.within(pieces, start)
+        engagement, side = trajectory.engagement[pieces], trajectory.sign[pieces]
+        ends = scene.edges[0], scene.edges[-1]
+        angle = found.theta - engagement * self.escapement.mechanism.cell_angle
+        places = {s: slide_change(scene.path, scene.pin, s, *ends) for s in (1.0, -1.0)}
+        here = [abs(x - places.get(s, np.nan)) < 1e-9 for x, s in zip(angle, side, strict=True)]
+        # at a reversal the other wall takes over, and the contact point is another one
+        kept = np.array(here) & (side == trajectory.sign[pieces - 1])
+        columns = engagement, start, found.theta, found.theta_dot
+        return Events(*(column[kept] for column in columns))
 
     def at(self, t: ArrayLike) -> State:
         """State at any times within the motion [s].
@@ -163,21 +222,21 @@ class Motion:
         mechanism, owners = escapement.mechanism, pieces.reshape(-1)
         theta, speed = self._driver(owners, times.reshape(-1))
         engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
-        # in a dwell (sign 0) g = g' = 0: I_d theta_ddot = tau
-        g, dg, moment = np.zeros((3, theta.size))
-        torque = drive(escapement.scene) * escapement.torque
-        rate = np.full(theta.size, torque / escapement.inertia.driver)
-        for side in (1.0, -1.0):
+        g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
+        losses = np.zeros((1 + len(LOSSES), theta.size))
+        for side in (1.0, 0.0, -1.0):
             held = sign == side
-            angles = theta[held]
-            table = np.empty((5, angles.size))
-            tabulate(escapement.scene, angles, (speed[held] * clock) ** 2, side, table)
-            g[held], dg[held], moment[held] = table[0], table[1], table[3] * escapement.torque
-            rate[held] = table[2] / clock**2
+            angles, w = theta[held], (speed[held] * clock) ** 2
+            part, lost = np.empty((len(table), angles.size)), np.empty((len(losses), angles.size))
+            tabulate(escapement.scene, angles, w, side, part)
+            tabulate_losses(escapement.scene, angles, w, side, lost)
+            table[:, held], losses[:, held] = part, lost
+        moment *= escapement.torque
+        rate /= clock**2
+        losses *= escapement.torque
         engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)
         crank = getattr(mechanism, "crank_radius", None)
-        force = None if crank is None else moment / (crank * radius(mechanism.path, engaged))
-        columns = {
+        columns: dict[str, FloatArray | None] = {
             "theta": theta + engagement * mechanism.cell_angle,
             "theta_dot": speed,
             "theta_ddot": rate,
@@ -185,10 +244,23 @@ class Motion:
             "phi_dot": g * speed,
             "phi_ddot": g * rate + dg * speed**2,
             "contact_moment": moment,
+            "contact_force": None,
+            "driver_bearing_reaction": None,
+            "follower_bearing_reaction": None,
         }
-        shaped = {name: column.reshape(times.shape) for name, column in columns.items()}
-        forces = None if force is None else force.reshape(times.shape)
-        return State(t=times, **shaped, contact_force=forces)
+        if crank is not None:
+            columns["contact_force"] = force = losses[0] / crank
+            # both bearings carry the force of the contact and its friction
+            reaction = np.abs(force) * np.hypot(1.0, escapement.scene.mu_plus)
+            columns["follower_bearing_reaction"] = reaction
+            if getattr(mechanism, "plain_crank", True):
+                columns["driver_bearing_reaction"] = reaction
+        shaped: dict[str, Any] = {
+            name: None if column is None else column.reshape(times.shape)
+            for name, column in columns.items()
+        }
+        powers = (losses[1:] * speed).reshape(len(LOSSES), *times.shape)
+        return State(t=times, **shaped, power_lost=dict(zip(LOSSES, powers, strict=True)))
 
     def _driver(self, pieces: np.ndarray, t: FloatArray) -> FloatArray:
         """Driver angle in the cell [rad] and speed [rad/s]; shape (2, t)."""
@@ -218,40 +290,13 @@ class Motion:
         """State on the default grid `t`."""
         return self.at(self.t)
 
-    @property
-    def theta(self) -> FloatArray:
-        """Driver angle from the first dead centre on the default grid [rad]."""
-        return self.samples.theta
-
-    @property
-    def theta_dot(self) -> FloatArray:
-        """Driver speed on the default grid [rad/s]."""
-        return self.samples.theta_dot
-
-    @property
-    def theta_ddot(self) -> FloatArray:
-        """Driver acceleration on the default grid [rad/s^2]."""
-        return self.samples.theta_ddot
-
-    @property
-    def phi(self) -> FloatArray:
-        """Follower angle on the default grid [rad]."""
-        return self.samples.phi
-
-    @property
-    def phi_dot(self) -> FloatArray:
-        """Follower speed on the default grid [rad/s]."""
-        return self.samples.phi_dot
-
-    @property
-    def phi_ddot(self) -> FloatArray:
-        """Follower acceleration on the default grid [rad/s^2]."""
-        return self.samples.phi_ddot
-
-    @property
-    def contact_moment(self) -> FloatArray:
-        """Moment N R on the follower on the default grid [N m]."""
-        return self.samples.contact_moment
+    theta = _on_grid("theta", "Driver angle from the first dead centre [rad]")
+    theta_dot = _on_grid("theta_dot", "Driver speed [rad/s]")
+    theta_ddot = _on_grid("theta_ddot", "Driver acceleration [rad/s^2]")
+    phi = _on_grid("phi", "Follower angle [rad]")
+    phi_dot = _on_grid("phi_dot", "Follower speed [rad/s]")
+    phi_ddot = _on_grid("phi_ddot", "Follower acceleration [rad/s^2]")
+    contact_moment = _on_grid("contact_moment", "Moment N h on the follower [N m]")
 
     @property
     def contact_force(self) -> FloatArray | None:
@@ -263,21 +308,22 @@ class Motion:
         """Energy balance from start to end; it closes up to the engine's error."""
         escapement = self.escapement
         if self.trajectory.start.size == 0:
-            return Ledger(0.0, 0.0, 0.0, 0.0, 0.0)
+            return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
         ends = self.at([0.0, self.end_time])
         driver, follower = escapement.inertia.driver, escapement.inertia.follower
         energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
         work = escapement.torque * (ends.theta[1] - ends.theta[0])
         load = escapement.load_work(ends.phi[1] - ends.phi[0])
-        friction = float(self.trajectory.friction_loss.sum())
+        losses = dict(zip(LOSSES, self.trajectory.losses.sum(axis=1).tolist(), strict=True))
         kinetic = float(energies[1] - energies[0])
         scale = max(work, float(energies[0]))
-        residual = (work - kinetic - load - friction) / scale if scale > 0.0 else 0.0
-        return Ledger(float(work), kinetic, float(load), friction, float(residual))
+        missing = work - kinetic - load - sum(losses.values())
+        residual = float(missing / scale) if scale > 0.0 else 0.0
+        return Ledger(float(work), kinetic, float(load), **losses, residual=residual)
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float) -> Motion:
     """The result at or above the Painleve limit: a motion without pieces, and the reason."""
-    message = painleve_message(escapement.mechanism, escapement.inertia, escapement.friction)
+    message = painleve_message(escapement)
     none, status = np.empty(0), Status.PAINLEVE
     return Motion(escapement, engine, rtol, NoTrajectory(), 0.0, none, none, status, message or "")

@@ -1,15 +1,29 @@
 """The Painleve limit: the friction at which the equation of motion loses its solution.
 
 Where the reduced inertia J_s = rho + g p_s vanishes the rigid problem has two solutions or
-none. The side in question is the one that holds the follower back, s = -sign(g).
+none. The side in question is the one that holds the follower back, s = -1. Behind dead centre,
+where the force changes to this side, there is no solution beyond the limit. Before it the
+motion on the side s = +1 goes on, but another one exists as well. Of an ideal pin the limits of
+both halves are the same, and in closed form.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
-from escapement.jit import inner_jit, jit
-from escapement.mechanisms.slotted import circle, transmission_at
-from escapement.model import Inertia, Mechanism
+from escapement.chebyshev import zeros
+from escapement.dynamics import grip, is_ideal
+from escapement.jit import as_python, inner_jit, jit
+from escapement.mechanisms.slotted import circle, pose_at, transmission, transmission_at
+from escapement.model import Escapement, FloatArray, Inertia, Mechanism
 from escapement.roots import newton_in_bracket
+
+GRID = 32
+"""Intervals in which the least margin of an engagement is looked for."""
+GOLDEN = 0.6180339887498949
+_LIMITS = "painleve.limits"
+GREATEST = 1e3
+"""No limit is looked for beyond this friction."""
 
 
 @jit
@@ -72,6 +86,46 @@ def painleve_limit(path, rho, entry, exit_):
     return limit, angle
 
 
+@jit
+def margin(theta, scene):
+    """J_s h_s for s = -1, of which neither factor may vanish: (rho + g^2) h - |g| h |c|."""
+    g, u, _dg, radius = pose_at(scene.path, theta)
+    slide, lever = grip(g, u, radius, -1.0, scene)
+    lost = scene.mu_minus * slide + scene.driver_journal + scene.follower_journal * abs(g)
+    return (scene.rho + g * g) * lever - abs(g) * lost
+
+
+@jit
+def least_margin(scene, low, high):
+    """Least `margin` between two driver angles, or the lever of the other side where that is < 0.
+
+    The minimum is bracketed on an even grid and found by golden section.
+    """
+    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, scene.edges[-1])[3])
+    lever = radius - scene.mu_plus * scene.pin - scene.follower_journal
+    if not lever > 0.0:
+        return lever
+    best, least = low, np.inf
+    step = (high - low) / GRID
+    for i in range(GRID + 1):
+        value = margin(low + i * step, scene)
+        if value < least:
+            best, least = low + i * step, value
+    a, b = max(best - step, low), min(best + step, high)
+    x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+    at_x, at_y = margin(x, scene), margin(y, scene)
+    while b - a > 1e-9:
+        if at_x < at_y:
+            b, y, at_y = y, x, at_x
+            x = b - GOLDEN * (b - a)
+            at_x = margin(x, scene)
+        else:
+            a, x, at_x = x, y, at_y
+            y = a + GOLDEN * (b - a)
+            at_y = margin(y, scene)
+    return min(least, at_x, at_y)
+
+
 @inner_jit
 def beyond_painleve(scene):
     """Whether friction is at or above the Painleve limit.
@@ -83,6 +137,8 @@ def beyond_painleve(scene):
     """
     if scene.path.table:
         return False
+    if not is_ideal(scene):
+        return not least_margin(scene, 0.0, scene.edges[-1]) > 0.0
     # Where g > 0 the side s = -1 may lose its J. One of Meyer's published cells also has g < 0,
     # where s = +1 may, but its pins have one mu and the limit there is higher.
     mu, rho = scene.mu_minus, scene.rho
@@ -100,27 +156,56 @@ def beyond_painleve(scene):
 
 
 def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
-    """Painleve limit: least friction at which J_s reaches zero [-].
+    """Painleve limit: least friction at which no motion exists [-].
 
-    At or above it the rigid-body problem has no solution or two. The load
-    torque does not move it. Minimum over the engagement of
+    There J_s reaches zero behind dead centre. At or above it the rigid-body problem has no
+    solution or two. The load torque does not move it. Minimum over the engagement of
     (rho + g^2)/(|g| |u|); on a slotted path u^2 = (g1 - g)(g - g2), so the
     stationary points are roots of the cubic
 
         S g^3 + (4 rho - 2 P) g^2 - 3 rho S g + 2 rho P = 0,  S = g1 + g2, P = g1 g2,
 
     which for the external Geneva is T g^3 + (T + 2 rho) g^2 - 3 rho T g - rho T = 0
-    with T = tan^2(pi/n).
+    with T = tan^2(pi/n). With pins that have a width the minimum is searched for.
 
     Returns
     -------
     float
         The limit; infinite where the pin never slides under force.
     """
-    breaks = mechanism.breaks
-    rho = inertia.driver / inertia.follower
-    result: float = painleve_limit(mechanism.path, rho, breaks[0], breaks[-1])[0]
-    return result
+    return friction_limits(Escapement(mechanism, inertia, torque=1.0))[0]
+
+
+def friction_limits(escapement: Escapement) -> tuple[float, float]:
+    """Frictions from which no motion exists, and from which another motion exists beside it [-].
+
+    Of an ideal pin the two are the same. With a roller it is the friction inside the roller.
+    """
+    kept = escapement.kept
+    if _LIMITS not in kept:
+        scene = escapement.scene
+        entry, exit_ = scene.edges[0], scene.edges[-1]
+        if as_python(is_ideal)(scene):
+            kept[_LIMITS] = (painleve_limit(scene.path, scene.rho, entry, exit_)[0],) * 2
+        else:
+            kept[_LIMITS] = _limit(escapement, 0.0, exit_), _limit(escapement, entry, 0.0)
+    found: tuple[float, float] = kept[_LIMITS]
+    return found
+
+
+def _limit(escapement: Escapement, low: float, high: float) -> float:
+    """Least friction at which the margin between two driver angles vanishes."""
+    from scipy.optimize import brentq
+
+    def least(friction: float) -> float:
+        return float(least_margin(replace(escapement, friction=friction).scene, low, high))
+
+    most = 1.0
+    while least(most) > 0.0:
+        most *= 2.0
+        if most > GREATEST:
+            return float("inf")
+    return float(brentq(least, 0.0, most, xtol=1e-16, rtol=1e-14)) if least(0.0) > 0.0 else 0.0
 
 
 def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:
@@ -132,34 +217,47 @@ def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> f
         Angle from dead centre [rad]; NaN when friction is below the limit.
     """
     rho = inertia.driver / inertia.follower
-    path, entry, exit_ = mechanism.path, mechanism.breaks[0], mechanism.breaks[-1]
-    limit, angle = painleve_limit(path, rho, entry, exit_)
+    path, breaks = mechanism.path, mechanism.breaks
+    limit, angle = painleve_limit(path, rho, breaks[0], breaks[-1])
     if friction < limit:
         return float("nan")
-    if painleve_ratio(path, entry, rho) <= friction:
-        return entry
-    from scipy.optimize import brentq
+    if painleve_ratio(path, breaks[0], rho) <= friction:
+        return breaks[0]
 
-    # |g u| is even about dead centre and repeats with every half turn of the half angle
-    period = np.pi / abs(path.numbers[0])
-    first = min(
-        place
-        for turn in (-abs(angle), abs(angle))
-        for place in turn + period * np.arange(np.ceil((entry - turn) / period), 1.0)
-        if entry <= place <= exit_
-    )
-    if painleve_ratio(path, first, rho) >= friction:
-        return float(first)
-    return float(brentq(lambda theta: painleve_ratio(path, theta, rho) - friction, entry, first))
+    def reduced_inertia(theta: FloatArray) -> FloatArray:
+        found = transmission(path, theta)
+        # over the friction, which may be as great as a double
+        return np.asarray((rho + found.g**2) / friction - np.abs(found.g * found.u))
+
+    # where it only touches zero, rounding may leave none
+    return float(min(zeros(reduced_inertia, breaks), default=angle))
 
 
-def painleve_message(mechanism: Mechanism, inertia: Inertia, friction: float) -> str | None:
+def painleve_message(escapement: Escapement) -> str | None:
     """Why no motion can be computed, or None below the limit."""
-    limit = critical_friction(mechanism, inertia)
+    limit, friction = friction_limits(escapement)[0], escapement.friction
     if friction < limit:
         return None
-    angle = np.degrees(critical_angle(mechanism, inertia, friction))
+    scene = escapement.scene
+    if as_python(is_ideal)(scene):
+        angle = critical_angle(escapement.mechanism, escapement.inertia, friction)
+    else:
+        angles = np.linspace(0.0, scene.edges[-1], 2001)
+        angle = next((x for x in angles if not margin(x, scene) > 0.0), angles[0])
     return (
         f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
-        f"{angle:.3f} degrees from dead centre: no unique rigid motion exists"
+        f"{np.degrees(angle):.3f} degrees from dead centre: no unique rigid motion exists"
+    )
+
+
+def uniqueness_note(escapement: Escapement) -> str | None:
+    """What to say of a motion beside which another one exists; None of all others."""
+    if as_python(is_ideal)(escapement.scene):
+        return None
+    limit = friction_limits(escapement)[1]
+    if escapement.friction < limit:
+        return None
+    return (
+        f"another motion exists beside this one, because friction {escapement.friction:g} is at "
+        f"or above the limit of uniqueness {limit:.6g}: a blow before dead centre could jam the pin"
     )

@@ -9,7 +9,6 @@ has declared.
 """
 
 import contextlib
-import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
@@ -19,6 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from escapement import units, validate
 from escapement.errors import UnknownArgument
+from escapement.text import Shown
 
 if TYPE_CHECKING:
     from numpy import float64
@@ -47,6 +47,10 @@ class Setting:
     typical : value that the command line takes where none is typed, in place of the default.
     required : whether files and the command line must give it.
     axis : whether a study may vary it.
+    unit : its kind, a key of `escapement.units`.
+    slotted : True for what only a mechanism with a slot has, False for what only one without
+        it has; there it keeps its default.
+    instead : name of what the other mechanisms have in its place.
     key, section, default : filled in from the class that declares it: name of the field, table
         of a study file ("" is the top level), and default, None where there is none.
     """
@@ -59,6 +63,9 @@ class Setting:
     typical: Any = None
     required: bool = False
     axis: bool = False
+    unit: str = "ratio"
+    slotted: bool | None = None
+    instead: str = ""
     key: str = ""
     section: str = ""
     default: Any = None
@@ -69,15 +76,23 @@ class Setting:
         return f"{self.section}.{self.key}" if self.section else self.key
 
     @property
+    def printed_unit(self) -> str:
+        """Its unit in SI, as messages write it; "" for a ratio."""
+        return units.printed(self.unit, units.SYSTEMS[0])
+
+    @property
     def help(self) -> str:
         """What the command line says of it."""
+        units_shown = dict.fromkeys(units.printed(self.unit, system) for system in units.SYSTEMS)
+        unit = f" [{', '.join(units_shown)}]" if any(units_shown) else ""
         taken = self.typical if self.required else self.default
         shown = f"{taken:g}" if isinstance(taken, float) else taken
         told = "" if taken is None or isinstance(taken, bool) else f" (default: {shown})"
-        return self.long_name + self.note + self._units_shown() + told
+        return self.long_name + self.note + unit + told
 
-    def _units_shown(self) -> str:
-        return ""
+    def fits(self, meshed: bool) -> bool:
+        """Whether a mechanism without a slot (`meshed`), or one with it, has this."""
+        return self.slotted is None or self.slotted is not meshed
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as Python is to hold it; raises InvalidValue where it breaks the rule."""
@@ -92,24 +107,20 @@ class Setting:
         return self.check(label, text)
 
     def to_si(self, values: Any, system: str) -> Any:
-        """Values in units of `system` in SI."""
-        return values
+        """Values in units of `system` in SI; what has no unit, as a whole number, stays."""
+        scale = units.factor(self.unit, system)
+        return values if scale == 1.0 else values * scale
 
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity(Setting):
     """A number.
 
-    unit : its kind, a key of `escapement.units`.
     minimum, maximum, exclusive, below, whole, fraction : the rule. An exclusive minimum is not
         reached, nor is the maximum where `below` is true; a fraction may be text, "1/2".
-    slotted : True for what only a mechanism with a slot has, False for what only one without
-        it has; there it keeps its default.
-    instead : name of what the other mechanisms have in its place.
     function : whether a function that gives the number will do.
     """
 
-    unit: str = "ratio"
     minimum: float = 0.0
     maximum: float = math.inf
     exclusive: bool = False
@@ -117,17 +128,7 @@ class Quantity(Setting):
     whole: bool = False
     fraction: bool = False
     axis: bool = True
-    slotted: bool | None = None
-    instead: str = ""
     function: bool = False
-
-    def _units_shown(self) -> str:
-        shown = dict.fromkeys(units.printed(self.unit, system) for system in units.SYSTEMS)
-        return f" [{', '.join(shown)}]" if any(shown) else ""
-
-    def fits(self, meshed: bool) -> bool:
-        """Whether a mechanism without a slot (`meshed`), or one with it, has this number."""
-        return self.slotted is None or self.slotted is not meshed
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule."""
@@ -190,12 +191,6 @@ class Quantity(Setting):
                 value = int(text) if self.whole else float(text)
         return self.check(label, value)
 
-    def to_si(self, values: Any, system: str) -> Any:
-        """Numbers in units of `system` in SI; whole numbers and fractions stay what they are."""
-        if self.whole or self.fraction:
-            return values
-        return values * units.factor(self.unit, system)
-
 
 @cache
 def _with_unit(remedy: str, unit: str) -> str:
@@ -256,7 +251,7 @@ def setting(declaration: Setting) -> dict[str, Setting]:
     return {_KEY: declaration}
 
 
-class Declared:
+class Declared(Shown):
     """Base of frozen dataclasses whose fields carry declarations."""
 
     section: ClassVar[str] = ""
@@ -265,13 +260,22 @@ class Declared:
     def __new__(cls, *args: Any, **keywords: Any) -> Self:
         """Refuse a keyword that there is none of, and name the nearest."""
         # Python's own TypeError would not name the nearest
-        known = _arguments(cls)
+        known = cls.__init__.__code__.co_varnames[1:]
         for name in keywords:
             if name not in known:
-                raise UnknownArgument(
-                    f"{cls.__name__} has no argument {name!r}; {validate.nearest(name, known)}"
-                )
+                remedy = validate.nearest(name, known)
+                raise UnknownArgument(f"{cls.__name__} has no argument {name!r}; {remedy}")
         return object.__new__(cls)
+
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        """What differs from its default."""
+        entries = {entry.key: entry for entry in declared(type(self)).values()}
+        rows = []
+        for name, value, _ in super()._shown():
+            entry = entries.get(name)
+            if entry is None or entry.required or value != entry.default:
+                rows.append((name, value, entry.printed_unit if entry else ""))
+        return rows
 
     def check_fields(self) -> None:
         """Put the checked value of every declared field in the place of what was given."""
@@ -284,29 +288,23 @@ class Declared:
 
 
 @per_class
-def _arguments(cls: Any) -> tuple[str, ...]:
-    return tuple(inspect.signature(cls.__init__).parameters)[1:]
-
-
-@per_class
 def declared(owner: type) -> dict[str, Setting]:
     """What a class declares, by the name of the option and the axis, in the order of its fields."""
     found = {}
     for field in fields(owner):
-        entry: Setting | None = field.metadata.get(_KEY)
-        if entry is None:
+        if (entry := field.metadata.get(_KEY)) is None:
             continue
         # a declaration may have a default for files that the constructor has not
         open_ = field.default is MISSING
-        entry = replace(
+        default = entry.default if open_ else field.default
+        found[entry.name or field.name] = replace(
             entry,
             name=entry.name or field.name,
             key=field.name,
             section=getattr(owner, "section", ""),
-            default=entry.default if open_ else field.default,
-            required=entry.required or (open_ and entry.default is None),
+            default=default,
+            required=entry.required or (open_ and default is None),
         )
-        found[entry.name] = entry
     return found
 
 

@@ -46,6 +46,12 @@ class Scene(NamedTuple):
     mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
         other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
     load : load torque over driving torque.
+    bearing : constant torque of the driver's bearing over driving torque.
+    driver_drag, follower_drag : drag that grows with the square of the speed, over I_f.
+    driver_viscous, follower_viscous : viscous drag, over sqrt(I_f tau).
+    pin : radius of the pin, or of its roller, in the path's unit of length.
+    driver_journal, follower_journal : friction of the bearings over the force in the contact,
+        mu_b r_b sqrt(1 + mu^2), in the path's unit of length.
     """
 
     path: Path
@@ -55,6 +61,14 @@ class Scene(NamedTuple):
     mu_plus: float
     mu_minus: float
     load: float
+    bearing: float
+    driver_drag: float
+    follower_drag: float
+    driver_viscous: float
+    follower_viscous: float
+    pin: float
+    driver_journal: float
+    follower_journal: float
 
 
 def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]:

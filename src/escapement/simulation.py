@@ -6,13 +6,14 @@ from importlib import import_module
 from typing import Any
 
 from escapement import validate
-from escapement.dynamics import drive, ends_alike
+from escapement.dynamics import constant_drive, ends_alike, is_lossless
 from escapement.errors import InvalidValue
+from escapement.jit import as_python
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
 from escapement.model import MOST_UNEQUAL, Escapement, Run
 from escapement.motion import Motion, no_motion
-from escapement.painleve import critical_friction, painleve_message
+from escapement.painleve import friction_limits, painleve_message, uniqueness_note
 from escapement.quantity import check_number, quantities
 from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver
 from escapement.status import MESSAGES, Status
@@ -98,7 +99,14 @@ def simulate(
         fast = _engine(DEFAULT_ENGINE, "simulate")
         fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
     run = _engine(engine, "simulate")
-    return run(escapement, engagements=engagements, duration=duration, **settings)  # type: ignore[no-any-return]
+    motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
+    if motion.status is not Status.PAINLEVE and (note := uniqueness_note(escapement)):
+        motion.message = _joined(motion.message, note)
+    return motion
+
+
+def _joined(message: str, note: str) -> str:
+    return note if message == MESSAGES[Status.OK] else f"{message}; {note}"
 
 
 @cache
@@ -144,42 +152,37 @@ def terminal(
     Returns
     -------
     Figures
-        Their `status` is NO_TERMINAL without friction, STALL when the drive cannot
-        carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
+        Their `status` is NO_TERMINAL where no loss grows with the speed, STALL when the drive
+        cannot carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     if _too_unequal(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=_TOO_UNEQUAL)
-    mechanism = escapement.mechanism
-    base = Figures(critical_friction=critical_friction(mechanism, escapement.inertia))
+    critical, uniqueness = friction_limits(escapement)
+    base = Figures(critical_friction=critical, uniqueness_friction=uniqueness)
     # the limit is decided before anything is integrated
-    message = painleve_message(mechanism, escapement.inertia, escapement.friction)
-    if message is not None:
+    if message := painleve_message(escapement):
         return replace(base, status=Status.PAINLEVE, message=message)
-    if escapement.scene.mu_plus == 0.0 and _ends_alike(escapement):
-        # no speed is lost, so that one engagement tells of all
-        status, message = _without_friction(escapement, engine, settings)
+    if is_lossless(escapement.scene) and _ends_alike(escapement):
+        # every engagement gains the same energy, so that one tells whether all stop, or none
+        # is steady
+        first = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)
+        status, message = first.status, first.message
+        if status is Status.OK:
+            mechanism = escapement.mechanism
+            gain = constant_drive(escapement.scene) * escapement.torque * mechanism.cell_angle
+            carries = gain > escapement.load_work(mechanism.follower_step)
+            status = Status.NO_TERMINAL if carries else Status.STALL
+            message = MESSAGES[status]
         return replace(base, status=status, message=message)
-    return _engine(engine, "terminal")(escapement, base, **settings)  # type: ignore[no-any-return]
+    figures: Figures = _engine(engine, "terminal")(escapement, base, **settings)
+    note = uniqueness_note(escapement)
+    return replace(figures, message=_joined(figures.message, note)) if note else figures
 
 
 def _ends_alike(escapement: Escapement) -> bool:
     """Whether the reduced inertia is the same at pin entry and exit."""
     path, breaks = escapement.mechanism.path, escapement.mechanism.breaks
     entry, exit_ = (transmission_at(path, angle)[0] for angle in (breaks[0], breaks[-1]))
-    return bool(ends_alike.py_func(entry, exit_, escapement.scene.rho))
-
-
-def _without_friction(
-    escapement: Escapement, engine: str, settings: dict[str, Any]
-) -> tuple[Status, str]:
-    """Outcome where every engagement gains the same energy: it stops, or is never steady."""
-    first = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)
-    if first.status is not Status.OK:
-        return first.status, first.message
-    mechanism = escapement.mechanism
-    gain = drive(escapement.scene) * escapement.torque * mechanism.cell_angle
-    carries = gain > escapement.load_work(mechanism.follower_step)
-    status = Status.NO_TERMINAL if carries else Status.STALL
-    return status, MESSAGES[status]
+    return bool(as_python(ends_alike)(entry, exit_, escapement.scene.rho))

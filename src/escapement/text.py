@@ -5,7 +5,8 @@ import io
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from dataclasses import fields
+from typing import Any, ClassVar
 
 
 def as_json(record: Mapping[str, Any]) -> str:
@@ -49,23 +50,64 @@ def print_columns(header: Iterable[Sequence[str]], rows: Iterable[Sequence[Any]]
     cells = [*map(list, header), *([show(value) for value in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     for row in cells:
-        print(
-            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        )
+        padded = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+        print("  ".join(padded).rstrip())
 
 
 def show(value: Any) -> str:
     """A value in a table: six significant figures, or a dash where there is none."""
     value = plain(value)
-    if value is None:
-        return "-"
     if isinstance(value, list):
         return ", ".join(map(show, value)) or "none"
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if value is None:
+        return "-"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def words(key: str) -> str:
     """A JSON key as words, without its unit, which has a column of its own in tables."""
     return key.removesuffix("_deg").replace("_", " ")
+
+
+class Shown:
+    """Base of dataclasses that print themselves in short, with units, and as a table in notebooks.
+
+    They turn the repr of `dataclass` off.
+    """
+
+    _units: ClassVar[Mapping[str, str]] = {}
+    """Units of those fields that have one."""
+    _most: ClassVar[int] = 300
+    """Characters of the repr."""
+
+    def _shown(self) -> Iterable[tuple[str, Any, str]]:
+        """Name, value and unit of whatever is shown."""
+        names = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]
+        return [(name, getattr(self, name), self._units.get(name, "")) for name in names]
+
+    def __repr__(self) -> str:
+        rows = [f"{name}={_brief(value)} {unit}".rstrip() for name, value, unit in self._shown()]
+        text = f"{type(self).__name__}({', '.join(rows)})"
+        return text if len(text) <= self._most else text[: self._most - 4] + "...)"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        rows = (
+            f"<tr><th>{escape(words(name))}</th><td>{escape(f'{_brief(value)} {unit}')}</td></tr>"
+            for name, value, unit in self._shown()
+        )
+        return f"<table><caption>{type(self).__name__}</caption>{''.join(rows)}</table>"
+
+
+def _brief(value: Any) -> str:
+    """A number to six figures, a status by its label, an array by its size and range."""
+    if getattr(value, "ndim", None) == 0:  # a number of NumPy
+        value = value.item()
+    if getattr(value, "size", 0):
+        if value.dtype == bool:
+            return f"{value.sum()} of {value.size}"
+        return f"{value.size} from {value.min():.6g} to {value.max():.6g}"
+    return f"{value:.6g}" if isinstance(value, float) else str(getattr(value, "label", value))

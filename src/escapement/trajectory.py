@@ -1,15 +1,16 @@
 """What an engine hands over: the pieces of a motion, and its events."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from escapement.model import FloatArray
+from escapement.text import Shown
 
 
-@dataclass(frozen=True)
-class Events:
+@dataclass(frozen=True, repr=False)
+class Events(Shown):
     """Instants of one kind: arrays of one length.
 
     engagement : index of the engagement, from 0.
@@ -18,13 +19,15 @@ class Events:
     theta_dot : driver speed [rad/s].
     """
 
+    _units: ClassVar[dict[str, str]] = {"time": "s", "theta": "rad", "theta_dot": "rad/s"}
+
     engagement: np.ndarray
     time: FloatArray
     theta: FloatArray
     theta_dot: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Extrema(Events):
     """Extrema of the driver speed; `maximum` tells maxima from minima."""
 
@@ -47,8 +50,8 @@ class Trajectory(Protocol):
         """+1 or -1: side of the slot that carries the force; 0: follower locked."""
 
     @property
-    def friction_loss(self) -> FloatArray:
-        """Work lost in friction over each piece [J]."""
+    def losses(self) -> FloatArray:
+        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
 
     @property
     def reversals(self) -> Events:
@@ -65,7 +68,8 @@ class Trajectory(Protocol):
 class NoTrajectory:
     """Trajectory of an escapement that has no motion: it consists of no pieces."""
 
-    start = sign = friction_loss = np.empty(0)
+    start = sign = np.empty(0)
+    losses = np.empty((5, 0))
     engagement = np.empty(0, dtype=int)
     reversals = Events(engagement, start, start, start)
     extrema = Extrema(engagement, start, start, start, maximum=np.empty(0, dtype=bool))

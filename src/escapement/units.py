@@ -26,6 +26,8 @@ _UNITS = {
     "length": ("m", "in", INCH),
     "force": ("N", "lbf", POUND_FORCE),
     "power": ("W", "in lbf s-1", INCH_POUND),
+    "drag": ("N m s2", "in lbf s2", INCH_POUND),
+    "viscous": ("N m s", "in lbf s", INCH_POUND),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
@@ -39,8 +41,8 @@ def factor(quantity: str, system: str) -> float:
     Parameters
     ----------
     quantity : str
-        "torque", "power", "inertia", "length", "force", "speed", "acceleration", "time",
-        "angle", "degrees" or "ratio".
+        "torque", "power", "inertia", "length", "force", "drag", "viscous", "speed",
+        "acceleration", "time", "angle", "degrees" or "ratio".
     system : str
         "SI" or "in-lbf-s".
     """

@@ -164,23 +164,6 @@ def engage(case, w, setting, rising=None):
     return w, time, gain, reversals, extrema, rising
 
 
-def critical_friction(case):
-    """Painleve limit: least (rho + g^2)/(g |u|) over the cell, by golden section."""
-
-    def limit(angle):
-        g, _, u = (x[0] for x in transmission(case, angle, 1))
-        return (case.rho + g * g) / (abs(g) * abs(u))
-
-    # with a light driver the least one lies next to pin exit
-    angles = [case.beta * (1 - mpf("0.97") ** k) for k in range(1, 600)]
-    best = min(range(1, len(angles) - 1), key=lambda k: limit(angles[k]))
-    low, high, ratio = angles[best - 1], angles[best + 1], (mp.sqrt(5) - 1) / 2
-    for _ in range(80):
-        x, y = high - ratio * (high - low), low + ratio * (high - low)
-        low, high = (low, y) if limit(x) < limit(y) else (x, high)
-    return limit((low + high) / 2)
-
-
 def dimensionless(data):
     """The problem and its units of speed and time, at the current precision."""
     kind = -1 if data["internal"] else 1

@@ -1,4 +1,4 @@
-"""The problem that every solver gets, its equation, and how wrong an answer is.
+"""The problem that every solver gets, its equation, and the solvers that are measured.
 
 Four slots, four pins and Meyer's inertias (1973, Appendix E) under 0.10 in-lbf, twenty
 engagements from rest. The answer is the time and the driver speed at each handoff; the
@@ -14,21 +14,29 @@ sense of sliding are fixed, so p = g + kappa u with kappa = s mu sign(u):
 With n = a cos - 1, L = a^2 + 1 - 2 a cos, g = n/L, u = a sin/L and g' = -(a^2 - 1) u/L
 (Meyer 1-7, 1-8) one division is left. The same source serves Python and Numba; the contact
 function, whose zero is the reversal, is multiplied by L^2.
+
+A solver turns a problem and a tolerance into a function that runs it once. What a user who
+repeats runs would pay once (building, compiling) belongs to the preparation and the first call;
+everything else to the run. solve_ivp gets each smooth piece on its own, up to a terminal event
+with a direction, so no step crosses a kink and no root at the start of a piece fires again.
+Position and speed at an event are those of the dense output, as solve_ivp returns them.
 """
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from importlib.resources import files
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from escapement.jit import jit
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, FloatArray, Inertia
+from escapement.simulation import simulate
 from escapement.units import INCH_POUND
 
 REFERENCE = "reference.json"
@@ -67,12 +75,8 @@ class Problem:
     @cached_property
     def escapement(self) -> Escapement:
         """The problem as the package states it."""
-        return Escapement(
-            mechanism=Geneva(slots=self.slots),
-            inertia=Inertia(driver=self.driver_inertia, follower=self.follower_inertia),
-            friction=self.friction,
-            torque=self.torque,
-        )
+        inertia = Inertia(self.driver_inertia, self.follower_inertia)
+        return Escapement(Geneva(self.slots), inertia, self.torque, self.friction)
 
     @cached_property
     def numbers(self) -> tuple[float, float, float, float]:
@@ -91,19 +95,18 @@ class Problem:
         return math.sqrt(self.follower_inertia / self.torque)
 
     @cached_property
-    def reference(self) -> tuple[FloatArray, FloatArray]:
-        """Handoff times [s] and speeds [rad/s], correctly rounded."""
+    def reference(self) -> FloatArray:
+        """Handoff times [s] and, in a second row, speeds [rad/s], correctly rounded."""
         text = files(__package__).joinpath(REFERENCE).read_text(encoding="utf-8")
         record = json.loads(text)[self.name]
-        times, speeds = record["handoff_times"], record["handoff_velocities"]
-        return np.array([float(x) for x in times]), np.array([float(x) for x in speeds])
+        # text of twenty digits
+        return np.array([record["handoff_times"], record["handoff_velocities"]], dtype=float)
 
     def error(self, times: FloatArray, speeds: FloatArray) -> float:
         """Largest relative error of handoff times and speeds [-]; NaN where one is missing."""
         if len(times) != self.engagements:
             return math.nan
-        found, expected = np.array([times, speeds]), np.array(self.reference)
-        return float(np.abs(found / expected - 1.0).max())
+        return float(np.abs(np.array([times, speeds]) / self.reference - 1.0).max())
 
 
 PROBLEMS = (
@@ -113,78 +116,121 @@ PROBLEMS = (
 )
 
 
-Parameters = tuple[float, float, float]
-"""Centre distance a, inertia ratio rho, signed friction kappa."""
-Vector = Sequence[float] | FloatArray
-"""Driver angle and driver speed."""
+Answer = tuple[FloatArray, FloatArray]
+"""Handoff times [s] and handoff velocities [rad/s]."""
+TimedRun = Callable[[], Answer]
+
+METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+"""Those of solve_ivp."""
 
 
-class SmoothPiece(NamedTuple):
-    """One smooth piece of an engagement.
-
-    parameters : of the equation of motion.
-    start : driver angle where it starts; None at the reversal.
-    end : driver angle where it ends; None at the reversal.
-    """
-
-    parameters: Parameters
-    start: float | None
-    end: float | None
+SmoothPiece = tuple[tuple[float, float, float], float | None, float | None]
+"""Of a smooth piece of an engagement: a, rho and kappa, and the driver angles where it starts
+and ends, None at the reversal."""
 
 
-def pieces_of(problem: Problem) -> tuple[SmoothPiece, SmoothPiece, SmoothPiece]:
+def pieces_of(problem: Problem) -> list[SmoothPiece]:
     """Entry to dead centre, on to the reversal, on to the handoff."""
     a, rho, mu, end = problem.numbers
-    return (
-        SmoothPiece((a, rho, -mu), -end, 0.0),
-        SmoothPiece((a, rho, mu), 0.0, None),
-        SmoothPiece((a, rho, -mu), None, end),
-    )
+    return [((a, rho, -mu), -end, 0.0), ((a, rho, mu), 0.0, None), ((a, rho, -mu), None, end)]
 
 
-def driver_acceleration(theta: float, speed: float, a: float, rho: float, kappa: float) -> float:
-    """Driver acceleration."""
+def derivative(t, y, a, rho, kappa):
+    """Right-hand side for y = (theta, theta_dot)."""
+    theta, speed = y[0], y[1]
     n = a * math.cos(theta) - 1.0
     q = a * a - 1.0
     length = q - 2.0 * n
     slide = a * math.sin(theta)
     p = n + kappa * slide
     square = length * length
-    return (square * length + q * p * slide * speed * speed) / (length * (rho * square + n * p))
+    force = square * length + q * p * slide * speed * speed
+    return speed, force / (length * (rho * square + n * p))
 
 
-def contact_function(theta: float, speed: float, a: float, rho: float) -> float:
+def reversal(t, y, a, rho, kappa):
     """A function that falls through zero at the pin reversal."""
+    theta, speed = y[0], y[1]
     n = a * math.cos(theta) - 1.0
     q = a * a - 1.0
     return n * (q - 2.0 * n) - rho * q * a * math.sin(theta) * speed * speed
 
 
-def derivative(t: float, y: Vector, a: float, rho: float, kappa: float) -> list[float]:
-    """Right-hand side for y = (theta, theta_dot) in plain Python."""
-    return [y[1], driver_acceleration(y[0], y[1], a, rho, kappa)]
+_EQUATIONS = {"Python": (derivative, reversal), "Numba": (jit(derivative), jit(reversal))}
 
 
-def reversal(t: float, y: Vector, a: float, rho: float, kappa: float) -> float:
-    """Event of the reversal in plain Python."""
-    return contact_function(y[0], y[1], a, rho)
+class MeasuredSolver(NamedTuple):
+    """A solver that can be measured.
+
+    solver : its name, unique.
+    family : "energy", "ivp", "solve_ivp", or the package it comes from.
+    method, language : where a family has several.
+    loosest, tightest : powers of ten of the tolerances it accepts.
+    prepare : makes a run of a problem at a tolerance.
+    """
+
+    solver: str
+    family: str
+    method: str
+    language: str
+    loosest: int
+    tightest: int
+    prepare: Callable[[Problem, float], TimedRun]
 
 
-compiled_acceleration = jit(driver_acceleration)
-compiled_contact = jit(contact_function)
+def own_solvers() -> Iterator[MeasuredSolver]:
+    """Both engines, and each method of solve_ivp with the equation in each language."""
+    for engine, tightest in (("energy", -13), ("ivp", -12)):
+        prepare: Callable[[Problem, float], TimedRun] = partial(_prepare_engine, engine=engine)
+        yield MeasuredSolver(engine, engine, "", "Numba", -4, tightest, prepare)
+    for method in METHODS:
+        for language in _EQUATIONS:
+            prepare = partial(_prepare_solve_ivp, method=method, language=language)
+            name = f"solve_ivp {method} {language}"
+            yield MeasuredSolver(name, "solve_ivp", method, language, -3, -13, prepare)
 
 
-@jit(allocates=True)
-def compiled_derivative(t: float, y: FloatArray, a: float, rho: float, kappa: float) -> FloatArray:
-    """Right-hand side for y = (theta, theta_dot), compiled."""
-    out = np.empty(2)
-    out[0] = y[1]
-    out[1] = compiled_acceleration(y[0], y[1], a, rho, kappa)
-    return out
+def _prepare_engine(problem: Problem, rtol: float, engine: str) -> TimedRun:
+    """A run by one of the package's engines, called as a user calls it."""
+    escapement, engagements = problem.escapement, problem.engagements
+
+    def run() -> Answer:
+        motion = simulate(escapement, engagements, engine=engine, rtol=rtol)
+        return motion.handoff_times, motion.handoff_velocities
+
+    return run
 
 
-@jit
-def compiled_reversal(t: float, y: FloatArray, a: float, rho: float, kappa: float) -> float:
-    """Event of the reversal, compiled."""
-    value: float = compiled_contact(y[0], y[1], a, rho)
-    return value
+def _prepare_solve_ivp(problem: Problem, rtol: float, method: str, language: str) -> TimedRun:
+    """A run by a method of solve_ivp, with the equation in a language."""
+    equation, reverses = _EQUATIONS[language]
+    pieces = [(*piece, _event(piece[-1], reverses)) for piece in pieces_of(problem)]
+    solve = partial(solve_ivp, equation, method=method, rtol=rtol, atol=rtol)
+
+    def run() -> Answer:
+        x, theta, speed = 0.0, 0.0, 0.0
+        answer = []
+        for _ in range(problem.engagements):
+            for parameters, start, _end, event in pieces:
+                state = (theta if start is None else start, speed)
+                solved = solve((x, math.inf), state, events=event, args=parameters)
+                if solved.status != 1:
+                    raise ArithmeticError(solved.message)
+                x = solved.t_events[0][0]
+                theta, speed = solved.y_events[0][0]
+            answer.append((x * problem.clock, speed / problem.clock))
+        times, speeds = np.array(answer).T
+        return times, speeds
+
+    return run
+
+
+def _event(end: float | None, reverses: Any) -> Any:
+    """The terminal event that ends a piece: its last angle, or the reversal."""
+
+    def event(t, y, *parameters):
+        return reverses(t, y, *parameters) if end is None else y[0] - end
+
+    marked: Any = event
+    marked.terminal, marked.direction = True, -1.0 if end is None else 1.0
+    return marked

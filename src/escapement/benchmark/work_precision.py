@@ -3,7 +3,6 @@
 `run` measures, `write` fills a folder with the tables and the figure.
 """
 
-import json
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -15,18 +14,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement.benchmark.measuring import (
-    describe_machine,
-    machine_in_a_line,
-    shortest,
-    timed,
-    write_csv,
-)
-from escapement.benchmark.problems import PROBLEMS, Problem
-from escapement.benchmark.solvers import MeasuredSolver, TimedRun, own_solvers
+from escapement import benchmark
+from escapement.benchmark.problems import PROBLEMS, MeasuredSolver, Problem, own_solvers
 from escapement.files import replace_file
 from escapement.plots import save, style
 from escapement.solver import DEFAULT_RTOL
+from escapement.text import as_json
 
 COMPARED_AT = 1e-10
 """Error at which solvers are compared [-]."""
@@ -40,28 +33,11 @@ _COLORS = {
 _MARKERS = {"energy": "o", "ivp": "s", "heyoka": "^", "CyRK": "D", "solve_ivp": "."}
 _DASHED = ("Vern8", "Taylor, angle")
 
-
-class Effort(NamedTuple):
-    """How much is measured.
-
-    problems : which ones.
-    decades : tolerances are this many powers of ten apart.
-    longest : a solver goes on to tighter tolerances while its runs are shorter [s].
-    rounds : turns of each solver, of which the shortest counts.
-    solvers : names of the package's own ones to measure; None for all.
-    """
-
-    problems: Sequence[Problem]
-    decades: int
-    longest: float
-    rounds: int
-    solvers: Sequence[str] | None
-
-
-FULL = Effort(PROBLEMS, decades=1, longest=1.0, rounds=5, solvers=None)
-"""Many minutes."""
-QUICK = Effort(PROBLEMS[:1], 2, 0.25, 2, ("energy", "ivp", "solve_ivp DOP853 Numba"))
-"""Ten seconds, with one of SciPy's methods."""
+_FULL: dict[str, Any] = {"decades": 1, "longest": 1.0, "rounds": 5}
+"""Effort of a version of many minutes, as `sweep_tolerances` takes it."""
+_QUICK: dict[str, Any] = {"decades": 2, "longest": 0.25, "rounds": 2}
+"""That of ten seconds, on the first problem and with one of SciPy's methods."""
+QUICK_SOLVERS = ("energy", "ivp", "solve_ivp DOP853 Numba")
 
 
 class Point(NamedTuple):
@@ -143,56 +119,67 @@ def run(
     note : callable
         Told what is being measured.
     """
-    effort = QUICK if quick else FULL
-    machine = describe_machine(list(dict.fromkeys(each.family for each in further)))
-    wanted = effort.solvers
-    own = [each for each in own_solvers() if wanted is None or each.solver in wanted]
+    machine = benchmark.describe_machine(list(dict.fromkeys(each.family for each in further)))
+    solvers = [each for each in own_solvers() if not quick or each.solver in QUICK_SOLVERS]
+    solvers += further
     points: list[Point] = []
-    for problem in effort.problems:
-        note(f"{len(own) + len(further)} solvers on problem {problem.name!r}")
-        points += sweep_tolerances(problem, [*own, *further], effort)
+    for problem in PROBLEMS[:1] if quick else PROBLEMS:
+        note(f"{len(solvers)} solvers on problem {problem.name!r}")
+        points += sweep_tolerances(problem, solvers, **(_QUICK if quick else _FULL))
     return Results(machine, quick, points)
 
 
 def write(results: Results, folder: Path) -> list[Path]:
     """Tables as CSV, the figure and the machine's description into an existing folder."""
     description, picture = folder / "machine.json", folder / "work_precision.svg"
-    text = json.dumps(results.machine | {"quick": results.quick}, indent=2) + "\n"
-    replace_file(description, [text.encode()])
+    replace_file(description, [as_json(results.machine | {"quick": results.quick}).encode()])
     save(work_precision_figure(results.points, results.machine), picture)
     return [
         description,
-        write_csv(folder / "standings.csv", results.standings),
-        write_csv(folder / "work_precision.csv", results.points),
+        benchmark.write_csv(folder / "standings.csv", results.standings),
+        benchmark.write_csv(folder / "work_precision.csv", results.points),
         picture,
     ]
 
 
 def sweep_tolerances(
-    problem: Problem, solvers: Sequence[MeasuredSolver], effort: Effort
+    problem: Problem, solvers: Sequence[MeasuredSolver], decades: int, longest: float, rounds: int
 ) -> list[Point]:
-    """Points of all solvers on one problem."""
+    """Points of all solvers on one problem.
+
+    Parameters
+    ----------
+    problem, solvers :
+        What is solved, and by what.
+    decades : int
+        Tolerances are this many powers of ten apart.
+    longest : float
+        A solver goes on to tighter tolerances while its runs are shorter [s].
+    rounds : int
+        Turns of each solver, of which the shortest counts.
+    """
     points: list[Point] = []
-    runs: list[TimedRun] = []
+    runs: list[benchmark.Call] = []
     for solver in solvers:
-        for rtol in solver.tolerances[:: effort.decades]:
+        for power in range(solver.loosest, solver.tightest - 1, -decades):
+            rtol = 10.0**power
             try:
-                preparing, call = timed(partial(solver.prepare, problem, rtol))
-                first, answer = timed(call)
+                preparing, call = benchmark.timed(partial(solver.prepare, problem, rtol))
+                first, answer = benchmark.timed(call)
             except (ArithmeticError, ValueError):
                 continue
             error = problem.error(*answer)
             # a solver that is lost, or has not arrived (NaN), has no place in the diagram
             if not error < 0.1:
                 continue
-            time, _ = timed(call)
+            time, _ = benchmark.timed(call)
             # an error of exactly zero could not be drawn
             numbers = rtol, max(error, 1e-16), time, preparing + first
             points.append(Point(problem.name, *solver[:4], *numbers))
             runs.append(call)
-            if time > effort.longest:
+            if time > longest:
                 break
-    times = shortest(runs, effort.rounds)
+    times = benchmark.shortest(runs, rounds)
     return [point._replace(time=time) for point, time in zip(points, times, strict=True)]
 
 
@@ -205,9 +192,7 @@ def standings(points: Sequence[Point]) -> list[Standing]:
     """
     rows: list[Standing] = []
     for problem, here in groupby(points, key=lambda point: point.problem):
-        lines: dict[str, list[Point]] = {}
-        for point in here:
-            lines.setdefault(point.solver, []).append(point)
+        lines = {name: [*line] for name, line in groupby(here, key=lambda point: point.solver)}
         asked = DEFAULT_RTOL["energy"]
         default = min(lines["energy"], key=lambda point: abs(math.log(point.rtol / asked)))
         table = []
@@ -227,12 +212,11 @@ def time_at(points: Sequence[Point], error: float) -> float:
     Between its best points the logarithms are interpolated: a tolerance between the
     ones tried would have given what lies between.
     """
-    front: list[Point] = []  # points that no other beats in both time and error
-    for point in sorted(points, key=lambda point: (point.error, point.time)):
-        if not front or point.time < front[-1].time:
-            front.append(point)
-    errors, times = np.log([(point.error, point.time) for point in front]).T
-    return float(np.exp(np.interp(math.log(error), errors, times, left=math.nan)))
+    errors, times = np.log(sorted((point.error, point.time) for point in points)).T
+    # points that no other beats in both time and error
+    front = np.append(True, times[1:] < np.minimum.accumulate(times)[:-1])
+    found = np.interp(math.log(error), errors[front], times[front], left=math.nan)
+    return float(np.exp(found))
 
 
 def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> Figure:
@@ -247,11 +231,9 @@ def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> F
         ax.label_outer()
     handles, labels = panels[0].get_legend_handles_labels()
     foot = "solve_ivp: solid with a Numba right-hand side, dashed in plain Python\n"
-    legend = figure.legend(
-        handles, labels, loc="outside lower center", ncols=4, fontsize=style.SMALL_SIZE,
-        frameon=False, title=foot + machine_in_a_line(machine), title_fontsize=6.0,
-    )  # fmt: skip
-    legend.get_title().set_multialignment("center")
+    foot += benchmark.machine_in_a_line(machine)
+    look: dict[str, Any] = {"handles": handles, "labels": labels, "loc": "outside lower center"}
+    style.add_legend(figure, 4, foot, **look)
     return figure
 
 
@@ -261,17 +243,14 @@ def _plot_solvers(points: Sequence[Point], ax: Axes) -> None:
         line = sorted(group, key=lambda point: -point.rtol)
         first = line[0]
         plain, own = first.language == "Python", first.family == "energy"
+        size, width, above = (5, 2, 3) if own else (3, 1, 2)
         ax.loglog(
-            [point.error for point in line],
-            [point.time for point in line],
+            [point.error for point in line], [point.time for point in line],
             color=_COLORS[first.method if first.family == "solve_ivp" else first.family],
             linestyle="--" if plain or first.method in _DASHED else "-",
-            marker=_MARKERS[first.family],
-            markersize=5 if own else 3,
-            linewidth=2 if own else 1,
-            zorder=3 if own else 2,
+            marker=_MARKERS[first.family], markersize=size, linewidth=width, zorder=above,
             label="_" if plain else name.removesuffix(" Numba"),
-        )
+        )  # fmt: skip
     ax.set(xlabel="Largest relative error", ylabel="Warm run time (s)")
     ax.invert_xaxis()
     style.dress(ax)

@@ -1,8 +1,9 @@
 """Command line: picks a command, runs it, turns every error into one line.
 
-A command is a module of this package with a one-line `SUMMARY`, `configure(parser)`
-and `execute(args) -> exit code`. Only the module asked for is imported, and it imports
-nothing heavy before its arguments are understood, so that help answers at once.
+A command is a module of this package: its docstring is the summary in its help, and it has
+`configure(parser)` and `execute(args) -> exit code`; its `UNITS`, if any, explains units that
+are not SI where none are typed. Only the module asked for is imported, and it imports nothing
+heavy before its arguments are understood, so that help answers at once.
 """
 
 from __future__ import annotations
@@ -108,15 +109,10 @@ def program() -> NoReturn:
 
 def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
-    from importlib import import_module
-
-    from escapement.cli._arguments import Parser, understand_command
+    from escapement.cli._arguments import parser_of, understand_command
 
     try:
-        name = understand_command(argv, COMMANDS)
-        command = import_module(f"escapement.cli.{name.replace('-', '_')}")
-        parser = Parser(prog=f"escapement {name}", description=command.SUMMARY)
-        command.configure(parser)
+        command, parser = parser_of(understand_command(argv, COMMANDS))
         args = parser.understand(argv[1:])
     except SystemExit:  # argparse ends so after help, or the version
         return 0

@@ -6,24 +6,25 @@ conversion to SI follows.
 """
 
 import argparse
-import contextlib
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from types import ModuleType
+from typing import Any, NoReturn
 
 from escapement import __version__, validate
 from escapement.errors import EscapementError, InvalidValue
 from escapement.files import FORMATS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
-from escapement.model import Escapement, Inertia
-from escapement.quantity import Setting, Truth, declared
+from escapement.mechanisms.kind import Kind
+from escapement.quantity import Choice, Quantity, Setting, Truth
 from escapement.units import SYSTEMS
 
-if TYPE_CHECKING:
-    from escapement.mechanisms.kind import Kind
+Arguments = argparse.Namespace
+"""What was typed."""
 
 _NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 _OPTION = re.compile(r"--?[a-z]")
@@ -50,9 +51,10 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise what argparse found wrong, with where to read on."""
+        # argparse itself would print a usage of many lines and end the process
         raise UsageError(f"{message}; see '{self.prog} --help'")
 
-    def understand(self, argv: Sequence[str]) -> argparse.Namespace:
+    def understand(self, argv: Sequence[str]) -> Arguments:
         """Parsed arguments; SystemExit where help was asked for and given."""
         known = self._option_string_actions
         for name in (word.partition("=")[0] for word in argv):
@@ -75,10 +77,27 @@ def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str:
         epilog="'escapement COMMAND --help' explains a command.",
     )
     parser.add_argument("--version", action="version", version=f"escapement {__version__}")
-    rule = one_of("COMMAND", tuple(commands))
+    rule = one_of("COMMAND", [*commands])
     parser.add_argument("command", metavar="COMMAND", type=rule, help=argparse.SUPPRESS)
-    name: str = parser.understand(argv[:1]).command
-    return name
+    return str(parser.understand(argv[:1]).command)
+
+
+def parser_of(name: str) -> tuple[ModuleType, Parser]:
+    """The module of a command, and the parser of its arguments and of those that all have."""
+    command = import_module(f"escapement.cli.{name.replace('-', '_')}")
+    parser = Parser(prog=f"escapement {name}", description=command.__doc__)
+    command.configure(parser)
+    add_common(parser, getattr(command, "UNITS", None))
+    return command, parser
+
+
+def add_common(parser: Parser, own: str | None = None) -> None:
+    """Add what every command takes; `own` explains units that are not SI where none are typed."""
+    parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    text = own or "units of what goes in and what comes out (default: SI)"
+    default, rule = None if own else SYSTEMS[0], one_of("--units", SYSTEMS)
+    shown = "|".join(SYSTEMS)
+    parser.add_argument("--units", type=rule, default=default, metavar=shown, help=text)
 
 
 def option(name: str) -> str:
@@ -86,46 +105,39 @@ def option(name: str) -> str:
     return "--" + name.replace("_", "-")
 
 
-def checked(check: Callable[[Any], Any], convert: type = str) -> Callable[[str], Any]:
-    """An argparse type: `check` of what was typed, converted where that is possible."""
+def reader(label: str, entry: Setting) -> Callable[[str], Any]:
+    """An argparse type: what was typed, checked as declared; `label` names it in messages."""
 
     def read(text: str) -> Any:
-        value: Any = text
-        with contextlib.suppress(ValueError):
-            value = convert(text)
         try:
-            return check(value)
+            return entry.parse(label, text)
         except InvalidValue as error:
+            # argparse takes a ValueError for its own, and drops what it says
             raise UsageError(str(error)) from None
 
     return read
 
 
-def number(name: str, rule: Callable[..., float], remedy: str) -> Callable[[str], float]:
-    """Type of a real option, `rule` being one of `escapement.validate`."""
-    return checked(lambda value: rule(name, value, remedy), float)
-
-
-def whole(name: str, minimum: int, remedy: str) -> Callable[[str], int]:
-    """Type of a whole-numbered option."""
-    return checked(lambda value: validate.integer(name, value, minimum, remedy), int)
-
-
-def one_of(name: str, allowed: tuple[str, ...]) -> Callable[[str], str]:
-    """Type of an option with a few values."""
-    return checked(lambda text: validate.choice(name, text, allowed))
+def one_of(label: str, allowed: Sequence[str]) -> Callable[[str], Any]:
+    """Type of an argument with a few values."""
+    return reader(label, Choice(long_name=label, allowed=tuple(allowed)))
 
 
 def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: Any) -> None:
-    """Add the option of something declared; what is not typed is None."""
-    keywords.setdefault("help", entry.help)
+    """Add the option of something declared; what is not typed is None, unless `keywords` say."""
+    keywords = {"default": None, "help": entry.help} | keywords
     if isinstance(entry, Truth):
         keywords["action"] = "store_true"
     else:
-        spelt = option(entry.name)
-        keywords["type"] = checked(lambda text: entry.parse(spelt, text))
-        keywords["metavar"] = entry.metavar
-    group.add_argument(option(entry.name), default=None, **keywords)
+        keywords |= {"type": reader(option(entry.name), entry), "metavar": entry.metavar}
+    group.add_argument(option(entry.name), **keywords)
+
+
+def add_number(
+    group: argparse._ActionsContainer, name: str, text: str, metavar: str, **rule: Any
+) -> None:
+    """Add the option of a number that has no unit; `rule` has attributes of `Quantity`."""
+    add_setting(group, Quantity(name=name, long_name=text, metavar=metavar, **rule))
 
 
 def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> None:
@@ -135,32 +147,31 @@ def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> No
         add_setting(group, entry)
 
 
-def typed(args: argparse.Namespace, settings: Mapping[str, Setting]) -> dict[str, Any]:
-    """What was typed of some settings, in SI, by the key of each."""
-    return {
-        entry.key: entry.to_si(getattr(args, name), args.units)
-        for name, entry in settings.items()
-        if getattr(args, name) is not None
-    }
+def typed(args: Arguments, settings: Mapping[str, Setting]) -> dict[str, Any]:
+    """What was typed of some settings, or else is typical of them, in SI, by the key of each."""
+    found = {}
+    for name, entry in settings.items():
+        # the classes have defaults of their own for what was not typed
+        if (value := getattr(args, name)) is not None:
+            found[entry.key] = entry.to_si(value, args.units)
+        elif entry.typical is not None:
+            found[entry.key] = entry.typical
+    return found
 
 
 def add_mechanism(parser: Parser) -> None:
     """Add the mechanism: its kind, and the options of every kind."""
     listing = "; ".join(f"{name}: {kind_of(name).summary}" for name in KINDS)
-    parser.add_argument(
-        "kind",
-        nargs="?",
-        type=one_of("KIND", tuple(KINDS)),
-        metavar="KIND",
-        help=f"mechanism, {DEFAULT_KIND} where none is given. {listing}",
-    )
+    text = f"mechanism, {DEFAULT_KIND} where none is given. {listing}"
+    rule = one_of("KIND", [*KINDS])
+    parser.add_argument("kind", nargs="?", type=rule, metavar="KIND", help=text)
     group = parser.add_argument_group("mechanism")
-    for name, kinds in _owners().items():
+    for name, kinds in owners().items():
         entry = kind_of(kinds[0]).options()[name]  # the first of those that share it explains it
         add_setting(group, entry, help=f"{', '.join(kinds)}: {entry.help}")
 
 
-def read_mechanism(args: argparse.Namespace) -> "Kind":
+def read_mechanism(args: Arguments) -> Kind:
     """The mechanism the arguments describe.
 
     Raises
@@ -170,34 +181,27 @@ def read_mechanism(args: argparse.Namespace) -> "Kind":
     InvalidValue
         When no such mechanism exists.
     """
-    kind = DEFAULT_KIND if args.kind is None else args.kind
-    owners = _owners()
-    for name in mechanism_options(args):
-        if kind not in owners[name]:
-            value = getattr(args, name)
+    kind = args.kind or DEFAULT_KIND
+    for name, kinds in owners().items():
+        value = getattr(args, name)
+        if value is not None and kind not in kinds:
             shown = str(value) if isinstance(value, Path | Fraction) else value
             raise UsageError(
                 f"{option(name)} must not come with a {kind} mechanism, got "
-                f"{shown!r}; it belongs to {' and '.join(owners[name])}"
+                f"{shown!r}; it belongs to {' and '.join(kinds)}"
             )
     settings = kind_of(kind).options()
     require(args, settings, f" with {kind}")
-    given = {entry.key: entry.typical for entry in settings.values() if entry.typical is not None}
-    return kind_of(kind).from_options(**given | typed(args, settings))
+    return kind_of(kind).from_options(**typed(args, settings))
 
 
-def mechanism_options(args: argparse.Namespace) -> list[str]:
-    """The options of mechanisms that were typed."""
-    return [name for name in _owners() if getattr(args, name, None) is not None]
-
-
-def _owners() -> dict[str, list[str]]:
-    """The options of all kinds, each with the kinds that have it."""
-    owners: dict[str, list[str]] = {}
+def owners() -> dict[str, list[str]]:
+    """The options of all kinds of mechanism, each with the kinds that have it."""
+    found: dict[str, list[str]] = {}
     for kind in KINDS:
         for name in kind_of(kind).options():
-            owners.setdefault(name, []).append(kind)
-    return owners
+            found.setdefault(name, []).append(kind)
+    return found
 
 
 def add_output(group: argparse._ActionsContainer, file: str, text: str) -> None:
@@ -214,30 +218,11 @@ def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
 
 def add_plot(group: argparse._ActionsContainer, text: str) -> None:
     """Add a figure to draw; `_output.check_wanted` looks at its place."""
-    names = f"{', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
-    group.add_argument(
-        "--plot", type=Path, metavar="FILE", help=f"{text}; {names}, replaced where it exists"
-    )
+    text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, replaced where it exists"
+    group.add_argument("--plot", type=Path, metavar="FILE", help=text)
 
 
-def add_common(
-    parser: Parser,
-    *,
-    units: str | None = SYSTEMS[0],
-    text: str = "units of what goes in and what comes out (default: SI)",
-) -> None:
-    """Add what every command takes."""
-    parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
-    parser.add_argument(
-        "--units",
-        type=one_of("--units", SYSTEMS),
-        default=units,
-        metavar="|".join(SYSTEMS),
-        help=text,
-    )
-
-
-def require(args: argparse.Namespace, settings: Mapping[str, Setting], where: str = "") -> None:
+def require(args: Arguments, settings: Mapping[str, Setting], where: str = "") -> None:
     """Raise UsageError where a setting that is required was not typed."""
     lacking = [
         option(name)
@@ -246,13 +231,3 @@ def require(args: argparse.Namespace, settings: Mapping[str, Setting], where: st
     ]
     if lacking:
         raise UsageError(f"the following arguments are required{where}: {', '.join(lacking)}")
-
-
-def read_escapement(args: argparse.Namespace) -> Escapement:
-    """The escapement the arguments describe."""
-    require(args, declared(Escapement) | declared(Inertia))
-    return Escapement(
-        mechanism=read_mechanism(args),
-        inertia=Inertia(**typed(args, declared(Inertia))),
-        **typed(args, declared(Escapement)),
-    )

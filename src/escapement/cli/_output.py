@@ -1,24 +1,39 @@
-"""What commands have in common on the way out: JSON, units, notes, and the places of files.
+"""What commands have in common on the way out: JSON, tables, notes, and the places of files.
 
 Places are looked at before anything is computed for them.
 """
 
-import argparse
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from escapement.cli._arguments import UsageError
+import escapement as esc
+from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
-from escapement.files import cannot_create, check_replaceable, check_target, picture_format
+from escapement.files import check_target, creating, picture_format
 from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, unit_name
 
+Record = Mapping[str, Any]
+"""What a command found, by JSON key."""
+Kinds = Mapping[str, str]
+"""Kind of unit, see `escapement.units`, of those that have one, by JSON key."""
+
 _INPUTS = ("data", "study", "table")
+_LABELS = {
+    "inertia_ratio": "inertia ratio F",
+    "reversal_limits": "reversal limits F12, F23",
+    "torque_max_deg": "torque max at",
+    "torque_mean": "torque mean to dead centre",
+    "greatest_speed": "greatest speed without reversal",
+    "greatest_follower_inertia": "greatest follower inertia without reversal",
+    "least_load_torque": "least load torque without reversal",
+}
+"""What a table calls a key, where that is not the key in words."""
 _NO_LIMIT = "no finite value makes the pin reverse"
 _REASONS = {
     "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
@@ -35,71 +50,51 @@ _REASONS = {
 """Why a number is missing, of those for which there is but one reason."""
 
 
-def report(
-    args: argparse.Namespace,
-    record: Mapping[str, Any],
-    quantities: Mapping[str, str],
-    labels: Mapping[str, str] | None = None,
-    warning: str = "",
-) -> None:
-    """Print what a command found, in the user's units, as JSON or as a table.
-
-    A `message` is added, and shown on stderr too, where there is a warning or a number is missing.
-
-    Parameters
-    ----------
-    args : Namespace
-        With `_arguments.add_common`.
-    record : Mapping
-        Numbers in SI, texts and lists by JSON key.
-    quantities : Mapping
-        Kind of unit of those numbers that have one, see `escapement.units`.
-    labels : Mapping, optional
-        What the table calls a key, where that is not the key in words.
-    warning : str
-        What the user should know of the numbers.
-    """
-    shown = {
-        key: in_units(value, quantities.get(key, "ratio"), args.units)
-        for key, value in record.items()
-    }
-    message = "; ".join([*filter(None, [warning]), *not_given(record)])
+def tell(args: Arguments, record: Record, table: Callable[[], None], message: str = "") -> None:
+    """Print what a command found: a JSON object, or a table, and what to know of it on stderr."""
     if args.json:
-        print_json(shown | ({"message": message} if message else {}))
+        print_json(record)
     else:
-        _print_table(shown, quantities, args.units, labels or {})
+        table()
     if message:
         note(message)
 
 
-def _print_table(
-    record: Mapping[str, Any], quantities: Mapping[str, str], system: str, labels: Mapping[str, str]
-) -> None:
-    """Name, value and unit of each; a list of objects follows as a table of its own."""
-    units = {key: "deg" for key in record if key.endswith("_deg")}
-    units |= {key: unit_name(quantity, system) for key, quantity in quantities.items()}
-    tables = {
-        key: value
-        for key, value in record.items()
-        if isinstance(value, list) and value and isinstance(value[0], dict)
-    }
-    print_values(
-        # an empty list is shown as a word
-        (labels.get(key, words(key)), value, "" if value == [] else units.get(key, ""))
-        for key, value in record.items()
-        if key not in tables
-    )
-    for key, rows in tables.items():
-        # a single row repeats what stands above
-        if len(rows) > 1:
-            print(f"\n{words(key)}")
-            header = [words(name) + " (deg)" * name.endswith("_deg") for name in rows[0]]
-            print_columns([header], [row.values() for row in rows])
-
-
-def print_json(record: Mapping[str, Any]) -> None:
+def print_json(record: Record) -> None:
     """One object on stdout."""
     print(as_json(record), end="")
+
+
+def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> None:
+    """Print numbers in SI in the user's units; a list of objects becomes a table of its own.
+
+    A `message` is added, and shown on stderr too, where there is a warning, which is what the
+    user should know of the numbers, or where a number is missing.
+    """
+    shown = {key: in_units(record[key], kinds.get(key, "ratio"), args.units) for key in record}
+    message = "; ".join([*filter(None, [warning]), *not_given(record)])
+
+    def table() -> None:
+        several = [key for key, x in shown.items() if isinstance(x, list) and dict in map(type, x)]
+        single = {key: value for key, value in shown.items() if key not in several}
+        print_values(rows(single, kinds, args.units))
+        for key in several:
+            # a single row repeats what stands above
+            if len(shown[key]) > 1:
+                print(f"\n{words(key)}")
+                header = [words(name) + " (deg)" * name.endswith("_deg") for name in shown[key][0]]
+                print_columns([header], [line.values() for line in shown[key]])
+
+    tell(args, shown | ({"message": message} if message else {}), table, message)
+
+
+def rows(record: Record, kinds: Kinds, system: str) -> list[tuple[str, Any, str]]:
+    """Name, value and unit for a table of numbers in the user's units, angles in degrees."""
+
+    def unit(key: str) -> str:
+        return "deg" if key.endswith("_deg") else unit_name(kinds.get(key, "ratio"), system)
+
+    return [(_LABELS.get(key, words(key)), value, unit(key)) for key, value in record.items()]
 
 
 def not_given(record: Mapping[str, Any]) -> list[str]:
@@ -124,14 +119,21 @@ def note(message: str) -> None:
     print(f"escapement: {message}", file=sys.stderr)
 
 
-def check_wanted(args: argparse.Namespace, file: str = "FILE") -> None:
+def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
+    """Save a figure, which `plot` makes with `escapement.plots`, where one was asked for."""
+    # a plotting library is loaded for a figure alone
+    if path is not None:
+        esc.plots.save(plot(esc.plots), path)
+
+
+def check_wanted(args: Arguments, file: str = "FILE") -> None:
     """Look at the places that --output with --force, and --plot name, where they do.
 
     None of them may be an input of the command.
 
     Parameters
     ----------
-    args : Namespace
+    args : Arguments
         With `_arguments.add_plot`, and `_arguments.add_output` or without it.
     file : str
         What the command's help calls its output.
@@ -140,24 +142,22 @@ def check_wanted(args: argparse.Namespace, file: str = "FILE") -> None:
     ------
     UsageError
         When there is nothing that --force could replace.
-    InvalidValue
-        When the plot's suffix is that of no picture.
-    CannotCreate
-        When a file cannot be put there, or is an input or the other output.
+    InvalidValue, CannotCreate
+        As `check_output`.
     """
-    output, plot = getattr(args, "output", None), args.plot
-    inputs = [path for name in _INPUTS if (path := getattr(args, name, None)) is not None]
-    if output is not None:
-        check_output(output, *inputs, force=args.force)
-        inputs.append(output)
-    elif getattr(args, "force", False):
+    given = vars(args)
+    inputs = [given[name] for name in _INPUTS if given.get(name) is not None]
+    if given.get("output") is not None:
+        check_output(args.output, *inputs, force=args.force)
+        inputs.append(args.output)
+    elif given.get("force"):
         raise UsageError(f"--force must come with --output {file}, got none; leave it out")
-    if plot is not None:
-        check_picture(plot, *inputs)
+    if args.plot is not None:
+        check_output(args.plot, *inputs, picture=True)
 
 
-def check_output(path: Path, *others: Path, force: bool = False) -> None:
-    """Raise CannotCreate unless a file can be put at `path`.
+def check_output(path: Path, *others: Path, force: bool = False, picture: bool = False) -> None:
+    """Look whether a file can be put at `path`.
 
     Parameters
     ----------
@@ -167,32 +167,25 @@ def check_output(path: Path, *others: Path, force: bool = False) -> None:
         Inputs and other outputs, which it must not be.
     force : bool
         Whether an existing file may be replaced.
+    picture : bool
+        Whether it is a picture. Pictures are made from data: one that is not read-only is
+        replaced without asking.
+
+    Raises
+    ------
+    CannotCreate
+        When it cannot be put there.
+    InvalidValue
+        When the suffix of a picture is that of none.
     """
-    folder = check_target(path, force).parent
+    if picture:
+        picture_format(path)
+    folder = check_target(path, force or picture, writable=picture).parent
     for other in others:
         # links are followed, or a result would replace what it is computed from
         if os.path.realpath(path) == os.path.realpath(other):
             raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
     _try_writing(path, folder)
-
-
-def check_picture(path: Path, *others: Path) -> None:
-    """As `check_output`. Pictures are made from data: one that is not read-only is replaced.
-
-    Raises InvalidValue for a suffix that no picture has.
-    """
-    picture_format(path)
-    check_output(path, *others, force=True)
-    check_replaceable(path)
-
-
-def make_folder(path: Path) -> None:
-    """Create the folder `path` where it is not there; its parent must be."""
-    try:
-        path.mkdir(exist_ok=True)
-    except OSError as error:
-        raise cannot_create(path, error) from None
-    _try_writing(path, path)
 
 
 @contextmanager
@@ -201,7 +194,7 @@ def folder(path: Path | None) -> Iterator[None]:
     new = path is not None and not path.exists()
     try:
         if path is not None:
-            make_folder(path)
+            _try_writing(path, path)
         yield
     finally:
         if path is not None and new:
@@ -210,9 +203,8 @@ def folder(path: Path | None) -> Iterator[None]:
 
 
 def _try_writing(path: Path, folder: Path) -> None:
-    """A file without a name in `folder`: leaves nothing behind, whatever happens."""
-    try:
+    """Make `folder` where it is not there, and a file without a name in it, which goes again."""
+    with creating(path):
+        folder.mkdir(exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        raise cannot_create(path, error) from None

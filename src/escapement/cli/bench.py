@@ -1,18 +1,15 @@
-"""`escapement bench`: run time against error of the engines and of SciPy's solvers."""
+"""Run time against error of the engines and of SciPy's solvers."""
 
-import argparse
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Parser
+from escapement.cli._arguments import Arguments, Parser
 from escapement.text import print_columns
 
 if TYPE_CHECKING:
     from escapement.benchmark.work_precision import Results
-
-SUMMARY = "Run time against error of the engines and of SciPy's solvers."
 
 FOLDER = Path("benchmarks") / "results"
 
@@ -22,33 +19,24 @@ def configure(parser: Parser) -> None:
     what = "tables (CSV), the figure and the machine's description"
     _arguments.add_folder(parser, what, f" (default: {FOLDER}; with --quick none)")
     parser.add_argument("--quick", action="store_true", help="ten seconds instead of many minutes")
-    _arguments.add_common(parser)
 
 
-def execute(args: argparse.Namespace) -> int:
+def execute(args: Arguments) -> int:
     """Measure, print, and fill the folder."""
-    folder = args.output
-    if folder is None and not args.quick:
-        folder = FOLDER
-        _output.make_folder(folder.parent)
-    with _output.folder(folder):
-        _measure(args, folder)
-    return 0
-
-
-def _measure(args: argparse.Namespace, folder: Path | None) -> None:
     from escapement.benchmark import work_precision
 
-    results = work_precision.run(quick=args.quick, note=_output.note)
-    try:
-        if args.json:
-            _output.print_json(results.as_dict())
-        else:
-            print_tables(results)
-        sys.stdout.flush()
-    finally:  # neither a full disk nor a reader that left may cost many minutes of work
-        for path in work_precision.write(results, folder) if folder is not None else []:
-            _output.note(f"wrote {path}")
+    # ten seconds of measuring are a look, and are not kept unless a folder is named
+    usual = FOLDER if args.output is None and not args.quick else None
+    folder = args.output or usual
+    with _output.folder(usual and usual.parent), _output.folder(folder):
+        results = work_precision.run(quick=args.quick, note=_output.note)
+        try:
+            _output.tell(args, results.as_dict(), lambda: print_tables(results))
+            sys.stdout.flush()
+        finally:  # neither a full disk nor a reader that left may cost many minutes of work
+            for path in work_precision.write(results, folder) if folder is not None else []:
+                _output.note(f"wrote {path}")
+    return 0
 
 
 def print_tables(results: "Results") -> None:

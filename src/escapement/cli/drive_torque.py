@@ -1,12 +1,12 @@
-"""`escapement drive-torque`: torque and pin reversals at constant driver speed."""
+"""Drive torque, power and pin reversals at constant driver speed."""
 
-import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
+import escapement as esc
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Parser
-from escapement.constant_speed.case import Case
+from escapement.cli._arguments import Arguments, Parser
+from escapement.constant_speed import Case
 from escapement.errors import InvalidValue
 from escapement.quantity import declared
 from escapement.units import unit_name
@@ -14,44 +14,25 @@ from escapement.units import unit_name
 if TYPE_CHECKING:
     from escapement.constant_speed import DriveTorque
 
-SUMMARY = "Drive torque, power and pin reversals at constant driver speed."
-
-QUANTITIES = {"torque_max": "torque", "torque_mean": "torque", "power_max": "power"}
-LABELS = {
-    "inertia_ratio": "inertia ratio F",
-    "reversal_limits": "reversal limits F12, F23",
-    "torque_max_deg": "torque max at",
-    "torque_mean": "torque mean to dead centre",
-    "greatest_speed": "greatest speed without reversal",
-    "greatest_follower_inertia": "greatest follower inertia without reversal",
-    "least_load_torque": "least load torque without reversal",
-}
-
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
     _arguments.add_group(parser, "model", declared(Case))
-    output = parser.add_argument_group("output")
-    _arguments.add_plot(output, "draw the torque")
-    _arguments.add_common(parser)
+    _arguments.add_plot(parser.add_argument_group("output"), "draw the torque")
 
 
-def execute(args: argparse.Namespace) -> int:
+def execute(args: Arguments) -> int:
     """Print the figures; draw the torque where asked for."""
     _output.check_wanted(args)
-    from escapement.constant_speed import drive_torque
     from escapement.constant_speed.extrema import LIMITS
 
     _arguments.require(args, declared(Case))
     mechanism = _arguments.read_mechanism(args)
-    result = drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
-    if args.plot is not None:
-        from escapement import plots
-
-        plots.save(plots.plot_drive_torque(result, units=args.units), args.plot)
-    report_units = QUANTITIES | LIMITS
-    _output.report(args, summarise(result), report_units, LABELS, _doubt(result, args.units))
+    result = esc.drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
+    _output.draw(args.plot, lambda plots: plots.plot_drive_torque(result, units=args.units))
+    kinds = {"torque_max": "torque", "torque_mean": "torque", "power_max": "power", **LIMITS}
+    _output.report(args, summarise(result), kinds, _doubt(result, args.units))
     return 0
 
 

@@ -1,17 +1,13 @@
-"""`escapement mechanism`: geometry and transmission of a mechanism."""
+"""Geometry, transmission, motion ratio and dwell of a mechanism."""
 
-import argparse
 import math
-from typing import Any
 
-from escapement import validate
+import escapement as esc
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Parser, UsageError, number
+from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.errors import InvalidValue
 from escapement.model import Inertia
 from escapement.quantity import declared
-
-SUMMARY = "Geometry, transmission, motion ratio and dwell of a mechanism."
 
 
 def configure(parser: Parser) -> None:
@@ -20,33 +16,23 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "inertia, for the critical friction", declared(Inertia))
     drawing = parser.add_argument_group("drawing")
     _arguments.add_plot(drawing, "draw it to scale")
-    drawing.add_argument(
-        "--angle",
-        type=number("--angle", validate.number, "give a driver angle in degrees"),
-        metavar="DEG",
-        help="driver angle of the drawing from dead centre (default: 0)",
-    )
-    _arguments.add_common(parser)
+    text = "driver angle of the drawing from dead centre (default: 0)"
+    remedy = "give a driver angle in degrees"
+    _arguments.add_number(drawing, "angle", text, "DEG", minimum=-math.inf, remedy=remedy)
 
 
-def execute(args: argparse.Namespace) -> int:
+def execute(args: Arguments) -> int:
     """Print the geometry; draw it where asked for."""
     _output.check_wanted(args)
     if args.angle is not None and args.plot is None:
         raise UsageError("--angle must come with --plot FILE, got none; it turns the drawing")
     mechanism = _arguments.read_mechanism(args)
-    record: dict[str, Any] = mechanism.report()
-    settings = declared(Inertia)
-    given = _arguments.typed(args, settings)
-    if given:
-        _arguments.require(args, settings, ", both or none")
-        from escapement.painleve import critical_friction
-
-        record["critical_friction"] = critical_friction(mechanism, Inertia(**given))
-    if args.plot is not None:
-        from escapement import plots
-
-        plots.save(plots.plot_mechanism(mechanism, math.radians(args.angle or 0.0)), args.plot)
+    record = mechanism.report()
+    if given := _arguments.typed(args, declared(Inertia)):
+        _arguments.require(args, declared(Inertia), ", both or none")
+        record["critical_friction"] = esc.critical_friction(mechanism, Inertia(**given))
+    angle = math.radians(args.angle or 0.0)
+    _output.draw(args.plot, lambda plots: plots.plot_mechanism(mechanism, angle))
     warning = ""
     try:
         _ = mechanism.path

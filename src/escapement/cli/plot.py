@@ -1,19 +1,17 @@
-"""`escapement plot`: the right figures for what a file holds."""
+"""The right figures for what a file holds: a study or a motion."""
 
-import argparse
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from escapement.cli import _arguments, _cases, _output
-from escapement.cli._arguments import Parser, UsageError
+import escapement as esc
+from escapement.cli import _output
+from escapement.cli._arguments import Arguments, Parser, UsageError
+from escapement.cli.sweep import in_system, parse_selection
 from escapement.errors import InvalidValue
 from escapement.files import check_input
 from escapement.status import Status
 
-if TYPE_CHECKING:
-    from escapement.study.result import Study
-
-SUMMARY = "The right figures for what a file holds: a study or a motion."
+UNITS = "units of the axes of a study (default: those of the file); motions are drawn in SI"
 
 
 def configure(parser: Parser) -> None:
@@ -27,66 +25,56 @@ def configure(parser: Parser) -> None:
         "slots, friction and torque"
     )
     add("--select", metavar="NAME=VALUE,...", help=text)
-    text = "units of the axes of a study (default: those of the file); motions are drawn in SI"
-    _arguments.add_common(parser, units=None, text=text)
 
 
-def execute(args: argparse.Namespace) -> int:
+def execute(args: Arguments) -> int:
     """Draw the file."""
     check_input(args.file, "file")
     path = args.output or args.file.with_suffix(".png")
-    _output.check_picture(path, args.file)
-    from escapement import plots
+    _output.check_output(path, args.file, picture=True)
     from escapement.motion_file import is_motion, read_motion
-    from escapement.study.reader import read_study
 
-    gaps = ""
+    # a file of a motion says so itself; every other one is taken for a study
+    holds, gaps = "motion", ""
     if is_motion(args.file):
         for option, value in (("--select", args.select), ("--units", args.units)):
             if value not in (None, "SI"):
                 raise UsageError(
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
-        holds, figure = "motion", plots.motion.plot_motion(read_motion(args.file))
+        _output.draw(path, lambda plots: plots.motion.plot_motion(read_motion(args.file)))
     else:
-        study = _selected(read_study(args.file), args)
+        holds, study = "study", esc.read_study(args.file)
+        try:
+            study = study.at(**parse_selection(args.select or ""))
+        except InvalidValue as error:
+            raise UsageError(f"--select, of {args.file}: {error}") from None
         gaps = _gaps(study)
-        holds, figure = "study", plots.plot_study(in_units(study, args.units))
-    plots.save(figure, path)
-    if args.json:
-        _output.print_json({"input": str(args.file), "holds": holds, "output": str(path)})
-    else:
-        _output.note(f"{holds} drawn in {path}")
-    if gaps:
-        _output.note(f"of {study.cases} cases these leave gaps: {gaps}")
+        _output.draw(path, lambda plots: plots.plot_study(in_units(study, args.units)))
+    record = {"input": str(args.file), "holds": holds, "output": str(path)}
+    _output.tell(args, record, lambda: _output.note(f"{holds} drawn in {path}"), gaps)
     return 0
 
 
-def _gaps(study: "Study") -> str:
+def _gaps(study: "esc.Study") -> str:
     """How many cases have no number to draw, and why; "" for none."""
     import numpy as np
 
     counts = {label: n for label, n in study.outcomes.items() if label != Status.OK.label}
-    answered = study.results["status"] == Status.OK
-    lost = answered & np.isnan(study.results["rise_time"])
+    lost = np.isnan(study.results["rise_time"]) & (study.results["status"] == Status.OK)
     counts["without a rise time"] = int(np.count_nonzero(lost))
-    return ", ".join(f"{n} {what}" for what, n in counts.items() if n)
+    told = ", ".join(f"{n} {what}" for what, n in counts.items() if n)
+    return told and f"of {study.cases} cases these leave gaps: {told}"
 
 
-def _selected(study: "Study", args: argparse.Namespace) -> "Study":
-    try:
-        return study.at(**_cases.parse(args.select or ""))
-    except InvalidValue as error:
-        raise UsageError(f"--select, of {args.file}: {error}") from None
-
-
-def in_units(study: "Study", system: str | None) -> "Study":
+def in_units(study: "esc.Study", system: str | None) -> "esc.Study":
     """A study with its parameters in another unit system; None leaves them."""
-    from dataclasses import replace
+    from escapement.study.plan import unit_kind
 
     axes, sampled, units = dict(study.axes), dict(study.sampled), dict(study.units)
+    own = study.configuration.get("units", "SI")
     for values in (axes, sampled):
         for name in values:
-            scale, units[name] = _cases.in_system(units[name], system)
+            scale, units[name] = in_system(unit_kind(name), own, system)
             values[name] = values[name] * scale
     return replace(study, axes=axes, sampled=sampled, units=units)

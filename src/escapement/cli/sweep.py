@@ -1,21 +1,28 @@
-"""`escapement sweep`: a study from a configuration into a file."""
+"""A study on a grid or a sample of parameters, to an HDF5 file."""
 
-import argparse
+import itertools
+import math
 import os
 import signal
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from escapement.cli import SOME_FAILED, _arguments, _cases, _output
-from escapement.cli._arguments import Parser, UsageError, whole
-from escapement.errors import InvalidValue
+import escapement as esc
+from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli._arguments import Arguments, Parser, UsageError
+from escapement.errors import InputFileError, InvalidValue
+from escapement.status import Status
 from escapement.text import print_columns, words
+from escapement.units import factor, unit_name
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
     from escapement.study.run import Tally
 
-SUMMARY = "A study on a grid or a sample of parameters, to an HDF5 file."
+UNITS = "units of the axes printed (default: those of the study)"
+
+_ROWS = 12
+_SHOWN = ("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time")
 
 
 def configure(parser: Parser) -> None:
@@ -27,20 +34,16 @@ def configure(parser: Parser) -> None:
     text = "continue an interrupted run where it stopped"
     add("--resume", action="store_true", help=text)
     add("--quiet", action="store_true", help="no progress on stderr")
-    count = whole("--workers", 1, "give the number of threads")
     text = "threads, or processes of a local cluster (default: one for each processor)"
-    add("--workers", type=count, metavar="N", help=text)
+    rule: dict[str, Any] = {"minimum": 1, "whole": True, "remedy": "give the number of threads"}
+    _arguments.add_number(parser, "workers", text, "N", **rule)
     text = "compute on a Dask cluster, as tcp://host:8786; 'local' starts one here"
     add("--scheduler", metavar="ADDRESS", help=text)
-    text = "units of the axes printed (default: those of the study)"
-    _arguments.add_common(parser, units=None, text=text)
 
 
-def execute(args: argparse.Namespace) -> int:
+def execute(args: Arguments) -> int:
     """Run the study, then show a dozen of its cases."""
-    from escapement.study.parse import load_plan
-
-    plan = load_plan(args.config)
+    plan = esc.load_plan(args.config)
     if args.workers is not None and args.scheduler not in (None, "local"):
         raise UsageError(
             f"--workers must not come with --scheduler {args.scheduler}, whose workers are "
@@ -53,16 +56,17 @@ def execute(args: argparse.Namespace) -> int:
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
     tally = _run(plan, path, args)
-    cases, units = _cases.some_cases(plan, path, args.units)
-    if args.json:
-        sizes = dict(zip(plan.dimensions, plan.shape, strict=True))
-        record = {"output": str(path), "axes": sizes, "cases": tally.cases, "failed": tally.failed}
-        _output.print_json(record | {"resumed": tally.resumed, "some_cases": cases})
-    else:
+    cases, units = some_cases(plan, path, args.units)
+
+    def table() -> None:
         below = ["" if units[name] == "1" else units[name] for name in cases[0]]
         print_columns([[*map(words, cases[0])], below], ([*case.values()] for case in cases))
         before = f", {tally.resumed} of them from before" if tally.resumed else ""
         _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
+
+    sizes = dict(zip(plan.dimensions, plan.shape, strict=True))
+    record = {"output": str(path), "axes": sizes} | tally._asdict() | {"some_cases": cases}
+    _output.tell(args, record, table)
     if tally.failed:
         _output.note(
             f"{tally.failed} of {tally.cases} cases failed: the file's status says why, "
@@ -71,7 +75,7 @@ def execute(args: argparse.Namespace) -> int:
     return SOME_FAILED if tally.failed else 0
 
 
-def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
+def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
     """Run the study; a request to end is answered with how to go on."""
     from escapement.study.run import write_plan
     from escapement.study.writer import partial_path
@@ -83,9 +87,135 @@ def _run(plan: "StudyPlan", path: Path, args: argparse.Namespace) -> "Tally":
         workers = args.workers or os.cpu_count() or 1
         return write_plan(plan, path, progress=not args.quiet, workers=workers, **options)
     except KeyboardInterrupt:
-        partial = partial_path(path)
-        if partial.exists():
+        if (partial := partial_path(path)).exists():
             _output.note(f"what was finished is in {partial.name}; continue with --resume")
         raise
     finally:
         signal.signal(signal.SIGTERM, previous)
+
+
+def some_cases(
+    plan: "StudyPlan", path: Path, units: str | None
+) -> tuple[list[dict[str, Any]], dict[str, str]]:
+    """At most a dozen cases of a study file, spread evenly over every dimension.
+
+    Only those are read, however large the file. Parameters are in `units`, or in the
+    study's where that is None. Returned as well: the unit of every column.
+    """
+    import h5py
+
+    from escapement.study.plan import unit_kind
+    from escapement.study.result import RESULTS
+
+    along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
+    own = plan.configuration["units"]
+    names = [name for columns in along for name in columns]
+    scaled = {name: in_system(unit_kind(name), own, units) for name in names}
+    cases = []
+    with h5py.File(path, "r") as hdf5:
+        for place in spread(plan.shape, _ROWS):
+            case = {
+                name: values[i].item() * scaled[name][0]
+                for columns, i in zip(along, place, strict=True)
+                for name, values in columns.items()
+            }
+            case |= {name: float(hdf5[name][place]) for name in _SHOWN}
+            cases.append(case | {"status": Status(int(hdf5["status"][place])).label})
+    shown = {name: unit for name, (_, unit) in scaled.items()}
+    return cases, shown | {name: RESULTS[name].units for name in (*_SHOWN, "status")}
+
+
+def in_system(kind: str, own: str, system: str | None) -> tuple[float, str]:
+    """Factor that brings numbers of a kind of unit from a system into another, and the unit.
+
+    `system` None leaves them in their `own`. The name of a unit would not do: that of drag is
+    that of an inertia in inches.
+    """
+    system = system or own
+    scale = factor(kind, own) / factor(kind, system)
+    return 1 if scale == 1.0 else scale, unit_name(kind, system)  # a whole number stays whole
+
+
+def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:
+    """At most `most` grid places: the ends of every axis, then places between them."""
+    counts = list(shape)
+    while math.prod(counts) > most:
+        counts[counts.index(max(counts))] -= 1
+    picks = [
+        [round(i * (size - 1) / (count - 1)) for i in range(count)] if count > 1 else [size // 2]
+        for size, count in zip(shape, counts, strict=True)
+    ]
+    return list(itertools.product(*picks))
+
+
+def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
+    """The plan of a study file, and the number of the case that was selected.
+
+    Parameters
+    ----------
+    path : Path
+        File that `escapement sweep` wrote.
+    selection : str, optional
+        "friction=0.35,torque=0.1", in the units of the file, with "case=17" of a sample.
+        An axis of one value needs no selection.
+
+    Raises
+    ------
+    UsageError, InvalidValue
+        When the selection cannot be understood, or names no case or more than one.
+    MissingInput, InputFileError
+        When the file is no study.
+    """
+    import numpy as np
+
+    from escapement.study.parse import parse_plan
+    from escapement.study.reader import read_configuration, read_sample_case
+    from escapement.study.result import place_on
+
+    wanted = parse_selection(selection or "")
+    configuration = read_configuration(path)
+    if "sample" in configuration and "case" in wanted:
+        if not (case := wanted.pop("case")).is_integer():
+            raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
+        # another version of SciPy may draw other numbers: take those that were computed
+        row = read_sample_case(path, int(case))
+        configuration["sample"] = {"method": "list"} | {name: [row[name]] for name in row}
+    try:
+        plan = parse_plan(configuration)
+    except InvalidValue as error:
+        raise InputFileError(
+            f"study {path} must hold a configuration this version understands, got: {error}"
+        ) from None
+    unknown = [name for name in wanted if name not in plan.dimensions]
+    if unknown:
+        raise UsageError(
+            f"--select must name axes of {path}, got {unknown[0]!r}; "
+            f"it has {', '.join(plan.dimensions)}"
+        )
+    place = []
+    for name, values in plan.dimensions.items():
+        if name not in wanted and values.size > 1:
+            raise UsageError(
+                f"--select must choose one of the {values.size} values of {name} in {path}, "
+                f"got none; add {name}={values[0]:g}"
+            )
+        place.append(place_on(values, name, wanted[name], path) if name in wanted else 0)
+    return plan, int(np.ravel_multi_index(place, plan.shape))
+
+
+def parse_selection(selection: str) -> dict[str, float]:
+    """Values by name of "friction=0.35,torque=0.1"; UsageError where it reads otherwise."""
+    wanted = {}
+    for part in filter(None, (part.strip() for part in selection.split(","))):
+        name, _, text = part.partition("=")
+        name = name.strip()
+        if name in wanted:
+            raise UsageError(f"--select must give {name} once, got {selection!r}; leave one out")
+        try:
+            wanted[name] = float(text)
+        except ValueError:
+            raise UsageError(
+                f"--select must be NAME=VALUE[,NAME=VALUE...], got {part!r}; "
+                "for example friction=0.35,torque=0.1"
+            ) from None
+    return wanted

@@ -3,14 +3,18 @@
 Modules are loaded when they are first asked for: what a case is made of can be told without.
 """
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from escapement import validate
 from escapement.lazy import offered
+from escapement.model import Escapement, Inertia, Mechanism, check_losses, checked
+from escapement.quantity import Declared, like, quantity
 
 if TYPE_CHECKING:
-    from escapement.constant_speed.case import contact_moment
+    from escapement.chebyshev import Extremum
+    from escapement.constant_speed.contact import Load, TorqueState, contact_moment
     from escapement.constant_speed.extrema import (
-        Extremum,
         TransmissionExtrema,
         fewest_slots,
         greatest_follower_inertia,
@@ -19,34 +23,59 @@ if TYPE_CHECKING:
         least_load_torque,
         transmission_extrema,
     )
-    from escapement.constant_speed.study import ReversalStudy, reversal_study
-    from escapement.constant_speed.torque import (
-        DriveTorque,
-        TorqueState,
-        drive_torque,
-        inertia_ratio,
-    )
+    from escapement.constant_speed.geneva import ReversalStudy, reversal_study
+    from escapement.constant_speed.torque import DriveTorque, drive_torque, inertia_ratio
 
 __all__ = [
-    "DriveTorque",
-    "Extremum",
-    "ReversalStudy",
-    "TorqueState",
-    "TransmissionExtrema",
-    "contact_moment",
-    "drive_torque",
-    "fewest_slots",
-    "greatest_follower_inertia",
-    "greatest_speed",
-    "inertia_ratio",
-    "jerk_function",
-    "least_load_torque",
-    "reversal_study",
+    "DriveTorque", "Extremum", "ReversalStudy", "TorqueState", "TransmissionExtrema",
+    "contact_moment", "drive_torque", "fewest_slots", "greatest_follower_inertia",
+    "greatest_speed", "inertia_ratio", "jerk_function", "least_load_torque", "reversal_study",
     "transmission_extrema",
-]
+]  # fmt: skip
 
-_MODULES = ("torque", "case", "extrema", "study")
+
+@dataclass(frozen=True)
+class Case(Declared):
+    """A mechanism at constant driver speed, see `drive_torque` for the fields."""
+
+    mechanism: Mechanism
+    speed: float = field(metadata=quantity(
+        "constant driver speed", "speed", exclusive=True, remedy="give the driver speed"
+    ))  # fmt: skip
+    load_torque: "Load" = field(
+        metadata=like(Escapement, "load_torque", default=None, function=True)
+    )
+    follower_inertia: float = field(metadata=like(Inertia, "follower_inertia"))
+    efficiency: float = field(metadata=quantity(
+        "efficiency of the drive, in (0, 1]", exclusive=True, maximum=1.0, default=1.0,
+        metavar="E", remedy="give the share of the drive's work that arrives, 1 for all of it"
+    ))  # fmt: skip
+    friction: float = field(metadata=like(Escapement, "friction"))
+
+    def __post_init__(self) -> None:
+        checked(self.mechanism)
+        self.check_fields()
+        check_losses(self, self.mechanism.path.table)
+        width = getattr(self.mechanism, "pin_radius", 0.0)
+        if self.friction > 0.0 and width:
+            rule = "0 at constant speed with friction, whose torque is that of thin pins"
+            raise validate.fail("pin_radius", rule, width, "leave pin_radius or friction out")
+
+    @property
+    def inertial(self) -> float:
+        """Inertia torque at unit follower acceleration function, I_f omega^2 [N m]."""
+        return self.follower_inertia * self.speed * self.speed
+
+    @property
+    def half(self) -> float:
+        """Driver angle where the first half of the engagement ends: dead centre [rad].
+
+        The middle, of a table or where angles are counted from elsewhere.
+        """
+        entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
+        centred = entry < 0.0 < exit_ and not self.mechanism.path.table
+        return 0.0 if centred else 0.5 * (entry + exit_)
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, __all__, _MODULES, name)
+    return offered(__name__, __all__, ("torque", "contact", "extrema", "geneva"), name)

@@ -7,24 +7,23 @@ the mechanism: Filemon's question the other way round is how far a drive may go 
 import math
 from bisect import bisect_left
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.chebyshev import Function, Series, extremes, fit
-from escapement.constant_speed import geneva
-from escapement.constant_speed.case import Case, checked
+from escapement.chebyshev import Extremum, Function, Series, extremes, fit
+from escapement.constant_speed import Case, geneva
 from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.mechanisms.slotted import transmission
-from escapement.model import Escapement, FloatArray, Mechanism
+from escapement.model import Escapement, FloatArray, Mechanism, checked
 from escapement.quantity import check_number
 from escapement.scene import smooth_intervals
 
-_CONSTANT = 1e-12  # g' over g [1/rad] of a table whose ratio does not vary
+CONSTANT = 1e-12
+"""What rounding alone may make of g' over g [1/rad], as of a table whose ratio does not vary."""
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
 
 LIMITS = {
@@ -33,13 +32,6 @@ LIMITS = {
     "least_load_torque": "torque",
 }
 """How far a drive may go without a pin reversal: kind of unit of each figure."""
-
-
-class Extremum(NamedTuple):
-    """A value [-] and the driver angle from dead centre that has it [rad]."""
-
-    value: float
-    angle: float
 
 
 @dataclass(frozen=True)
@@ -70,14 +62,9 @@ class TransmissionExtrema:
         no such F.
         """
         deepest, last = self.acceleration_min.value, self.acceleration_exit
-        if -deepest <= rounding_of_acceleration(self.ratio_max.value):
+        if -deepest <= CONSTANT * abs(self.ratio_max.value):
             return math.inf, math.inf
         return -1.0 / deepest, -1.0 / last if last < _NOTHING * deepest else math.inf
-
-
-def rounding_of_acceleration(ratio: ArrayLike) -> FloatArray:
-    """What rounding alone may make of g' where g is `ratio` [-]."""
-    return _CONSTANT * np.abs(ratio)
 
 
 def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
@@ -96,15 +83,13 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
     Source: Filemon (1960), eqs. 2 to 5 and Table I.
     """
     points = edges(checked(mechanism))
-    # without a closed form of g'' it is the slope of the series of g'
-    known: Function | None = getattr(mechanism, "jerk", None)
-    jerk = fit(known, points) if known else _rate(mechanism).derivative()
-    bent = _extrema(known or jerk, jerk)
+    jerk = _jerk(mechanism)
+    bent = extremes(jerk, jerk if isinstance(jerk, Series) else fit(jerk, points))
     if isinstance(mechanism, Geneva):
         return TransmissionExtrema(*_closed_forms(mechanism), *bent)
     start, exit_ = transmission(mechanism.path, points[[0, -1]]).dg.tolist()
-    ratio, _ = _extrema(_reader(mechanism, "g"), fit(_reader(mechanism, "g"), points))
-    rates = _extrema(_reader(mechanism, "dg"), _rate(mechanism))
+    readers = _reader(mechanism, "g"), _reader(mechanism, "dg")
+    (ratio, _), rates = (extremes(read, fit(read, points)) for read in readers)
     return TransmissionExtrema(ratio, start, exit_, *rates, *bent)
 
 
@@ -115,8 +100,13 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
     eq. 5, whose 1 - c^2 must read 1 + c^2), for a gear-driven one and for a planetary
     drive, else the derivative of an interpolant of g'.
     """
+    return _jerk(mechanism)(np.asarray(theta, dtype=float))
+
+
+def _jerk(mechanism: Mechanism) -> Function | Series:
+    """g''; without a closed form of it the slope of the series of g'."""
     known: Function | None = getattr(mechanism, "jerk", None)
-    return (known or _rate(mechanism).derivative())(np.asarray(theta, dtype=float))
+    return known or fit(_reader(mechanism, "dg"), edges(mechanism)).derivative()
 
 
 def edges(mechanism: Mechanism) -> FloatArray:
@@ -138,15 +128,6 @@ def _reader(mechanism: Mechanism, name: str) -> Function:
     return lambda theta: getattr(transmission(path, theta), name)
 
 
-def _rate(mechanism: Mechanism) -> Series:
-    return fit(_reader(mechanism, "dg"), edges(mechanism))
-
-
-def _extrema(function: Function | Series, series: Series) -> tuple[Extremum, Extremum]:
-    top, top_at, bottom, bottom_at = extremes(function, series)
-    return Extremum(top, top_at), Extremum(bottom, bottom_at)
-
-
 def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
     """Greatest driver speed without a pin reversal, sqrt(F12 M_load/I_f) [rad/s].
 
@@ -159,7 +140,7 @@ def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: f
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     """
-    inertia: float = check_number(Case, "follower_inertia", follower_inertia)
+    inertia = check_number(Case, "follower_inertia", follower_inertia)
     return math.sqrt(_greatest_inertia_torque(mechanism, load_torque) / inertia)
 
 
@@ -202,12 +183,11 @@ def limits_without_reversal(case: Case) -> dict[str, float]:
     """`LIMITS` of a drive under a constant load, one of its numbers changed at a time, in SI."""
     mechanism, load = case.mechanism, case.load_torque
     assert not callable(load)
-    limits = (
-        greatest_speed(mechanism, load, case.follower_inertia),
-        greatest_follower_inertia(mechanism, case.speed, load),
-        least_load_torque(mechanism, case.speed, case.follower_inertia),
-    )
-    return dict(zip(LIMITS, limits, strict=True))
+    return {
+        "greatest_speed": greatest_speed(mechanism, load, case.follower_inertia),
+        "greatest_follower_inertia": greatest_follower_inertia(mechanism, case.speed, load),
+        "least_load_torque": least_load_torque(mechanism, case.speed, case.follower_inertia),
+    }
 
 
 def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:

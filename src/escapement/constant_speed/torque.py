@@ -5,30 +5,21 @@ N R = M_load + I_f omega^2 g', the drive p N R (Filemon's eq. 6), and where N R
 changes sign the pin changes sides of its slot.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.chebyshev import extremes, fit, zeros
-from escapement.constant_speed.case import Case, table, within_cell
-from escapement.constant_speed.extrema import (
-    edges,
-    rounding_of_acceleration,
-    transmission_extrema,
-)
+from escapement.constant_speed import Case, extrema
+from escapement.constant_speed.contact import Load, TorqueState, engaged_state, within_cell
 from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
-
-if TYPE_CHECKING:
-    from escapement.constant_speed.case import Load
 
 _PIECES = 512  # to begin with, of a load of any shape: a row in 5000 of a table is seen
 _ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too
@@ -36,24 +27,6 @@ _SAMPLES = 721
 
 
 @dataclass(frozen=True)
-class TorqueState:
-    """Drive and contact at driver angles `theta`: arrays of one shape.
-
-    theta, phi : driver and follower angle from dead centre [rad].
-    torque : drive torque, < 0 where the follower drives back [N m].
-    contact_moment : N R of the pin on the follower; its sign is the side of the
-        slot [N m].
-    load_torque : torque opposing the follower [N m].
-    """
-
-    theta: FloatArray
-    phi: FloatArray
-    torque: FloatArray
-    contact_moment: FloatArray
-    load_torque: FloatArray
-
-
-@dataclass(frozen=True, kw_only=True)
 class DriveTorque(Case):
     """What a mechanism at constant driver speed asks of its drive.
 
@@ -77,14 +50,20 @@ class DriveTorque(Case):
         F12 and F23 of the mechanism under a constant load [-].
     """
 
-    torque_max: float
-    torque_max_angle: float
-    torque_min: float
-    torque_min_angle: float
-    torque_mean: float
-    reversals: FloatArray
-    zone: int
-    reversal_limits: tuple[float, float]
+    torque_max: float = field(init=False)
+    torque_max_angle: float = field(init=False)
+    torque_min: float = field(init=False)
+    torque_min_angle: float = field(init=False)
+    torque_mean: float = field(init=False)
+    reversals: FloatArray = field(init=False)
+    zone: int = field(init=False)
+    reversal_limits: tuple[float, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        limits = extrema.transmission_extrema(self.mechanism).reversal_limits
+        vars(self).update(_find_reversals(self), reversal_limits=limits)
+        vars(self).update(_torque_figures(self, self.reversals))
 
     @property
     def power_max(self) -> float:
@@ -132,13 +111,12 @@ class DriveTorque(Case):
         InvalidValue
             Where an angle is not finite or lies outside the cell.
         """
-        angles, exit_ = validate.numbers("theta", theta, "give angles"), self.mechanism.breaks[-1]
-        flat = within_cell(self.mechanism, angles).reshape(-1)
-        phi, load, values = table(self, np.minimum(flat, exit_))
+        angles = validate.numbers("theta", theta, "give angles")
+        engaged, locked = within_cell(self.mechanism, angles)
+        state = engaged_state(self, engaged)
         # the locked follower carries its load by itself
-        values[1:, flat > exit_] = 0.0
-        columns = (angles, phi, values[2], values[1], load)
-        return TorqueState(*(column.reshape(angles.shape) for column in columns))
+        torque, moment = (np.where(locked, 0.0, x) for x in (state.torque, state.contact_moment))
+        return state._replace(theta=angles, torque=torque, contact_moment=moment)
 
     @cached_property
     def samples(self) -> TorqueState:
@@ -191,15 +169,7 @@ def drive_torque(
     Source: Filemon (1960), eqs. 6 to 11. The maximum, there read from a chart or
     taken for great F, is the greatest value among all roots of the torque's slope.
     """
-    case = Case(mechanism, speed, load_torque, follower_inertia, efficiency, friction)
-    reversals, zone = _find_reversals(case)
-    known: dict[str, Any] = vars(case) | _torque_figures(case, reversals)
-    return DriveTorque(
-        **known,
-        reversals=reversals,
-        zone=zone,
-        reversal_limits=transmission_extrema(mechanism).reversal_limits,
-    )
+    return DriveTorque(mechanism, speed, load_torque, follower_inertia, efficiency, friction)
 
 
 def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> float:
@@ -210,29 +180,27 @@ def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> f
     InvalidValue
         Where the load torque is zero or varies: no F exists.
     """
+    name, rule = "load_torque", "constant for an inertia ratio F"
     if callable(load_torque):
-        raise validate.fail(
-            "load_torque", "constant for an inertia ratio F", load_torque, "give a number in N m"
-        )
-    load = validate.positive(
-        "load_torque", load_torque, "without a load there is no inertia ratio F"
-    )
+        raise validate.fail(name, rule, load_torque, "give a number in N m")
+    load = validate.positive(name, load_torque, "without a load there is no inertia ratio F")
     return follower_inertia * speed * speed / load
 
 
-def _find_reversals(case: Case) -> tuple[FloatArray, int]:
+def _find_reversals(case: Case) -> dict[str, Any]:
     """Angles where the contact moment changes sign, and Filemon's zone."""
-    points = _places(case, edges(case.mechanism))
-    found = zeros(lambda theta: table(case, theta)[2][1], points)
-    places = np.unique(np.concatenate([[points[0]], found, [points[-1]]]))
+    points = _places(case, extrema.edges(case.mechanism))
+    found = zeros(lambda theta: engaged_state(case, theta).contact_moment, points)
+    places = np.unique([points[0], *found, points[-1]])
     # the moment keeps its sign between zeros; a touching zero has the same one on both sides
-    _, load, (ratio, moment, _) = table(case, 0.5 * (places[:-1] + places[1:]))
-    rounding = _ROUNDING * np.abs(load) + case.inertial * rounding_of_acceleration(ratio)
-    sides = np.where(np.abs(moment) > rounding, np.sign(moment), 0.0)
-    carried = np.flatnonzero(sides)
-    turned = carried[1:][np.diff(sides[carried]) != 0.0]
-    zone = 1 if turned.size == 0 else 3 if sides[carried[-1]] < 0.0 else 2
-    return places[turned], zone
+    middle = engaged_state(case, 0.5 * (places[:-1] + places[1:]))
+    moment, ratio = middle.contact_moment, transmission(case.mechanism.path, middle.theta).g
+    slack = case.inertial * extrema.CONSTANT * np.abs(ratio)
+    carries = np.abs(moment) > _ROUNDING * np.abs(middle.load_torque) + slack
+    carried, sides = np.flatnonzero(carries), np.sign(moment[carries])
+    turned = carried[1:][np.diff(sides) != 0.0]
+    zone = 1 if turned.size == 0 else 3 if sides[-1] < 0.0 else 2
+    return {"reversals": places[turned], "zone": zone}
 
 
 def _places(case: Case, points: Iterable[float]) -> FloatArray:
@@ -248,30 +216,27 @@ def _places(case: Case, points: Iterable[float]) -> FloatArray:
 
 def _torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
     """Extremes and mean of the torque, between the points where it has kinks."""
-    points, half = edges(case.mechanism), case.half
-    kinks = np.concatenate([points, [half], reversals, _idle(case, reversals)])
+    points, half = extrema.edges(case.mechanism), case.half
+    # the torque bends where the pin changes sides, and where the power turns round: there
+    # friction holds what the follower drives, p = 0
+    kinks = [*points, half, *reversals]
+    if reversals.size and case.friction > 0.0 and case.efficiency < 1.0:
+        kinks += zeros(lambda theta: _held(case, theta), points).tolist()
 
     def torque(theta: FloatArray) -> FloatArray:
-        values: FloatArray = table(case, theta)[2][2]
-        return values
+        return engaged_state(case, theta).torque
 
-    # the torque bends where the pin changes sides and where the power turns round
     series = fit(torque, _places(case, kinks))
-    first_half = series.edges[1:] <= half
-    names = ("torque_max", "torque_max_angle", "torque_min", "torque_min_angle")
-    figures = dict(zip(names, extremes(torque, series), strict=True))
-    mean = series.integrals()[first_half].sum() / (half - points[0])
-    return figures | {"torque_mean": float(mean)}
+    (top, top_at), (bottom, bottom_at) = extremes(torque, series)
+    first_half = series.integrals()[series.edges[1:] <= half]
+    return {
+        "torque_max": top, "torque_max_angle": top_at,
+        "torque_min": bottom, "torque_min_angle": bottom_at,
+        "torque_mean": float(first_half.sum() / (half - points[0])),
+    }  # fmt: skip
 
 
-def _idle(case: Case, reversals: FloatArray) -> FloatArray:
-    """Where friction holds what the follower drives, p = 0: the power turns round there."""
-    if case.friction == 0.0 or case.efficiency == 1.0 or len(reversals) == 0:
-        return np.empty(0)
-
-    def ratio(theta: FloatArray) -> FloatArray:
-        found = transmission(case.mechanism.path, theta)
-        result: FloatArray = found.g - case.friction * np.abs(found.u)
-        return result
-
-    return zeros(ratio, edges(case.mechanism))
+def _held(case: Case, theta: FloatArray) -> FloatArray:
+    """The ratio as friction bends it where the follower drives, g - mu |u|."""
+    found = transmission(case.mechanism.path, theta)
+    return np.asarray(found.g - case.friction * np.abs(found.u))

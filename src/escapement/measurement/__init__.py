@@ -19,8 +19,8 @@ from escapement.measurement.normality import class_count as class_count
 from escapement.measurement.normality import histogram as histogram
 from escapement.measurement.normality import published_chi_squared as published_chi_squared
 from escapement.measurement.normality import sturges as sturges
+from escapement.measurement.periodic import Periodogram as Periodogram
+from escapement.measurement.periodic import ShaftError as ShaftError
 from escapement.measurement.readings import Readings as Readings
 from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
-from escapement.measurement.shafts import ShaftError as ShaftError
-from escapement.measurement.spectrum import Periodogram as Periodogram

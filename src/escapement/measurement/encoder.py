@@ -10,7 +10,7 @@ import numpy as np
 from escapement import validate
 from escapement.measurement.fit import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
-from escapement.model import FloatArray, Mechanism, is_mechanism
+from escapement.model import FloatArray, Mechanism, checked
 
 _HARMONICS = range(2, 6)  # an error once a turn is that of eccentricity
 
@@ -94,8 +94,7 @@ def sensor_uncertainty(encoder: Encoder, slope: FloatArray) -> FloatArray:
 
 def check_drive(mechanism: Any, encoder: Any) -> None:
     """Refuse what is no mechanism, and what is no encoder and not None."""
-    if not is_mechanism(mechanism):
-        raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+    checked(mechanism)
     if encoder is not None and not isinstance(encoder, Encoder):
         raise validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
 
@@ -170,11 +169,11 @@ def synthetic_readings(
     start, zero = checked_zeros((phase, offset))
     count = validate.integer("samples", samples, LEAST_SAMPLES, "give how many to compute")
     whole = validate.integer("seed", seed, 0, "give any whole number")
-    eccentric = {
-        "input_eccentricity": input_eccentricity,
-        "output_eccentricity": output_eccentricity,
-    }
-    for name, size in {"noise": noise, "backlash": backlash, **eccentric}.items():
+    sizes = {
+        "noise": noise, "backlash": backlash,
+        "input_eccentricity": input_eccentricity, "output_eccentricity": output_eccentricity,
+    }  # fmt: skip
+    for name, size in sizes.items():
         validate.non_negative(name, size, "give an angle in rad, 0 for none")
     if validate.number("sense", sense) not in (1.0, -1.0):
         raise validate.fail("sense", "1 or -1", sense, "give the sense of the output encoder")
@@ -199,11 +198,10 @@ def _shaft(
 ) -> FloatArray:
     """Error of a shaft: once a turn, and a smooth one of known greatest value."""
     start = random.uniform(0.0, TURN)
-    weights = random.standard_normal((len(_HARMONICS), 2))
+    weights = random.standard_normal((len(_HARMONICS), 2)) @ [1.0, -1.0j]
 
     def bent(at: FloatArray) -> FloatArray:
-        waves = np.multiply.outer(_HARMONICS, at)
-        return weights[:, 0] @ np.cos(waves) + weights[:, 1] @ np.sin(waves)
+        return np.real(weights @ np.exp(1j * np.multiply.outer(_HARMONICS, at)))
 
     greatest = float(np.abs(bent(np.linspace(0.0, TURN, 3600))).max())
     return eccentricity * np.sin(angle + start) + deviation / greatest * bent(angle)
@@ -211,11 +209,9 @@ def _shaft(
 
 def _with_play(phi: FloatArray, backlash: float) -> FloatArray:
     """Output that is pushed at either end of its free play and stays in between."""
-    half = 0.5 * backlash
-    lagging = accumulate(
-        phi.tolist(), lambda at, pushed: min(max(at, pushed - half), pushed + half)
-    )
-    return np.array(list(lagging))
+    play = 0.5 * backlash
+    followed = accumulate(phi.tolist(), lambda at, end: min(max(at, end - play), end + play))
+    return np.array([*followed])
 
 
 def _digital(angle: FloatArray, encoder: Encoder) -> FloatArray:

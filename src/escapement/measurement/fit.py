@@ -5,20 +5,24 @@ offset of  sense * phi(input + phase) + offset,  the model of the output's readi
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement.readings import TURN, blocks
+from escapement.lazy import Lazy
+from escapement.measurement.readings import TURN, blocks, wraps
 from escapement.mechanisms.slotted import transmission
 from escapement.model import FloatArray, Mechanism
 
+optimize = Lazy("scipy.optimize")
 _START_SAMPLES = 1000
 _START_PHASES = 120
-_ROUNDS = 60
-_HALVINGS = 40
+# the fit is over where a step changes phase or sum of squares by such a share
+_NEAR = dict.fromkeys(("ftol", "xtol", "gtol"), 1e-12)
+Zeros = tuple[int, float, float]
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
@@ -99,17 +103,11 @@ class Fit:
     slope: FloatArray
 
 
-class _Zeros(NamedTuple):
-    """The sum of squares that a sense, a phase and an offset [rad] leave, and these three."""
+class _Task(NamedTuple):
+    """What is to be fitted; the input counts on, the output may start again each turn.
 
-    squares: float
-    sense: int
-    phase: float
-    offset: float
-
-
-class _FitTask(NamedTuple):
-    """What is to be fitted; the input counts on, the output may start again each turn."""
+    Zeros are a sense, a phase and an offset, the latter two in rad.
+    """
 
     mechanism: Mechanism
     input: FloatArray
@@ -123,22 +121,47 @@ class _FitTask(NamedTuple):
             rest -= TURN * np.round(rest / TURN)
         return rest
 
-    def at(self, sense: int, phase: float, offset: float) -> _Zeros:
-        """How well these zeros fit."""
-        rest = self.residual(sense, phase, offset)
-        return _Zeros(float(rest @ rest), sense, phase, offset)
+    def squares(self, zeros: Zeros) -> float:
+        """How badly these zeros fit: the sum of the squares they leave."""
+        return float(np.square(self.residual(*zeros)).sum())
 
-    def centred(self, sense: int, phase: float, offset: float) -> _Zeros:
-        """The same with the offset that makes the mean error zero."""
-        offset += float(self.residual(sense, phase, offset).mean())
-        return self.at(sense, phase, offset)
+    def improved(self, zeros: Zeros) -> Zeros:
+        """Zeros nearby that leave the least squares, by Levenberg's and Marquardt's method.
+
+        The offset is the one that makes the mean error zero, so the phase alone is sought.
+        """
+        sense, start, offset = zeros
+
+        def rest(at: FloatArray) -> FloatArray:
+            return _centred(self.residual(sense, at[0], offset))
+
+        def rate(at: FloatArray) -> FloatArray:
+            return -sense * _centred(slope(self.mechanism, self.input + at[0]))[:, None]
+
+        # an even output has no rate beyond rounding, and keeps its phase
+        found = optimize.least_squares(rest, start, rate, method="lm", **_NEAR)
+        phase = float(found.x[0])
+        return sense, phase, offset + float(self.residual(sense, phase, offset).mean())
+
+    def starts(self) -> Iterator[Zeros]:
+        """For each sense the best phase on a grid over one cell.
+
+        The mean direction of the residuals on a circle tells the offset, and its length
+        how well they agree, whether the turns of the output are counted or not.
+        """
+        phases = np.arange(_START_PHASES) / _START_PHASES * self.mechanism.cell_angle
+        angles = np.add.outer(phases, self.input)
+        phi = position(self.mechanism, angles.reshape(-1)).reshape(angles.shape)
+        for sense in (1, -1):
+            turns = np.exp(1j * (self.output - sense * phi)).mean(axis=1)
+            best = int(np.argmax(np.abs(turns)))
+            yield sense, float(phases[best]), float(np.angle(turns[best]))
 
 
-def fit(
+def fit_zeros(
     mechanism: Mechanism,
     angle: FloatArray,
     output: FloatArray,
-    wraps: bool,
     zeros: tuple[float, float] | None = None,
 ) -> Fit:
     """Fit the sense of the output, and phase and offset unless they are given.
@@ -148,92 +171,41 @@ def fit(
     mechanism : Mechanism
         Geometry.
     angle, output : ndarray, shape (n,)
-        Readings [rad]; the input counts on.
-    wraps : bool
-        Whether the output starts again at zero each turn.
+        Readings [rad]; the input counts on, and so does the output unless it stays within
+        a turn.
     zeros : (float, float), optional
         Phase and offset where they are known [rad].
     """
-    task = _FitTask(mechanism, angle, output, wraps)
+    task = _Task(mechanism, angle, output, wraps(output))
     if zeros is None:
         some = spread_samples(angle.size, _START_SAMPLES)
-        few = _FitTask(mechanism, angle[some], output[some], wraps)
-        start = min(_improved(few, zeros) for zeros in _starts(few))
-        best = _reduced(task, _improved(task, task.centred(*start[1:])))
+        few = task._replace(input=angle[some], output=output[some])
+        start = min(map(few.improved, few.starts()), key=few.squares)
+        sense, phase, offset = task.improved(start)
+        # the same zeros, with the phase within half a cell of zero
+        cells = round(phase / mechanism.cell_angle)
+        phase -= cells * mechanism.cell_angle
+        offset += sense * cells * mechanism.follower_step
+        offset -= TURN * round(offset / TURN) if task.wraps else 0.0
     else:
-        best = min(task.at(sense, *zeros) for sense in (1, -1))
-    _, sense, phase, offset = best
+        sense, phase, offset = min([(1, *zeros), (-1, *zeros)], key=task.squares)
     errors = task.residual(sense, phase, offset)
     g = sense * slope(mechanism, angle + phase)
     uncertain = (0.0, 0.0) if zeros is not None else _standard_errors(g, errors)
     return Fit(phase, offset, *uncertain, sense, output - errors, errors, g)
 
 
-def _starts(task: _FitTask) -> list[_Zeros]:
-    """For each sense the best phase on a grid over one cell.
-
-    The mean direction of the residuals on a circle tells the offset, and its length
-    how well they agree, whether the turns of the output are counted or not.
-    """
-    phases = np.arange(_START_PHASES) / _START_PHASES * task.mechanism.cell_angle
-    angles = np.add.outer(phases, task.input)
-    phi = position(task.mechanism, angles.reshape(-1)).reshape(angles.shape)
-    starts = []
-    for sense in (1, -1):
-        turns = np.exp(1j * (task.output - sense * phi)).mean(axis=1)
-        best = int(np.argmax(np.abs(turns)))
-        starts.append(task.centred(sense, float(phases[best]), float(np.angle(turns[best]))))
-    return starts
-
-
-def _improved(task: _FitTask, zeros: _Zeros) -> _Zeros:
-    """Gauss-Newton on the phase; the offset follows from it in closed form."""
-    longest = task.mechanism.cell_angle / 20.0
-    for _ in range(_ROUNDS):
-        g, spread = _varying(zeros.sense * slope(task.mechanism, task.input + zeros.phase))
-        if spread == 0.0:
-            return zeros
-        step = float(g @ task.residual(*zeros[1:])) / spread
-        step = math.copysign(min(abs(step), longest), step)
-        # a step below a thousandth of the standard error changes nothing that matters
-        if abs(step) < max(1e-3 * math.sqrt(zeros.squares / spread / g.size), 1e-14):
-            return zeros
-        for _ in range(_HALVINGS):
-            new = task.centred(zeros.sense, zeros.phase + step, zeros.offset)
-            if new.squares < zeros.squares:
-                break
-            step *= 0.5
-        else:
-            return zeros
-        zeros = new
-    return zeros
-
-
-def _varying(g: FloatArray) -> tuple[FloatArray, float]:
-    """Slope less its mean, and the sum of its squares: 0 where that is rounding alone.
-
-    Then the output turns evenly, and no phase can be told.
-    """
-    rest = g - g.mean()
-    spread = float(rest @ rest)
-    return rest, 0.0 if spread <= 1e-12 * float(g @ g) else spread
-
-
-def _reduced(task: _FitTask, zeros: _Zeros) -> _Zeros:
-    """The same fit with its phase within half a cell of zero."""
-    cells = round(zeros.phase / task.mechanism.cell_angle)
-    phase = zeros.phase - cells * task.mechanism.cell_angle
-    offset = zeros.offset + zeros.sense * cells * task.mechanism.follower_step
-    if task.wraps:
-        offset -= TURN * round(offset / TURN)
-    return task.at(zeros.sense, phase, offset)
-
-
 def _standard_errors(g: FloatArray, errors: FloatArray) -> tuple[float, float]:
     """Standard errors of phase and offset, from the inverse of the normal equations."""
-    _, spread = _varying(g)
-    if spread == 0.0:
+    varying = _centred(g)
+    spread = float(varying @ varying)
+    # rounding alone: the output turns evenly, and no phase can be told
+    if spread <= 1e-12 * float(g @ g):
         return math.nan, math.nan
     variance = float(errors @ errors) / (g.size - 2)
     of_offset = 1.0 / g.size + float(g.mean()) ** 2 / spread
     return math.sqrt(variance / spread), math.sqrt(variance * of_offset)
+
+
+def _centred(values: FloatArray) -> FloatArray:
+    return np.asarray(values - values.mean())

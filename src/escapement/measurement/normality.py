@@ -5,15 +5,17 @@ errors that are independent of each other.
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
+from escapement.lazy import Lazy
 from escapement.model import FloatArray
 
-RULES = ("sturges", "scott", "freedman-diaconis", "square-root")
+special, stats = Lazy("scipy.special"), Lazy("scipy.stats")
 _MOST_CLASSES = 1000
 
 
@@ -22,16 +24,13 @@ class Histogram(NamedTuple):
 
     edges : of the classes, shape (..., k + 1) [rad].
     observed : errors in each, shape (..., k).
-    expected : errors in each by the normal law with this mean and standard
-        deviation, shape (..., k). Nothing is expected outside the classes.
-    mean, standard_deviation : of the class midpoints weighted by frequency [rad].
+    expected : errors in each by the normal law with mean and standard deviation of the class
+        midpoints weighted by frequency, shape (..., k). Nothing is expected outside the classes.
     """
 
     edges: FloatArray
     observed: np.ndarray
     expected: FloatArray
-    mean: FloatArray
-    standard_deviation: FloatArray
 
 
 def sturges(samples: int) -> float:
@@ -40,6 +39,20 @@ def sturges(samples: int) -> float:
     Source: Prikhodko (2020), eq. 10; 3.32 stands for 1/lg 2.
     """
     return 3.32 * math.log10(samples) + 1.0
+
+
+def _of_width(width: float, errors: FloatArray) -> float:
+    """Number of classes of a width for one error, which shrinks with their cube root."""
+    return float(np.ptp(errors) / width) * errors.size ** (1 / 3) if width > 0.0 else math.inf
+
+
+RULES: dict[str, Callable[[FloatArray], float]] = {
+    "sturges": lambda errors: sturges(errors.size),
+    "scott": lambda errors: _of_width(3.49 * errors.std(ddof=1), errors),
+    "freedman-diaconis": lambda errors: _of_width(2.0 * stats.iqr(errors), errors),
+    "square-root": lambda errors: math.sqrt(errors.size),
+}
+"""Number of classes, before rounding, by the rule's name."""
 
 
 def class_count(errors: FloatArray, bins: int | str = "sturges") -> int:
@@ -62,16 +75,7 @@ def class_count(errors: FloatArray, bins: int | str = "sturges") -> int:
     if not isinstance(bins, str):
         remedy = "a chi-squared test needs 4 classes or more"
         return validate.integer("bins", bins, 4, remedy, _MOST_CLASSES)
-    rule = validate.choice("bins", bins, RULES)
-    n = errors.size
-    if rule == "sturges":
-        count = sturges(n)
-    elif rule == "square-root":
-        count = math.sqrt(n)
-    else:
-        low, high = np.percentile(errors, [25.0, 75.0])
-        width = 3.49 * errors.std(ddof=1) if rule == "scott" else 2.0 * (high - low)
-        count = float(np.ptp(errors) / (width / n ** (1 / 3))) if width > 0.0 else math.inf
+    count = RULES[validate.choice("bins", bins, tuple(RULES))](errors)
     return math.ceil(min(max(4.0, count), _MOST_CLASSES))
 
 
@@ -95,19 +99,11 @@ def histogram(errors: ArrayLike, bins: int) -> Histogram:
     edges = low + width * np.arange(bins + 1)
     middle = edges[..., :-1] + 0.5 * width
     mean = (observed * middle).sum(axis=-1, keepdims=True) / n
-    variance = (observed * (middle - mean) ** 2).sum(axis=-1, keepdims=True) / n
-    deviation = np.sqrt(variance)
-    expected = n * _shares((edges - mean) / deviation)
-    return Histogram(edges, observed, expected, mean[..., 0], deviation[..., 0])
-
-
-def _shares(edges: FloatArray) -> FloatArray:
-    """Probability of each class; from the nearer tail, where ends differ by little."""
-    from scipy.special import ndtr
-
-    low, high = edges[..., :-1], edges[..., 1:]
-    above = low > 0.0
-    return np.asarray(ndtr(np.where(above, -low, high)) - ndtr(np.where(above, -high, low)))
+    deviation = np.sqrt((observed * (middle - mean) ** 2).sum(axis=-1, keepdims=True) / n)
+    z = (edges - mean) / deviation
+    # from the nearer tail, where the ends of a class differ by little
+    shares = np.where(z[..., :-1] > 0.0, np.diff(special.ndtr(-z)), np.diff(special.ndtr(z)))
+    return Histogram(edges, observed, n * np.abs(shares))
 
 
 def counts(classes: np.ndarray, bins: int) -> np.ndarray:
@@ -146,7 +142,8 @@ def published_chi_squared(classes: Histogram) -> NormalityTest:
     with np.errstate(all="ignore"):  # nothing may be expected in a class
         terms = (observed - expected) ** 2 / expected
     statistic = np.where(observed == expected, 0.0, terms).sum(axis=-1)
-    return _compared(statistic, classes.observed.shape[-1] - 3)
+    freedom = observed.shape[-1] - 3
+    return NormalityTest(statistic, freedom, special.chdtrc(freedom, statistic))
 
 
 def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
@@ -168,14 +165,12 @@ def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
     Source: Rao and Robson (1974), Communications in Statistics 3; Nikulin (1973),
     Theory of Probability and its Applications 18.
     """
-    from scipy.special import ndtr, ndtri
-
     values = np.asarray(errors, dtype=float)
     expected = values.shape[-1] / bins
-    share = ndtr(_standardised(values, ddof=0))
+    share = special.ndtr(stats.zscore(values, axis=-1))
     observed = counts(np.minimum((bins * share).astype(int), bins - 1), bins)
     deviation = (observed - expected) / np.sqrt(expected)
-    inner = ndtri(np.arange(1, bins) / bins)
+    inner = special.ndtri(np.arange(1, bins) / bins)
     density = np.exp(-0.5 * inner**2) / np.sqrt(2.0 * np.pi)
     # how fast the classes' probabilities change with mean and deviation, in units of the latter
     rates = np.diff([density, inner * density], prepend=0.0, append=0.0, axis=-1)
@@ -183,7 +178,8 @@ def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
     information = np.diag([1.0, 2.0]) - rates @ rates.T
     known = deviation @ rates.T
     put_back = (known * np.linalg.solve(information, known[..., None])[..., 0]).sum(axis=-1)
-    return _compared((deviation**2).sum(axis=-1) + put_back, bins - 1)
+    statistic = (deviation**2).sum(axis=-1) + put_back
+    return NormalityTest(statistic, bins - 1, special.chdtrc(bins - 1, statistic))
 
 
 def anderson_darling(errors: ArrayLike) -> NormalityTest:
@@ -201,12 +197,10 @@ def anderson_darling(errors: ArrayLike) -> NormalityTest:
 
     Source: D'Agostino and Stephens (1986), Goodness-of-fit techniques, table 4.9.
     """
-    from scipy.special import log_ndtr
-
-    z = np.sort(_standardised(np.asarray(errors, dtype=float), ddof=1), axis=-1)
+    z = np.sort(stats.zscore(errors, axis=-1, ddof=1), axis=-1)
     n = z.shape[-1]
-    weight = (2.0 * np.arange(1, n + 1) - 1.0) / n
-    statistic = -n - ((log_ndtr(z) + log_ndtr(-z[..., ::-1])) * weight).sum(axis=-1)
+    logs = special.log_ndtr(z) + special.log_ndtr(-z[..., ::-1])
+    statistic = -n - logs @ (np.arange(1, 2 * n, 2) / n)
     return NormalityTest(statistic, 0, _anderson_darling_p(statistic, n))
 
 
@@ -220,15 +214,3 @@ def _anderson_darling_p(statistic: FloatArray, n: int) -> FloatArray:
     ]
     smallest = 1.0 - np.exp(-13.436 + 101.14 * a - 223.73 * a**2)
     return np.select([a >= 0.6, a > 0.34, a > 0.2], p_values, smallest)
-
-
-def _compared(statistic: FloatArray, degrees_of_freedom: int) -> NormalityTest:
-    from scipy.special import chdtrc
-
-    return NormalityTest(statistic, degrees_of_freedom, chdtrc(degrees_of_freedom, statistic))
-
-
-def _standardised(values: FloatArray, ddof: int) -> FloatArray:
-    centred = values - values.mean(axis=-1, keepdims=True)
-    scaled: FloatArray = centred / values.std(axis=-1, ddof=ddof, keepdims=True)
-    return scaled

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain
 from os import PathLike
 
 import numpy as np
@@ -63,10 +62,9 @@ class Readings:
                 f"input, output and line must be of one length, got {size}, {len(self.output)} "
                 f"and {len(lines)}; give NaN for a missing reading"
             )
-        columns = {
-            name: _column(name, getattr(self, name), lines, where) for name in ("input", "output")
-        }
-        vars(self).update(columns, line=lines)
+        for name in ("input", "output"):
+            vars(self)[name] = _column(name, getattr(self, name), lines, where)
+        vars(self)["line"] = lines
         if self.samples < LEAST_SAMPLES:
             raise InvalidValue(
                 f"readings must have at least {LEAST_SAMPLES} complete samples, "
@@ -85,13 +83,23 @@ class Readings:
 
     @cached_property
     def counted_input(self) -> FloatArray:
-        """Input that counts on over turns, NaN where it is missing, shape (n,) [rad]."""
+        """Input that counts on over turns, NaN where it is missing, shape (n,) [rad].
+
+        Neighbouring samples are taken to be less than half a turn apart, the first to lie
+        within half a turn of zero. Across samples without an input the latter is taken to have
+        gone on at its usual pace meanwhile.
+        """
         known = np.flatnonzero(np.isfinite(self.input))
         angle = self.input[known]
         if not wraps(angle):
             return self.input
+        step, apart = np.diff(angle, prepend=0.0), np.diff(known, prepend=known[0])
+        turns, near = -np.round(step / TURN), apart == 1
+        if near.any():
+            pace = np.median((step + TURN * turns)[near])
+            turns = np.where(near, turns, np.round((pace * apart - step) / TURN))
         counted = np.full_like(self.input, np.nan)
-        counted[known] = unwrapped(angle, known)
+        counted[known] = angle + TURN * np.cumsum(turns)
         return counted
 
     @property
@@ -108,13 +116,12 @@ class Readings:
 def _column(name: str, values: ArrayLike, lines: np.ndarray, where: str) -> FloatArray:
     remedy = "give a row of angles in rad, NaN for a missing reading"
     try:
-        angles: FloatArray = np.ma.filled(
-            np.ma.asanyarray(values).astype(float, copy=False), np.nan
-        )
+        given = np.ma.asanyarray(values).astype(float, copy=False)
     except (TypeError, ValueError):
-        raise validate.fail(name, "a row of real numbers", values, remedy) from None
-    if angles.ndim != 1:
-        raise validate.fail(name, "a row of real numbers", angles.shape, remedy)
+        given = np.empty((0, 0))
+    if given.ndim != 1:
+        raise validate.fail(name, "a row of real numbers", values, remedy)
+    angles = np.asarray(np.ma.filled(given, np.nan))
     far = np.flatnonzero(np.abs(angles) > FARTHEST)
     if far.size:
         got = f"{float(angles[far[0]])!r} rad in {where} {lines[far[0]]}"
@@ -125,32 +132,6 @@ def _column(name: str, values: ArrayLike, lines: np.ndarray, where: str) -> Floa
 def wraps(angle: FloatArray) -> bool:
     """Whether angles [rad] stay within a turn, as of an encoder that starts again at zero."""
     return bool(np.ptp(angle) <= TURN * (1.0 + 1e-9))
-
-
-def unwrapped(angle: FloatArray, place: np.ndarray) -> FloatArray:
-    """Input angles that count on over turns [rad].
-
-    Neighbouring samples are taken to be less than half a turn apart, the first to lie
-    within half a turn of zero. Across samples without an input the latter is taken to have gone
-    on at its usual pace meanwhile.
-
-    Parameters
-    ----------
-    angle : ndarray, shape (n,)
-        Angles within a turn [rad].
-    place : ndarray of int, shape (n,)
-        Number of each sample, those without an input counted.
-    """
-    step = np.diff(angle)
-    turns = -np.round(step / TURN)
-    apart = np.diff(place)
-    near = apart == 1
-    if near.any() and not near.all():
-        pace = float(np.median((step + TURN * turns)[near]))
-        turns = np.where(near, turns, np.round((pace * apart - step) / TURN))
-    first = -np.round(angle[0] / TURN)
-    counted: FloatArray = angle + TURN * (first + np.concatenate([[0.0], np.cumsum(turns)]))
-    return counted
 
 
 def blocks(count: int) -> Iterator[slice]:
@@ -240,14 +221,14 @@ def write_table(
     """Write columns of angles [rad] as CSV in degrees, with comments at its head."""
     label = f"{_SYNTHETIC} data: computed by escapement, not measured\n" if synthetic else ""
     comments = "".join(f"# {line}\n" for line in note.splitlines())
-    text = chain([label + comments + ",".join(columns) + "\n"], _rows(list(columns.values())))
-    write_file(path, map(str.encode, text), force)
 
+    def text() -> Iterator[bytes]:
+        """Lines, a block of samples at a time; an empty field for what is missing."""
+        yield (label + comments + ",".join(columns) + "\n").encode()
+        # six decimals of a degree are ten times finer than an encoder of 26 bits
+        row = ",".join(["%.6f"] * len(columns)) + "\n"
+        for part in blocks(len(next(iter(columns.values())))):
+            table = np.degrees([column[part] for column in columns.values()]).T + 0.0
+            yield (row * len(table) % tuple(table.ravel())).replace("nan", "").encode()
 
-def _rows(columns: list[FloatArray]) -> Iterator[str]:
-    """Lines, a block of samples at a time; an empty field for what is missing."""
-    # six decimals of a degree are ten times finer than an encoder of 26 bits
-    row = ",".join(["%.6f"] * len(columns)) + "\n"
-    for part in blocks(columns[0].size):
-        table = np.degrees([column[part] for column in columns]).T + 0.0
-        yield (row * len(table) % tuple(table.ravel())).replace("nan", "")
+    write_file(path, text(), force)

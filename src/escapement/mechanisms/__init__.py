@@ -4,7 +4,7 @@ A kind of mechanism is a class derived from `Kind`, in a module of its own, and 
 `KINDS`. Modules are loaded when they are first asked for.
 """
 
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from escapement.lazy import offered
@@ -30,8 +30,7 @@ DEFAULT_KIND = "geneva"
 
 def kind_of(name: str) -> "type[Kind]":
     """The class of a kind."""
-    module, _, attribute = KINDS[name].partition(":")
-    kind: type[Kind] = getattr(import_module(f"{__name__}.{module}"), attribute)
+    kind: type[Kind] = resolve_name(f"{__name__}.{KINDS[name]}")
     return kind
 
 

@@ -1,20 +1,20 @@
 """The rows of a position function: what they must be, and the function through them."""
 
+from __future__ import annotations
+
 import math
 import warnings
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from os import PathLike
+from itertools import product
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from escapement import validate
-from escapement.columns import read_columns
-from escapement.errors import InputFileError, InvalidValue
-from escapement.mechanisms._periodic_spline import PeriodicSpline, interpolating, smoothing
+from escapement.errors import InvalidValue
+from escapement.mechanisms.kind import Kind, np, table
 from escapement.model import FloatArray
+from escapement.quantity import Numbers, Truth, quantity, setting
 
 FEWEST = 12
 MOST_EXACT = 601
@@ -22,68 +22,27 @@ _ALLOWED = 0.02  # error that rounding may make of a ratio, and of its greatest 
 _NEARER = 50.0  # units of the last digit by which exact rows must be apart for that
 _BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
 _SAMPLES = 2001
-_ROUNDING = 4.0 * np.finfo(float).eps  # of the angles: what an even ratio leaves in a table
-_CLOSE = 1e-9  # of a cell: angles this near each other are the same
+_ROUNDING = 2.0**-50  # of the angles: what an even ratio leaves in a table
+_CLOSE = 1e-9  # of a cell: angles this _near each other are the same
 _GAP = 0.1  # of a cell without rows: the curve across is a guess
 _MANY = {False: 5.0, True: 15.0}  # usual distances of exact, measured rows: no gap by chance
 _OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
 
 
-def read_angles(path: str | PathLike[str]) -> tuple[FloatArray, FloatArray]:
-    """Driver and follower angles of a table in a text file; see `Tabulated.from_csv` [rad]."""
-    found = read_columns(path, "table", by_order=True)
-    if set(found.units) == {"rad", None}:
-        raise InputFileError(
-            f"table {path} must name the units of both columns or of neither, got radians for one; "
-            "write for example theta_deg,phi_deg"
-        )
-    bad = np.flatnonzero(~np.isfinite(np.sum(found.angles, axis=0)))
-    if bad.size:
-        raise InputFileError(
-            f"{path}, line {found.line[bad[0]]} must have two finite numbers; leave out the row"
-        )
-    return found.angles
-
-
-def column(name: str, values: Any) -> FloatArray:
-    """A 1-D array of finite numbers, long enough for a spline."""
-    try:
-        given = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise validate.fail(name, "a list of numbers", values, "give angles in rad") from None
-    if given.ndim != 1:
-        raise validate.fail(name, "one-dimensional", given.shape, "give a list of angles")
-    if given.size < FEWEST:
-        rule = f"at least {FEWEST} rows long"
-        raise validate.fail(name, rule, given.size, "give more of the position function")
-    if not np.isfinite(given).all():
-        bad = float(given[~np.isfinite(given)][0])
-        raise validate.fail(name, "finite throughout", bad, "leave out the row")
-    return given
-
-
-def check_rows(theta: FloatArray, phi: FloatArray, measured: bool) -> None:
-    """A follower angle for each driver angle, and of an exact table not too many."""
-    if theta.size != phi.size:
-        raise validate.fail(
-            "phi", f"as long as theta, {theta.size}", phi.size, "give one phi a theta"
-        )
-    if not measured and theta.size > MOST_EXACT:
+def columns(theta: Any, phi: Any, measured: bool) -> tuple[FloatArray, FloatArray]:
+    """Driver and follower angles as arrays, as many of both: enough, and not too many."""
+    remedy = "give a list of angles in rad"
+    x, y = validate.numbers("theta", theta, remedy), validate.numbers("phi", phi, remedy)
+    if x.ndim != 1 or x.size < FEWEST:
+        rule = f"at least {FEWEST} rows long, a number a row"
+        raise validate.fail("theta", rule, x.shape, "give more of the position function")
+    if y.shape != x.shape:
+        raise validate.fail("phi", f"as long as theta, {x.size}", y.shape, "give one phi a theta")
+    if not measured and x.size > MOST_EXACT:
         rule = f"at most {MOST_EXACT} rows of an exact table"
         remedy = "leave rows out, or say that they are measured"
-        raise validate.fail("theta", rule, theta.size, remedy)
-
-
-def one_cell(theta: FloatArray) -> float:
-    """The cell of which the rows are the whole, from end to end."""
-    rising = np.diff(theta) > 0.0
-    if not rising.all():
-        late = float(theta[1 + int(np.argmin(rising))])
-        raise InvalidValue(
-            "theta must ascend from one end of the cell to the other, got "
-            f"{late!r} out of order; sort the table, or give cell_angle and follower_step"
-        )
-    return float(theta[-1] - theta[0])
+        raise validate.fail("theta", rule, x.size, remedy)
+    return x, y
 
 
 def last_digit(angles: FloatArray) -> float:
@@ -91,82 +50,95 @@ def last_digit(angles: FloatArray) -> float:
 
     Zero for numbers in full precision.
     """
-    for decimals in range(10):
-        for unit in (math.radians(1.0), 1.0):
-            digit = unit * 10.0**-decimals
-            whole = angles / digit
-            if np.abs(whole - np.round(whole)).max() < 1e-3:
-                return digit
+    for decimals, unit in product(range(10), (math.radians(1.0), 1.0)):
+        digit = unit * 10.0**-decimals
+        whole = angles / digit
+        if np.abs(whole - np.round(whole)).max() < 1e-3:
+            return digit
     return 0.0
 
 
-def check_spacing(gap: float, digit: float, steepest: float, mean: float, cell: float) -> None:
-    """Whether exact rows are far enough apart for the digits they have.
-
-    `gap` is their least distance in driver angle, `digit` the unit of the follower angles' last
-    digit [rad]; `steepest` the greatest derivative of the ratio through them, `mean` the mean
-    ratio, over the `cell` [rad].
-    """
-    # the derivative less what the rounding puts into it; next to none is no measure
-    steepest = max(steepest - _ALLOWED * _BENT * digit / gap**2, mean / cell)
-    least = max(_NEARER * digit / mean, math.sqrt(_BENT * digit / steepest))
-    if gap < least:
-        raise InvalidValue(
-            f"theta must differ by at least {least:.2g} rad from row to row in an exact table of "
-            f"phi rounded to {digit:.2g} rad, cells taken together, got {gap:.2g}; give more "
-            "digits, leave rows out, or say that they are measured"
-        )
-
-
-def scatter(theta: FloatArray, phi: FloatArray) -> float:
-    """Standard deviation of scattered rows, roughly and rather too great: from their bends."""
-    bends = np.diff(phi[np.argsort(theta)], 2)
-    return float(1.4826 * np.median(np.abs(bends)) / math.sqrt(6.0))
-
-
-def leaps(x: FloatArray, y: FloatArray, period: float) -> float:
-    """How much y leaps from point to point of a period, ascending; gaps excuse leaps."""
-    gaps = np.diff(np.append(x, x[0] + period))
-    # readings at one angle scatter too: no gap counts as less than the mean one
-    return float((np.diff(np.append(y, y[0])) ** 2 / (gaps + period / x.size)).sum())
-
-
-@dataclass(frozen=True, eq=False)
-class FoldedRows:
+@dataclass(frozen=True, repr=False)
+class Rows(Kind):
     """Rows of any cells, to be folded into the one that begins with the least driver angle.
 
-    The attributes are those of `Tabulated`, checked one by one.
+    What the numbers are is said in `Tabulated`.
     """
 
-    theta: FloatArray
-    phi: FloatArray
-    measured: bool
-    cell_angle: float
-    follower_step: float
+    theta: Sequence[float] = field(metadata=setting(
+        Numbers(long_name="driver angles [rad]", remedy="give a list of angles in rad")
+    ))  # fmt: skip
+    phi: Sequence[float] = field(metadata=setting(
+        Numbers(long_name="follower angles [rad]", remedy="give a list of angles in rad")
+    ))  # fmt: skip
+    measured: bool = field(default=False, metadata=setting(
+        Truth(long_name="the rows scatter: a smooth curve goes between them")
+    ))  # fmt: skip
+    cell_angle: float = field(default=0.0, metadata=quantity(
+        "driver angle after which the motion repeats itself", "angle", exclusive=True, axis=False,
+        metavar="DEG", remedy="give the angle, after it the motion repeats itself"
+    ))  # fmt: skip
+    follower_step: float = field(default=0.0, metadata=quantity(
+        "what the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
+        remedy="give the angle, the follower must have turned on from cell to cell"
+    ))  # fmt: skip
 
-    def warn_of_gap(self) -> None:
+    def __post_init__(self) -> None:
+        measured = validate.truth("measured", self.measured)
+        theta, phi = columns(self.theta, self.phi, measured)
+        cell, step = self.cell_angle, self.follower_step
+        if cell == 0.0:
+            late = np.flatnonzero(np.diff(theta) <= 0.0)
+            if late.size:
+                raise InvalidValue(
+                    "theta must ascend from one end of the cell to the other, got "
+                    f"{float(theta[1 + late[0]])!r} out of order; sort the table, or give "
+                    "cell_angle and follower_step"
+                )
+            cell, turned = float(theta[-1] - theta[0]), float(phi[-1] - phi[0])
+            if step == 0.0 and measured:
+                turned = table.smoothing(theta, phi, cell, rising=True)[1]
+            step = step or abs(turned)
+        elif step == 0.0:
+            raise InvalidValue(
+                "cell_angle must come with follower_step, got it alone; give both, or neither "
+                "for a table of one whole cell"
+            )
+        angles = {"theta": tuple(theta.tolist()), "phi": tuple(phi.tolist())}
+        vars(self).update(angles, measured=measured, cell_angle=cell, follower_step=step)
+        self.check_fields()
+        if self._is_one_cell:
+            self._check_step()
+        self._warn_of_gap()
+
+    @cached_property
+    def _angles(self) -> tuple[FloatArray, FloatArray]:
+        return np.array(self.theta), np.array(self.phi)
+
+    def _warn_of_gap(self) -> None:
         """Warn the caller of the mechanism where much of the cell has no rows."""
-        places = self._folded(self.theta)[0]
-        distances = np.diff(np.append(places, places[0] + self.cell_angle))
+        places, cell = self._folded[0], self.cell_angle
+        distances = np.diff(np.append(places, places[0] + cell))
         widest = int(np.argmax(distances))
-        usual = float(np.median(distances[distances > self.near]))
-        if distances[widest] > max(_GAP * self.cell_angle, _MANY[self.measured] * usual):
-            gap, cell, after = map(
-                math.degrees, (distances[widest], self.cell_angle, places[widest])
-            )
-            warnings.warn(
-                f"theta must have rows all over the cell, and has none for {gap:.3g} of {cell:.4g} "
-                f"degrees after {after:.4g}: the curve across is a guess; give rows there",
-                stacklevel=4,
-            )
+        usual = float(np.median(distances[distances > self._near]))
+        if distances[widest] > max(_GAP * cell, _MANY[self.measured] * usual):
+            gap, whole, after = np.degrees([distances[widest], cell, places[widest]])
+            rule = f"and has none for {gap:.3g} of {whole:.4g} degrees after {after:.4g}"
+            remedy = "the curve across is a guess; give rows there"
+            warnings.warn(f"theta must have rows all over the cell, {rule}: {remedy}", stacklevel=4)
 
-    def check_step(self) -> None:
+    def _check_step(self) -> None:
         """Refuse rows of a whole cell that do not turn by what they are said to."""
-        step, turned = self.follower_step, abs(self._turned)
-        doubt = 5.0 * scatter(self.theta, self.phi) if self.measured else 2.0 * last_digit(self.phi)
+        theta, phi = self._angles
+        phi, step = phi[np.argsort(theta)], self.follower_step
+        turned = abs(float(phi[-1] - phi[0]))
+        if self.measured:  # five deviations of the scatter, rather too great, from its bends
+            doubt = 5.0 * 1.4826 * float(np.median(np.abs(np.diff(phi, 2)))) / math.sqrt(6.0)
+        else:
+            doubt = 2.0 * last_digit(phi)
         allowed = max(_OPEN[self.measured] * step, doubt)
         # a last row beside the end of the cell is short of it
-        allowed += 3.0 * self.mean_ratio * abs(float(np.ptp(self.theta)) - self.cell_angle)
+        allowed += 3.0 * self._mean_ratio * abs(float(np.ptp(theta)) - self.cell_angle)
         if abs(turned - step) > allowed:
             degrees = math.degrees(turned)
             rule = f"what phi turns over the cell, {turned:.9g} rad or {degrees:.7g} degrees"
@@ -176,64 +148,79 @@ class FoldedRows:
     @cached_property
     def sense(self) -> float:
         """+1 or -1: how the follower turns."""
-        if self.is_one_cell:
-            return math.copysign(1.0, self._turned)
         # a follower that turns back may fall along most of the rows: what tells is
         # whether the rest closes from cell to cell
-        folded, order = self._folded(self.theta)
-        senses = (1.0, -1.0)
-        return min(senses, key=lambda s: leaps(folded, self._rest(s)[order], self.cell_angle))
+        return min((1.0, -1.0), key=self._leaps)
+
+    def _leaps(self, sense: float) -> float:
+        """How much the rest leaps from row to row, were this the sense; gaps excuse leaps."""
+        places, order = self._folded
+        rest = self._rest(sense)[order]
+        gaps = np.diff(np.append(places, places[0] + self.cell_angle))
+        # readings at one angle scatter too: no gap counts as less than the mean one
+        weights = 1.0 / (gaps + self.cell_angle / places.size)
+        return float(weights @ np.diff(np.append(rest, rest[0])) ** 2)
 
     @cached_property
-    def spline(self) -> PeriodicSpline:
+    def spline(self) -> table.PeriodicSpline:
         """The position function less its mean rise, over the cell."""
-        theta, rest = self.theta, self._rest(self.sense)
-        if not self.measured and self.is_one_cell:
-            last = int(np.argmax(theta))  # the first again
-            theta, rest = np.delete(theta, last), np.delete(rest, last)
-        folded, order = self._folded(theta)
+        rest, (places, order) = self._rest(self.sense), self._folded
         if self.measured:
-            return smoothing(folded, rest[order], self.cell_angle)
-        x = np.append(folded, folded[0] + self.cell_angle)
-        gap, digit = float(np.diff(x).min()), last_digit(self.phi)
-        if gap <= self.near:
+            return table.smoothing(places, rest[order], self.cell_angle)[0]
+        if self._is_one_cell:  # its last row is the first again
+            first = order != np.argmax(self._angles[0])
+            places, order = places[first], order[first]
+        x = np.append(places, places[0] + self.cell_angle)
+        gap = float(np.diff(x).min())
+        if gap <= self._near:
             raise InvalidValue(
                 "theta must differ from row to row in an exact table, cells taken together; "
                 "leave out what repeats itself, or say that the rows are measured"
             )
-        spline = interpolating(x, np.append(rest[order], rest[order[0]]))
-        if np.ptp(rest) > 0.0 and digit > 0.0:
-            steepest = np.abs(spline(np.linspace(x[0], x[-1], _SAMPLES), 2)).max()
-            check_spacing(gap, digit, float(steepest), self.mean_ratio, self.cell_angle)
+        spline = table.interpolating(x, rest[[*order, order[0]]])
+        if np.ptp(rest) > 0.0:
+            self._check_spacing(spline, gap)
         return spline
 
+    def _check_spacing(self, spline: table.PeriodicSpline, gap: float) -> None:
+        """Refuse exact rows that are too near each other for the digits they have."""
+        digit, mean = last_digit(self._angles[1]), self._mean_ratio
+        start = spline.knots[0]
+        angles = np.linspace(start, start + self.cell_angle, _SAMPLES)
+        steepest = float(np.abs(spline(angles, 2)).max())
+        # the derivative less what the rounding puts into it; next to none is no measure
+        steepest = max(steepest - _ALLOWED * _BENT * digit / gap**2, mean / self.cell_angle)
+        least = max(_NEARER * digit / mean, math.sqrt(_BENT * digit / steepest))
+        if gap < least:
+            raise InvalidValue(
+                f"theta must differ by at least {least:.2g} rad from row to row in an exact table "
+                f"of phi rounded to {digit:.2g} rad, cells taken together, got {gap:.2g}; give "
+                "more digits, leave rows out, or say that they are measured"
+            )
+
     @property
-    def mean_ratio(self) -> float:
+    def _mean_ratio(self) -> float:
         """What the follower turns for each radian of the driver [-]."""
         return self.follower_step / self.cell_angle
 
     @property
-    def is_one_cell(self) -> bool:
+    def _is_one_cell(self) -> bool:
         """Whether the rows reach from one end of a cell to the other."""
-        length = float(np.ptp(self.theta))
-        return abs(length - self.cell_angle) <= self.near
+        return abs(float(np.ptp(self._angles[0])) - self.cell_angle) <= self._near
 
     @cached_property
-    def near(self) -> float:
+    def _near(self) -> float:
         """Driver angles nearer each other than this are the same but for their rounding [rad]."""
         spacing = self.cell_angle / len(self.theta)
-        rounding = min(2.0 * last_digit(self.theta), 0.01 * spacing)
+        rounding = min(2.0 * last_digit(self._angles[0]), 0.01 * spacing)
         return max(_CLOSE * self.cell_angle, rounding)
 
-    @property
-    def _turned(self) -> float:
-        """From the least driver angle to the greatest [rad]."""
-        return float(self.phi[np.argmax(self.theta)] - self.phi[np.argmin(self.theta)])
-
-    def _folded(self, theta: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+    @cached_property
+    def _folded(self) -> tuple[FloatArray, Any]:
         """Driver angles in the cell that begins with the least, ascending; their order."""
+        theta = self._angles[0]
         start = float(theta.min())
-        end = start + self.cell_angle - self.near
+        end = start + self.cell_angle - self._near
         folded = np.where(theta < end, theta, start + np.mod(theta - start, self.cell_angle))
         # rounding must not part the two ends of the cell
         folded[folded >= end] = start
@@ -242,9 +229,8 @@ class FoldedRows:
 
     def _rest(self, sense: float) -> FloatArray:
         """Follower angles of the rows less the mean rise, were this their sense."""
-        theta, phi = self.theta, sense * self.phi
-        rest = phi - self.mean_ratio * (theta - theta[0])
-        if np.ptp(rest) <= _ROUNDING * (np.abs(phi).max() + self.mean_ratio * np.abs(theta).max()):
+        theta, phi = self._angles
+        rest = sense * phi - self._mean_ratio * (theta - theta[0])
+        if np.ptp(rest) <= _ROUNDING * (np.abs(phi).max() + self._mean_ratio * np.abs(theta).max()):
             rest[:] = rest[0]  # an even ratio: a spline through rounding would accelerate
-        result: FloatArray = rest
-        return result
+        return np.asarray(rest)

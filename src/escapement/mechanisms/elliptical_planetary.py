@@ -23,19 +23,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from escapement import validate
 from escapement.lazy import Lazy
-from escapement.mechanisms.kind import CELL, Kind
+from escapement.mechanisms.kind import CELL, ArrayLike, Kind, np, slotted, table
 from escapement.model import FloatArray
-from escapement.quantity import quantity
+from escapement.quantity import Quantity, quantity
 from escapement.scene import Path
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike
-
     from escapement.mechanisms import elliptical_teeth as teeth
-    from escapement.mechanisms import slotted
 else:
-    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
     teeth = Lazy("escapement.mechanisms.elliptical_teeth")
 
 TOLERANCES = (0.01, 0.1, 1.0)
@@ -48,7 +43,7 @@ _SHRINKING = 20  # halvings of the pieces towards a stop: to a millionth of a ce
 _OUTSIDE = 8.0  # last digits of an angle
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EllipticalPlanetary(Kind):
     """Planetary drive with a pair of elliptical gears.
 
@@ -92,15 +87,12 @@ class EllipticalPlanetary(Kind):
         self.check_fields()
         sun, planet = self.sun_radius, self.planet_radius
         if not sun > planet:
-            raise validate.fail(
-                "sun_radius", f"greater than the planet_radius, {planet!r}", sun,
-                "R1 = a + c and R2 = a - c, so the sun is the greater",
-            )  # fmt: skip
+            rule = f"greater than the planet_radius, {planet!r}"
+            remedy = "R1 = a + c and R2 = a - c, so the sun is the greater"
+            raise validate.fail("sun_radius", rule, sun, remedy)
         if sun > _GREATEST_RATIO * planet:
-            raise validate.fail(
-                "sun_radius / planet_radius", f"at most {_GREATEST_RATIO:g}", sun / planet,
-                "give a greater planet",
-            )  # fmt: skip
+            name, rule = "sun_radius / planet_radius", f"at most {_GREATEST_RATIO:g}"
+            raise validate.fail(name, rule, sun / planet, "give a greater planet")
 
     @classmethod
     def from_ellipse(cls, semi_major_axis: float, eccentricity: float) -> Self:
@@ -210,12 +202,10 @@ class EllipticalPlanetary(Kind):
         about = validate.non_negative("moment", moment, "give it about the satellite shaft")
         away = validate.number("offset", offset, "give the distance from the shaft in m")
         if weight * away * away > about * (1.0 + 1e-12):
-            raise validate.fail(
-                "moment", f"at least mass offset^2 = {weight * away * away:g}", about,
-                "give it about the satellite shaft, not about the centre of mass",
-            )  # fmt: skip
-        faster = 1.0 + self.ratio
-        arm = self.centre_distance
+            rule = f"at least mass offset^2 = {weight * away * away:g}"
+            remedy = "give it about the satellite shaft, not about the centre of mass"
+            raise validate.fail("moment", rule, about, remedy)
+        faster, arm = 1.0 + self.ratio, self.centre_distance
         return weight * arm * arm + about * faster * faster, 2.0 * weight * arm * away * faster
 
     @property
@@ -281,22 +271,17 @@ class EllipticalPlanetary(Kind):
         accuracy where both vanish. The stops lie a few roundings outside of the cell,
         lest the sign of a force that vanishes there be decided by an angle's last digit.
         """
-        from escapement.mechanisms.table import chebyshev_table, read_table, table_path
-
         entry, exit_ = self.breaks
         away = 0.5 * exit_ * np.append(0.0, np.exp2(np.arange(-_SHRINKING, 1)))
         outside = _OUTSIDE * math.ulp(exit_)
         parts = (
-            (entry, lambda x: self._from_stop(x + outside), away),
-            (0.0, lambda x: self.transmission(x).g, away[[-1, -1]] * [-1.0, 1.0]),
-            (exit_, lambda x: self._from_stop(x - outside), -away[::-1]),
+            (entry, table.resolved(lambda x: self._from_stop(x + outside), away)),
+            (0.0, table.resolved(lambda x: self.transmission(x).g, away[[-1, -1]] * [-1.0, 1.0])),
+            (exit_, table.resolved(lambda x: self._from_stop(x - outside), -away[::-1])),
         )
-        starts, series = [], []
-        for zero, function, places in parts:
-            edges, table = read_table(chebyshev_table(function, places.tolist()))
-            starts.append(zero + edges[:-1])
-            series.append(table)
-        return table_path(np.concatenate([*starts, [exit_]]), np.concatenate(series))
+        starts = [zero + series.edges[:-1] for zero, series in parts]
+        rows = [series.rows for _zero, series in parts]
+        return table.table_path(np.concatenate([*starts, [exit_]]), np.concatenate(rows))
 
     def _from_stop(self, angle: FloatArray) -> FloatArray:
         """Transmission at driver angles from a stop."""
@@ -353,38 +338,27 @@ class EllipticalPlanetary(Kind):
         """
         limit = validate.positive("angle", angle, "give the tolerated deviation in rad")
         # every cell turns the output by a step, its second half as the first turned back
-        cells, rest = divmod(limit, self.follower_step)
-        if rest > 0.5 * self.follower_step:
-            cells, rest = cells + 1.0, rest - self.follower_step
+        rest = math.remainder(limit, self.follower_step)
+        cells = round((limit - rest) / self.follower_step)
         return 2.0 * (cells * self.cell_angle + math.copysign(self._way(abs(rest)), rest))
 
     def _way(self, limit: float) -> float:
         """Driver angle from a stop in which the output turns by up to half a step [rad]."""
+        from scipy.integrate import quad
         from scipy.optimize import brentq
+
+        def left(angle: float) -> float:
+            # the integral keeps its digits where little is left of the position function
+            turned = quad(self._from_stop, 0.0, angle, epsabs=0.0, epsrel=1e-13)[0]
+            return float(turned - limit)
 
         # about a stop the output turns by the cube of the planet's turn, further on by no less
         # than 0.6 of that: the root lies below 1.2 of the cube's
         cube = math.cbrt(12.0 * self.ratio**3 * limit / self.ratio_max)
-        high = min(1.3 * cube, math.pi)
-        if limit <= 0.0 or self._turned(high) <= limit:
-            return high / self.ratio
-        found = brentq(lambda turn: self._turned(turn) - limit, 0.05 * high, high, xtol=1e-300)
-        return float(found) / self.ratio
-
-    def _turned(self, turn: float) -> float:
-        """Output angle from a stop while the planet turns by up to pi [rad].
-
-        2 atan(a/k) - turn/k with a = tan(turn/2), of which little is left where a is small
-        or k next to 1.
-        """
-        k, a = self.ratio, math.tan(0.5 * turn)
-        share = (self.sun_radius - self.planet_radius) / self.sun_radius
-        if a > 0.3:
-            return turn * share - 2.0 * math.atan(share * a / (1.0 + a * a / k))
-        powers = np.arange(1, 19)
-        left = -np.expm1(-2.0 * powers * math.log1p(k * share))
-        terms = -((-a * a) ** powers) / (2 * powers + 1) * left
-        return 2.0 * a / k * float(terms.sum())
+        high = min(1.3 * cube, math.pi) / self.ratio
+        if left(high) <= 0.0:
+            return high
+        return float(brentq(left, 0.05 * high, high, xtol=1e-300))
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI."""
@@ -411,7 +385,5 @@ class EllipticalPlanetary(Kind):
 
 def between_0_and(limit: float, name: str, value: float, remedy: str) -> float:
     """`value` as a finite number above 0 and below the limit."""
-    number = validate.positive(name, value, remedy)
-    if not number < limit:
-        raise validate.fail(name, f"below {limit:.6g}", value, remedy)
-    return number
+    rule = Quantity(long_name=name, exclusive=True, maximum=limit, below=True, remedy=remedy)
+    return float(rule.check(name, value))

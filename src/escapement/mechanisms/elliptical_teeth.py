@@ -57,43 +57,31 @@ class PitchEllipse:
     semi_major_axis: float
     eccentricity: float
 
-    @property
-    def semi_minor_axis(self) -> float:
-        """b = a sqrt(1 - e^2) [m]."""
-        e = self.eccentricity
-        return self.semi_major_axis * math.sqrt((1.0 - e) * (1.0 + e))
-
     def radius(self, angle: ArrayLike) -> FloatArray:
         """Distance of the curve from the pivot at angles from the vertex [m] (eq. 6)."""
         e = self.eccentricity
         return self.semi_major_axis * (1.0 - e * e) / (1.0 - e * np.cos(angle))
 
-    def eccentric_anomaly(self, angle: ArrayLike) -> FloatArray:
-        """Angle seen from the ellipse's auxiliary circle, E [rad]; any number of turns."""
-        e = self.eccentricity
-        return stretched(angle, math.sqrt((1.0 + e) / (1.0 - e)))
-
     def arc(self, angle: ArrayLike) -> FloatArray:
         """Length of the curve from the vertex to `angle` [m], an elliptic integral."""
         from scipy.special import ellipe, ellipeinc
 
-        anomaly = self.eccentric_anomaly(angle)
-        m = self.eccentricity**2
+        e = self.eccentricity
+        anomaly = stretched(angle, math.sqrt((1.0 + e) / (1.0 - e)))
         # ellipeinc counts from the minor axis, the vertex is on the major one
-        quarter = ellipe(m)
-        return np.asarray(self.semi_major_axis * (quarter - ellipeinc(0.5 * math.pi - anomaly, m)))
+        away = ellipe(e * e) - ellipeinc(0.5 * math.pi - anomaly, e * e)
+        return np.asarray(self.semi_major_axis * away)
 
     def curvature(self, angle: ArrayLike) -> FloatArray:
         """Curvature of the curve at angles from the vertex [1/m]; b/a^2 at its least."""
-        anomaly = self.eccentric_anomaly(angle)
-        a, b = self.semi_major_axis, self.semi_minor_axis
-        return a * b / ((a * np.sin(anomaly)) ** 2 + (b * np.cos(anomaly)) ** 2) ** 1.5
+        e = self.eccentricity
+        parameter = self.semi_major_axis * (1.0 - e) * (1.0 + e)
+        return np.asarray(np.sin(self.tangent_angle(angle)) ** 3 / parameter)
 
     def tangent_angle(self, angle: ArrayLike) -> FloatArray:
         """Angle from the radius to the tangent, pi/2 on a circle [rad]."""
-        angles = np.asarray(angle, dtype=float)
         e = self.eccentricity
-        return np.asarray(0.5 * math.pi + np.arctan2(e * np.sin(angles), 1.0 - e * np.cos(angles)))
+        return np.asarray(0.5 * math.pi + np.arctan2(e * np.sin(angle), 1.0 - e * np.cos(angle)))
 
 
 def tooth_module(mechanism: EllipticalPlanetary, teeth: int) -> float:
@@ -108,8 +96,7 @@ def tooth_module(mechanism: EllipticalPlanetary, teeth: int) -> float:
         symmetrical about their long axes: a tooth at one end, a gap at the other.
     """
     count = validate.integer("teeth", teeth, 3, "give the teeth of one elliptical gear")
-    around = float(mechanism.pitch_ellipses[0].arc(2.0 * math.pi))
-    return around / (math.pi * count)
+    return float(mechanism.pitch_ellipses[0].arc(2.0 * math.pi)) / (math.pi * count)
 
 
 def fewest_teeth(

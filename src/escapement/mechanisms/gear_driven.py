@@ -6,36 +6,31 @@ import math
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.lazy import Lazy
-from escapement.mechanisms.gear_equation import (
-    COGNATES,
-    CURVES,
-    MOST_LOBES,
-    arm_length,
-    gear_ratio,
-    lobe_ratios,
+from escapement.mechanisms import gear_equation
+from escapement.mechanisms.gear_equation import COGNATES, CURVES, MOST_LOBES
+from escapement.mechanisms.kind import (
+    WHEEL,
+    Arms,
+    ArrayLike,
+    Wheel,
+    np,
+    pin_radius,
+    roller_radius,
+    slotted,
 )
-from escapement.mechanisms.kind import WHEEL, Arms, Wheel
 from escapement.model import FloatArray
 from escapement.quantity import Choice, quantity, setting
 from escapement.scene import Path
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike
-
-    from escapement.mechanisms import slotted
-else:
-    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
-
+_SIZELESS: dict[str, Any] = {"fixed_radius": None, "pin_radius": 0.0, "roller_radius": 0.0}
 _LENGTHS = ("carrier", "arm", "entry_radius", "closest_radius")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class GearDriven(Wheel):
     """Geneva wheel driven by pins on a planet that rolls in or on a fixed gear.
 
@@ -59,7 +54,9 @@ class GearDriven(Wheel):
     solution : int
         Which mechanism, counted from 1 in order of alpha, where there are several.
     fixed_radius : float, optional
-        Radius R0 of the fixed gear [m]; only contact forces need it.
+        Radius R0 of the fixed gear [m]; contact forces and all other lengths need it.
+    pin_radius, roller_radius : float
+        As of a `Geneva` [m].
 
     Raises
     ------
@@ -77,6 +74,7 @@ class GearDriven(Wheel):
     """
 
     kind = "gear-driven"
+    plain_crank = False
     summary = "such a wheel, pins on a planet gear (Dijksman)"
     report_units: ClassVar[dict[str, str]] = dict.fromkeys(("planet_radius", *_LENGTHS), "length")
     reported = (
@@ -114,10 +112,14 @@ class GearDriven(Wheel):
         remedy="give the radius of the fixed gear"
     ))  # fmt: skip
 
+    pin_radius: float = field(default=0.0, metadata=pin_radius())
+    roller_radius: float = field(default=0.0, metadata=roller_radius())
+
     def __post_init__(self) -> None:
         self.check_fields()
-        count = len(lobe_ratios(self.stations, self.lobes, self.curve))
+        count = len(self._ratios)
         if not count:
+            _ = self.gear_ratio  # which refuses too many lobes in words of its own
             raise InvalidValue(
                 f"no mechanism corresponds to stations {self.stations}, lobes {self.lobes} and "
                 f"curve {self.curve!r}: equation (8) has no root with alpha <= pi - gamma and "
@@ -125,14 +127,15 @@ class GearDriven(Wheel):
             )
         if self.solution > count:
             raise validate.fail("solution", f"at most {count} here", self.solution, "leave it out")
-        self._check_pins()
-
-    def _check_pins(self) -> None:
         most = math.floor(1.0 / self.lobe_ratio * (1.0 + 1e-12))
         if self.pins > most:
             rule = f"at most {most} for a ratio of times of {self.lobe_ratio:.6g} a pin"
             remedy = f"give {most}{' or fewer' if most > 1 else ''}: two would be engaged at once"
             raise validate.fail("pins", rule, self.pins, remedy)
+        self._check_unused_lobes()
+        self.check_pin()
+
+    def _check_unused_lobes(self) -> None:
         if self.through_centre and self.unused_lobes:
             rule = "0 for a path through the wheel's centre"
             remedy = "the wheel turns uniformly and would start and stop with a jump"
@@ -140,7 +143,7 @@ class GearDriven(Wheel):
         # in the locked wheel's frame an unused lobe sweeps the angle of one station
         slots = self.slots
         for lobe in range(1, self.unused_lobes + 1):
-            first, last = sorted((self._lobe_turn(lobe), self._slot_turn(lobe)))
+            first, last = sorted((lobe * self._lobe_turn, lobe * self._lobe_turn - self._step_turn))
             if math.floor(last * slots) >= math.ceil(first * slots):
                 raise InvalidValue(
                     "unused_lobes must leave the pin without a slot until it is wanted, got "
@@ -148,13 +151,10 @@ class GearDriven(Wheel):
                     f"lobe {lobe} passes; choose another number"
                 )
 
-    def _lobe_turn(self, lobes: int) -> Fraction:
-        """Turns of the carrier until a pin passes in the same way this many lobes later."""
-        return lobes / (self.pins * abs(self.gear_ratio))
-
-    def _slot_turn(self, lobes: int) -> Fraction:
-        """Turns of the wheel's frame from one slot to where a pin enters this many lobes later."""
-        return self._lobe_turn(lobes) - self._step_turn
+    @property
+    def _lobe_turn(self) -> Fraction:
+        """Turns of the carrier until the next pin passes in the same way."""
+        return 1 / (self.pins * abs(self.gear_ratio))
 
     @property
     def _step_turn(self) -> Fraction:
@@ -164,20 +164,27 @@ class GearDriven(Wheel):
         """
         return Fraction(1 if self.curve == "contracted-hypocycloid" else -1, self.stations)
 
-    @property
+    @cached_property
     def gear_ratio(self) -> Fraction:
         """k = R0/R, fixed gear over planet, negative on the outside (12a-d) [-]."""
-        return gear_ratio(self.stations, self.lobes, self.curve)
+        return gear_equation.gear_ratio(self.stations, self.lobes, self.curve)
 
     @cached_property
+    def _ratios(self) -> list[float]:
+        """V0 of this mechanism and the other solutions, in order of alpha."""
+        return gear_equation.lobe_ratios(self.stations, self.lobes, self.curve)
+
+    @property
     def lobe_ratio(self) -> float:
         """Ratio of times V0 with one pin and every lobe used (9) [-]."""
-        return lobe_ratios(self.stations, self.lobes, self.curve)[self.solution - 1]
+        return self._ratios[self.solution - 1]
 
     @property
     def alpha(self) -> float:
         """Driver angle over which one pin moves the wheel (8) [rad]."""
         return 2.0 * math.pi * self.lobe_ratio / abs(float(self.gear_ratio))
+
+    engagement_angle = alpha
 
     @property
     def through_centre(self) -> bool:
@@ -188,16 +195,15 @@ class GearDriven(Wheel):
     def arms(self) -> Arms:
         """Carrier and the planet's arm, in radii of the fixed gear."""
         source = self.curve if self.curve in CURVES[:2] else COGNATES[self.curve]
-        k = float(gear_ratio(self.stations, self.lobes, source))
+        k = float(gear_equation.gear_ratio(self.stations, self.lobes, source))
         alpha = 2.0 * math.pi * self.lobe_ratio / abs(k)
-        carrier = 1.0 - 1.0 / k
-        arm = (
-            carrier if self.through_centre else arm_length(k, alpha, 2.0 * math.pi / self.stations)
-        )
-        if source == self.curve:
-            return Arms(carrier, 1.0, arm, 1.0 - k)
-        # the cognate's carrier is the other vector; its fixed gear has the radius k MC
-        return Arms(1.0 / k, 1.0, carrier / (k * arm), 1.0 - float(self.gear_ratio))
+        carrier = arm = 1.0 - 1.0 / k
+        if not self.through_centre:
+            arm = gear_equation.arm_length(k, alpha, 2.0 * math.pi / self.stations)
+        if source != self.curve:
+            # the cognate's carrier is the other vector; its fixed gear has the radius k MC
+            carrier, arm = 1.0 / k, carrier / (k * arm)
+        return Arms(carrier, 1.0, arm, 1.0 - float(self.gear_ratio))
 
     @property
     def carrier_over_fixed(self) -> float:
@@ -232,7 +238,7 @@ class GearDriven(Wheel):
         They stand where pins enter, every (j + 1)/(p |k|) turns of the carrier less the
         wheel's step: n/gcd(n, m + 2) for one pin that uses every lobe.
         """
-        return self._slot_turn(self.unused_lobes + 1).denominator
+        return ((self.unused_lobes + 1) * self._lobe_turn - self._step_turn).denominator
 
     @property
     def cognate(self) -> Self:
@@ -247,22 +253,12 @@ class GearDriven(Wheel):
         InvalidValue
             Where one of the cognate's slots stands in the way of an unused lobe.
         """
-        return replace(self, curve=COGNATES[self.curve], fixed_radius=None)
+        return replace(self, curve=COGNATES[self.curve], **_SIZELESS)
 
     @property
     def crank_radius(self) -> float | None:
         """Unit of the arms [m], which contact forces need; None where it is unknown."""
         return self.fixed_radius
-
-    @property
-    def engagement_angle(self) -> float:
-        """Driver angle over which one pin moves the follower, alpha [rad]."""
-        return self.alpha
-
-    @property
-    def continuous(self) -> bool:
-        """Whether a pin is always engaged: no dwell."""
-        return self.motion_ratio > 1.0 - 1e-12
 
     @property
     def motion_ratio(self) -> float:
@@ -278,9 +274,7 @@ class GearDriven(Wheel):
     @property
     def turns_with_driver(self) -> bool:
         """Whether wheel and carrier turn the same way."""
-        if self.through_centre:
-            return self.arms.rate_1 + self.arms.rate_2 > 0.0
-        return self._step_turn > 0
+        return self._forward > 0.0
 
     @property
     def follower_step(self) -> float:
@@ -288,18 +282,12 @@ class GearDriven(Wheel):
 
         An epicycloid through the wheel's centre turns it by 2 pi - 2 pi/n instead.
         """
-        if self.through_centre:
-            return self._uniform * self.alpha
-        return 2.0 * math.pi / self.stations
+        return self._uniform * self.alpha if self.through_centre else super().follower_step
 
     @property
     def _uniform(self) -> float:
         """|g| of a path through the wheel's centre, |1 - k/2|."""
         return 0.5 * abs(self.arms.rate_1 + self.arms.rate_2)
-
-    @property
-    def _forward(self) -> float:
-        return 1.0 if self.turns_with_driver else -1.0
 
     @cached_property
     def path(self) -> Path:
@@ -347,14 +335,12 @@ class GearDriven(Wheel):
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI, and that of every other solution."""
-        count = len(lobe_ratios(self.stations, self.lobes, self.curve))
-        solutions = [self._with_solution(place)._geometry() for place in range(1, count + 1)]
-        lengths = {}
+        record = self._geometry()
         if self.fixed_radius is not None:
-            lengths["planet_radius"] = self.fixed_radius / abs(float(self.gear_ratio))
-            for name in _LENGTHS:
-                lengths[name] = getattr(self, f"{name}_over_fixed") * self.fixed_radius
-        return self._geometry() | lengths | {"solutions": solutions}
+            record["planet_radius"] = self.fixed_radius / abs(float(self.gear_ratio))
+            record |= {name: record[f"{name}_over_fixed"] * self.fixed_radius for name in _LENGTHS}
+        places = range(1, len(self._ratios) + 1)
+        return record | {"solutions": [self._with_solution(i)._geometry() for i in places]}
 
     def _with_solution(self, place: int) -> GearDriven:
         """Another solution with the same pins and lobes, or with one pin where these do not fit."""

@@ -29,15 +29,11 @@ MOST_LOBES = 100_000
 def gear_ratio(stations: int, lobes: Fraction, curve: str) -> Fraction:
     """k = R0/R from stations, lobes and curve (12a-d) [-]; raises InvalidValue."""
     share = (lobes + 1) / stations
-    if curve == "epicycloid":
-        return -1 / share
-    if curve == "pericycloid":
-        return 1 / (1 + share)
-    if not share < Fraction(1, 2):
+    if curve in CURVES[::2] and share >= Fraction(1, 2):
         rule = f"below stations/2 - 1 = {float(Fraction(stations, 2) - 1):g} for a {curve}"
         remedy = "fewer lobes, more stations, or an epicycloid"
         raise validate.fail("lobes", rule, str(lobes), remedy)
-    return 1 / share if curve == "hypocycloid" else 1 / (1 - share)
+    return 1 / dict(zip(CURVES, (share, -share, 1 - share, 1 + share), strict=True))[curve]
 
 
 def lobe_ratios(stations: int, lobes: Fraction, curve: str) -> list[float]:
@@ -45,32 +41,27 @@ def lobe_ratios(stations: int, lobes: Fraction, curve: str) -> list[float]:
 
     Roots of (10) with alpha <= pi - gamma and V0 <= 1. Cognates share them.
     """
-    k = gear_ratio(stations, lobes, curve if curve in CURVES[:2] else COGNATES[curve])
-    c = float(2 / k - 1 if k > 0 else 1 - 2 / k)
+    outside = curve in CURVES[1::2]
+    c = float(2 * (lobes + 1) / stations + (1 if outside else -1))
     gamma, central = 2.0 * math.pi / stations, 2 * (lobes + 2) == stations
 
     def value(x: float) -> float:
         return c * math.sin(x) - math.sin(c * x + gamma)
 
     found = [1.0] if central else []
-    if k > 0 and 2 * (lobes + 2) >= stations:
+    if not outside and 2 * (lobes + 2) >= stations:
         return found
-    low, high = (
-        (gamma / (1.0 - c), math.pi) if k > 0 else (0.0, (2.0 * math.pi - gamma) / (c + 1.0))
-    )
+    low, high = gamma / (1.0 - c), math.pi
+    if outside:
+        low, high = 0.0, (2.0 * math.pi - gamma) / (c + 1.0)
     # halving ends at the doubles around the root, and needs no SciPy
     while low < (middle := 0.5 * (low + high)) < high:
         low, high = (low, middle) if value(middle) > 0.0 else (middle, high)
-    return [_exact(min(low, high, key=lambda x: abs(value(x))) / math.pi), *found]
-
-
-def _exact(ratio: float) -> float:
-    """1/6 and 1/2 without their rounding error, so that 6 and 2 pins engage without a gap.
-
-    The sines of two rational parts of a turn have a rational ratio only if it is 0,
-    1/2, 1, 2 or its negative, so no other rational V0 below 1 solves (10).
-    """
-    return next((v for v in (1.0 / 6.0, 0.5) if abs(ratio - v) < 4e-16), ratio)
+    ratio = min(low, high, key=lambda x: abs(value(x))) / math.pi
+    # 1/6 and 1/2 lose their rounding error, so that 6 and 2 pins engage without a gap. The sines
+    # of two rational parts of a turn have a rational ratio only if it is 0, 1/2, 1, 2 or its
+    # negative, so no other rational V0 below 1 solves (10).
+    return [next((v for v in (1.0 / 6.0, 0.5) if abs(ratio - v) < 4e-16), ratio), *found]
 
 
 def arm_length(k: float, alpha: float, gamma: float) -> float:

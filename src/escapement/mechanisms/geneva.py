@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from escapement import validate
-from escapement.mechanisms.kind import WHEEL, Arms, Wheel
+from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pin_radius, roller_radius
 from escapement.quantity import Truth, quantity, setting
 
 MOST_SLOTS = 1_000_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Geneva(Wheel):
     """Geneva wheel driven by pins on a crank, entering along the slots.
 
@@ -28,8 +28,13 @@ class Geneva(Wheel):
     internal : bool
         Slots open towards the follower's axis, driver inside.
     crank_radius : float, optional
-        Distance of the pins from the driver's axis [m]; only contact forces
+        Distance of the pins from the driver's axis [m]; contact forces and all other lengths
         need it.
+    pin_radius : float
+        Radius of the pins [m]; they fit their slots exactly.
+    roller_radius : float
+        Outer radius of rollers that turn on the pins and roll in the slots [m], 0 for none.
+        Friction is then that between roller and pin.
 
     Raises
     ------
@@ -61,25 +66,23 @@ class Geneva(Wheel):
         remedy="give the crank radius"
     ))  # fmt: skip
 
+    pin_radius: float = field(default=0.0, metadata=pin_radius())
+    roller_radius: float = field(default=0.0, metadata=roller_radius())
+
     def __post_init__(self) -> None:
         self.check_fields()
         n = self.slots
-        most = 1 if self.internal else (2 * n) // (n - 2)
+        most, rest = (1, 0) if self.internal else divmod(2 * n, n - 2)
         # a study over the slots keeps a number of pins that was given, and no other
-        object.__setattr__(self, "given", () if self.pins is None else ("pins",))
+        vars(self)["given"] = () if self.pins is None else ("pins",)
         if self.pins is None:
-            whole = not self.internal and (2 * n) % (n - 2) == 0
-            object.__setattr__(self, "pins", most if whole else 1)
+            vars(self)["pins"] = 1 if rest else most
         elif self.pins > most:
             kind = "an internal wheel" if self.internal else f"{n} slots"
             raise validate.fail(
                 "pins", f"at most {most} for {kind}", self.pins, "fewer pins, or leave it out"
             )
-
-    @property
-    def continuous(self) -> bool:
-        """Whether a pin is always engaged: no dwell (Meyer 1-3)."""
-        return not self.internal and self.pins * (self.slots - 2) == 2 * self.slots  # type: ignore[operator]
+        self.check_pin()
 
     @property
     def centre_distance(self) -> float:
@@ -92,27 +95,22 @@ class Geneva(Wheel):
         return 2.0 * math.pi / self.pins  # type: ignore[operator]
 
     @property
+    def motion_ratio(self) -> float:
+        """Moving share of the cell [-]; exactly 1 for continuous engagement."""
+        more = 2 if self.internal else -2
+        return self.pins * (self.slots + more) / (2 * self.slots)  # type: ignore[operator]
+
+    @property
     def engagement_angle(self) -> float:
         """Driver angle over which one pin moves the follower [rad]."""
         if self.continuous:
             return self.cell_angle
-        turn = 2.0 * math.pi / self.slots
-        return math.pi + turn if self.internal else math.pi - turn
-
-    @property
-    def motion_ratio(self) -> float:
-        """Moving share of the cell [-]; 1 for continuous engagement."""
-        return self.engagement_angle / self.cell_angle
+        return math.pi + (self.follower_step if self.internal else -self.follower_step)
 
     @property
     def stations(self) -> int:
         """Stops in a turn of the follower, one a slot."""
         return self.slots
-
-    @property
-    def follower_step(self) -> float:
-        """Follower angle per cell, 2 pi/n [rad]."""
-        return 2.0 * math.pi / self.slots
 
     @property
     def arms(self) -> Arms:

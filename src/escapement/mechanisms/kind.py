@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
+from escapement import validate
 from escapement.lazy import Lazy
-from escapement.model import FloatArray
-from escapement.quantity import Declared, Setting, declared
+from escapement.model import FloatArray, check_lengths
+from escapement.quantity import Declared, Setting, declared, quantity
 from escapement.scene import Path
 from escapement.units import degrees
 
@@ -16,9 +18,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike
 
-    from escapement.mechanisms import slotted
+    from escapement.mechanisms import slotted, table
 else:
-    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
+    ArrayLike, np = Any, Lazy("numpy")
+    slotted, table = Lazy("escapement.mechanisms.slotted"), Lazy("escapement.mechanisms.table")
+
+# the files of the kinds take from here what must not be loaded before it is used
+__all__ = ["CELL", "WHEEL", "Arms", "ArrayLike", "Kind", "Wheel", "np", "slotted", "table"]
 
 CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
 """What every kind reports of how far driver and follower turn in a cell."""
@@ -75,6 +81,19 @@ class Kind(Declared):
         return getattr(self, key) if name == key else degrees(getattr(self, name))
 
 
+def pin_radius() -> dict[str, Any]:
+    """Declaration of the pin's radius."""
+    return quantity("radius of the pins", "length", remedy="give the radius, 0 for a thin pin")
+
+
+def roller_radius() -> dict[str, Any]:
+    """Declaration of the roller's radius."""
+    return quantity(
+        "radius of rollers on the pins", "length", note="; friction is then that inside the roller",
+        remedy="give the outer radius, 0 for none",
+    )  # fmt: skip
+
+
 class Arms(NamedTuple):
     """Pin path C = first exp(i rate_1 theta) + second exp(i rate_2 theta).
 
@@ -91,18 +110,62 @@ class Arms(NamedTuple):
 class Wheel(Kind):
     """Base of the wheels with slots that pins drive: the motion follows from the pin's path."""
 
+    stations: Any
     slots: Any
     pins: Any
     arms: Any
     engagement_angle: Any
-    _forward: Any = 1.0
-    """Sign with which the follower's angle grows along the path."""
+    crank_radius: Any
+    """Unit of length of the arms [m]; None where the mechanism has no size."""
+    pin_radius: Any
+    roller_radius: Any
+    plain_crank: ClassVar[bool] = True
+    """Whether the driver's bearing carries the force of the contact and no other."""
 
     @property
-    def breaks(self) -> tuple[float, float, float]:
-        """Pin entry, dead centre and pin exit [rad]."""
+    def widest_pin(self) -> float:
+        """Radius at which a pin, or its roller, has no wall left between two slots [-]."""
+        # the slots come closest to each other where the pin is closest to the axis
+        closest = float(self.radius(np.array([0.0, self.engagement_angle / 2.0])).min())
+        return closest * math.sin(math.pi / self.slots)
+
+    def check_pin(self) -> None:
+        """Raise InvalidValue for a pin or a roller that the wheel has no room for."""
+        pin, roller = self.pin_radius, self.roller_radius
+        if roller and not 0.0 < pin < roller:
+            rule = f"greater than pin_radius, {pin:g} m, and that greater than 0"
+            raise validate.fail("roller_radius", rule, roller, "give both radii")
+        name = "roller_radius" if roller else "pin_radius"
+        outer = roller or pin
+        if not outer:
+            return
+        check_lengths({name: outer}, self.crank_radius, self.plain_crank)
+        most = self.crank_radius * self.widest_pin
+        if not outer < most:
+            rule = f"less than {most:.6g} m, where neighbouring slots meet"
+            raise validate.fail(name, rule, outer, "choose a thinner pin or a larger wheel")
+
+    @cached_property
+    def breaks(self) -> tuple[float, ...]:
+        """Pin entry, where a pin changes its sense of sliding on either wall, and exit [rad].
+
+        A pin without width does so at dead centre on both walls.
+        """
         half = self.engagement_angle / 2.0
+        if outer := self.roller_radius or self.pin_radius:
+            pin, ends = outer / self.crank_radius, np.array([-half, half])
+            return tuple(slotted.slide_edges(self.path, pin, ends).tolist())
         return -half, 0.0, half
+
+    @property
+    def follower_step(self) -> float:
+        """Follower angle per cell, 2 pi over the stations [rad]."""
+        return 2.0 * math.pi / self.stations  # type: ignore[no-any-return]
+
+    @property
+    def continuous(self) -> bool:
+        """Whether a pin is always engaged: no dwell (Meyer 1-3)."""
+        return bool(self.motion_ratio > 1.0 - 1e-12)
 
     @property
     def dwell(self) -> float:
@@ -114,11 +177,17 @@ class Wheel(Kind):
         """Greatest transmission, at dead centre [-]."""
         return float(self.transmission(0.0).g)
 
+    @property
+    def _forward(self) -> float:
+        """Sign with which the follower's angle grows along the path: that of g at dead centre."""
+        first, rate_1, second, rate_2 = self.arms
+        return math.copysign(1.0, (first * rate_1 + second * rate_2) * (first + second))
+
     @cached_property
     def path(self) -> Path:
         """The pin path, as kernels evaluate it."""
         arms: Arms = self.arms
-        return slotted.two_vector_path(*arms, self._forward, self.breaks[-1])
+        return slotted.two_vector_path(*arms, self._forward, self.engagement_angle / 2.0)
 
     def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles from dead centre [rad], pin engaged."""

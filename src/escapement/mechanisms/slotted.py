@@ -22,26 +22,28 @@ from numpy.typing import ArrayLike
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.table import ratio_at
 from escapement.model import FloatArray
+from escapement.roots import newton_in_bracket
 from escapement.scene import Path
 
 BLOCK = 16  # driver angles that are evaluated together
 
 
 @jit
-def transmission_at(path, theta):
-    """Transmission (g, u, g') at one driver angle, from a mechanism's path.
+def pose_at(path, theta):
+    """Transmission (g, u, g') and distance R of the pin at one driver angle, from a path.
 
-    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2) with L = |C|^2 = L0 + L1 sin^2 h,
+    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2, beta) with L = R^2 = L0 + L1 sin^2 h,
     g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Where g is zero
     at pin entry -r and exit r, its numerator is G1 sin(h - h_r) sin(h + h_r), as accurate
     as the way from there: all depends on it where the follower's inertia is many times
-    the driver's. Otherwise r is 0 and G2 = G0. Of a table: g and g' from its series;
-    u = g, for what slides in a mesh is in proportion to it.
+    the driver's. Otherwise r is 0 and G2 = G0. The pin's body turns by beta per driver radian.
+    Of a table: g and g' from its series; u = g, for what slides in a mesh is in proportion to
+    it, and R = 1.
     """
     c = path.numbers
     if path.table:
         g, dg = ratio_at(c, theta)
-        return g, g, dg
+        return g, g, dg, 1.0
     half = c[0] * theta
     sine = np.sin(half)
     square = sine * sine
@@ -49,7 +51,63 @@ def transmission_at(path, theta):
     before, behind = c[0] * (theta - c[7]), c[0] * (theta + c[7])
     g = (c[8] + c[4] * (np.sin(before) * np.sin(behind))) / length
     u = c[5] * sine * np.cos(half) / length
-    return g, u, u * (c[6] - 2.0 * g)
+    return g, u, u * (c[6] - 2.0 * g), np.sqrt(length)
+
+
+@jit
+def transmission_at(path, theta):
+    """Transmission (g, u, g') at one driver angle, from a mechanism's path."""
+    g, u, dg, _radius = pose_at(path, theta)
+    return g, u, dg
+
+
+@jit
+def slide_change(path, pin, side, entry, exit_):
+    """Driver angle at which a pin of radius `pin` changes its sense of sliding on a wall.
+
+    There v = V + s pin (g - beta) is zero: the contact point crosses the line of centres. An
+    ideal pin does so at dead centre on either side s. The result is NaN where v does not change
+    its sign between the entry and the exit.
+    """
+    c = path.numbers
+    low, high, theta = entry, exit_, 0.0
+    product = 0.25 * c[6] ** 2 - c[0] ** 2
+    g, u, _dg, radius = pose_at(path, entry)
+    at_entry = radius * u + side * pin * (g - c[9])
+    g, u, _dg, radius = pose_at(path, exit_)
+    at_exit = radius * u + side * pin * (g - c[9])
+    if not at_entry * at_exit < 0.0:
+        return np.nan
+    for _ in range(100):
+        g, u, dg, radius = pose_at(path, theta)
+        value = radius * u + side * pin * (g - c[9])
+        # V' = Re C''/C R, of a path with two rates a and b
+        slope = radius * (product - c[6] * g + g * g) + side * pin * dg
+        guess, low, high = newton_in_bracket(theta, value, slope, low, high, at_exit > 0.0)
+        step = abs(guess - theta)
+        theta = guess
+        if step <= 1e-15:
+            break
+    return theta
+
+
+@jit(allocates=True)
+def slide_edges(path, pin, edges):
+    """Entry, slide changes on either wall and exit: driver angles between which p is smooth."""
+    entry, exit_ = edges[0], edges[-1]
+    one = slide_change(path, pin, 1.0, entry, exit_)
+    two = slide_change(path, pin, -1.0, entry, exit_)
+    if one > two:
+        one, two = two, one
+    found = np.empty(4)
+    found[0], used = entry, 1
+    for angle in (one, two):
+        # both are the same where the pin is thin
+        if angle - found[used - 1] > 1e-9 and exit_ - angle > 1e-9:
+            found[used] = angle
+            used += 1
+    found[used] = exit_
+    return found[: used + 1]
 
 
 @jit
@@ -68,8 +126,8 @@ def circle(path):
 
 
 @inner_jit
-def transmission_on(path, left, half, points, count, g, u, dg):
-    """Fill g, |u| and g' at the driver angles left + half (1 + points[i]), i < count.
+def transmission_on(path, left, half, points, count, g, u, dg, radius):
+    """Fill g, u, g' and R at the driver angles left + half (1 + points[i]), i < count.
 
     `count` is `BLOCK`, but the compiler must not know it: it makes vector code only of a
     loop whose length it does not know. The sine and cosine of the steps come from their
@@ -80,8 +138,8 @@ def transmission_on(path, left, half, points, count, g, u, dg):
     step = c[0] * half
     if path.table or abs(step) > 0.75:
         for i in range(BLOCK):
-            ratio, slide, slope = transmission_at(path, left + half * (1.0 + points[i]))
-            g[i], u[i], dg[i] = ratio, abs(slide), slope
+            theta = left + half * (1.0 + points[i])
+            g[i], u[i], dg[i], radius[i] = pose_at(path, theta)
         return
     middle = c[0] * (left + half)
     sine_m, cosine_m = np.sin(middle), np.cos(middle)
@@ -103,11 +161,13 @@ def transmission_on(path, left, half, points, count, g, u, dg):
         even = 1.0 - z * 0.5 * (1.0 - z * (1.0 / 12.0) * (1.0 - z * (1.0 / 30.0) * even))
         sine = sine_m * even + cosine_m * odd
         cosine = cosine_m * even - sine_m * odd
-        inverse = 1.0 / (l0 + l1 * sine * sine)
+        length = l0 + l1 * sine * sine
+        inverse = 1.0 / length
         product = (sine_b * even + cosine_b * odd) * (sine_a * even + cosine_a * odd)
         ratio = (g2 + g1 * product) * inverse
         slide = u1 * sine * cosine * inverse
-        g[i], u[i], dg[i] = ratio, abs(slide), slide * (total - 2.0 * ratio)
+        g[i], u[i], dg[i] = ratio, slide, slide * (total - 2.0 * ratio)
+        radius[i] = np.sqrt(length)
 
 
 @jit
@@ -149,23 +209,14 @@ def two_vector_path(
     Returns
     -------
     Path
-        With the nine numbers that `transmission_at` reads.
+        With the ten numbers that `pose_at` reads.
     """
     total, product = p + q, p * q
-    first = forward * total * (a * p + b * q)
-    numbers = np.array(
-        [
-            (a - b) / 2.0,
-            total * total,
-            -4.0 * product,
-            first,
-            -2.0 * forward * product * (a + b),
-            -2.0 * product * (a - b),
-            forward * (a + b),
-            rest,
-            0.0 if rest else first,
-        ]
-    )
+    length = total * total, -4.0 * product
+    ratio = forward * total * (a * p + b * q), -2.0 * forward * product * (a + b)
+    slide, second = -2.0 * product * (a - b), forward * (a + b)
+    centre, turn = 0.0 if rest else ratio[0], forward * b
+    numbers = np.array([(a - b) / 2.0, *length, *ratio, slide, second, rest, centre, turn])
     return Path(False, numbers, np.empty(0))
 
 

@@ -1,22 +1,48 @@
-"""A transmission as piecewise Chebyshev series: for mechanisms without a slot.
+"""A transmission as a table: for mechanisms without a slot.
 
 The follower of such a mechanism never leaves the driver; what is lost is a share of
-the power that passes the mesh. The numbers of the path are
+the power that passes the mesh. Kernels read piecewise Chebyshev series: the numbers of the
+path are
 
     [pieces, order, edges..., coefficients of g, piece after piece]
+
+A table that somebody gives has rows of driver and follower angles. A periodic quintic spline
+goes through them, or smoothly between them where they scatter. The smooth one minimises
+
+    sum of (y_i - s(x_i))^2 + lambda integral of s'''^2
+
+over splines whose knots are a selection of the points; lambda is chosen by
+generalised cross-validation, and the residuals tell the noise.
+
+Source: P. Craven and G. Wahba, Numer. Math. 31 (1979) 377-403; for the standard
+deviations G. Wahba, J. R. Stat. Soc. B 45 (1983) 133-150.
 """
 
-from collections.abc import Callable, Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from escapement.chebyshev import Series, fit, interpolate, nodes
+from escapement.errors import InvalidValue
 from escapement.jit import inner_jit
 from escapement.model import FloatArray
 from escapement.scene import Path
 
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
 ORDER = 17
 _DECAYED = 1e-15  # of the largest g: what rounding leaves of the last two coefficients
+DEGREE = 5
+MOST_KNOTS = 120
+_ROWS_A_KNOT = 2
+_LEAST_GAP = 0.01  # of the mean one: knots nearer each other spoil the least squares
+_GRID = np.geomspace(1e-14, 1e6, 161)  # of lambda, in units that make both sums alike
+_RIDGE = 1e-13
 
 
 @inner_jit
@@ -53,24 +79,15 @@ def table_path(edges: FloatArray, series: FloatArray) -> Path:
         Coefficients of g in each piece.
     """
     numbers = np.concatenate([series.shape, edges, series.reshape(-1)])
-    return Path(True, numbers, _corners(edges, series))
-
-
-def read_table(path: Path) -> tuple[FloatArray, FloatArray]:
-    """Edges and series of a table, as `table_path` takes them."""
-    pieces, order = int(path.numbers[0]), int(path.numbers[1])
-    series = path.numbers[3 + pieces :].reshape(pieces, order)
-    return path.numbers[2 : 3 + pieces], series
-
-
-def _corners(edges: FloatArray, series: FloatArray) -> FloatArray:
-    """Driver angles at which a table is not smooth [rad].
-
-    They are the knots of a spline; series of full order are cut for accuracy alone. Besides, the
-    loss goes with the size of g, so it bends where the follower turns back and g changes its sign.
-    """
+    # A table is not smooth at the knots of a spline; series of full order are cut for accuracy
+    # alone. Besides, the loss goes with the size of g, so it bends where g changes its sign.
     knots = edges[1:-1] if series.shape[1] < ORDER else edges[:0]
-    return np.concatenate([knots, Series(edges, series).roots()[0]])
+    return Path(True, numbers, np.concatenate([knots, Series(edges, series).roots()[0]]))
+
+
+def resolved(function: Callable[[FloatArray], FloatArray], edges: Iterable[float]) -> Series:
+    """Series of a transmission that is analytic between edges, to rounding of the largest g."""
+    return fit(function, edges, ORDER, decayed=_DECAYED, kinks=0)
 
 
 def chebyshev_table(
@@ -99,7 +116,7 @@ def chebyshev_table(
         Where the function is not smooth enough between two edges.
     """
     if order >= ORDER:
-        return table_path(*fit(function, edges, order, tail=2, decayed=_DECAYED, kinks=0))
+        return table_path(*resolved(function, edges))
     knots = np.array(edges, dtype=float)
     low, high = knots[:-1], knots[1:]
     # The pieces of a spline are all but even. Rounding of their sums would be a slope of one
@@ -108,3 +125,141 @@ def chebyshev_table(
     series = interpolate(function(x.reshape(-1)).reshape(x.shape) - middle[:, None])
     series[:, 0] += middle
     return table_path(knots, series)
+
+
+class PeriodicSpline(NamedTuple):
+    """A spline that repeats itself, and how well it is known.
+
+    curve : the spline, for any x.
+    noise : standard deviation of the points from the curve that they scatter about.
+    doubts : splines, a column each, whose squares add up to the variance of `curve`.
+    """
+
+    curve: BSpline
+    noise: float
+    doubts: BSpline
+
+    @property
+    def knots(self) -> FloatArray:
+        """Ascending; the last is the first, a period later."""
+        return np.asarray(self.curve.t[DEGREE:-DEGREE])
+
+    def __call__(self, x: ArrayLike, order: int = 0) -> FloatArray:
+        """The spline or one of its derivatives, at any x."""
+        # a spline of its own: from the splines' slopes rounding would make steps at the knots
+        return np.asarray(self.curve.derivative(order)(self._folded(x)))
+
+    def deviation(self, x: ArrayLike, order: int = 0) -> FloatArray:
+        """Standard deviation of the spline or of a derivative at any x."""
+        return np.asarray(np.linalg.norm(self.doubts(self._folded(x), nu=order), axis=-1))
+
+    def _folded(self, x: ArrayLike) -> FloatArray:
+        values, (first, last) = np.asarray(x, dtype=float), self.knots[[0, -1]]
+        # SciPy would fold what is inside as well, and round it
+        inside = (values >= first) & (values <= last)
+        return np.where(inside, values, first + np.mod(values - first, last - first))
+
+
+def interpolating(x: FloatArray, y: FloatArray) -> PeriodicSpline:
+    """Spline through points; the last is the first, a period later.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n + 1,)
+        Strictly ascending.
+    y : ndarray, shape (n + 1,)
+        The last equals the first.
+    """
+    from scipy.interpolate import BSpline, make_interp_spline
+
+    change = y - y[0]
+    curve = make_interp_spline(x, change, k=DEGREE, bc_type="periodic")
+    # rounding of the coefficients is divided by the square of the spacing in g', so what the
+    # spline misses of the points is put right once
+    missed = change - curve(x)
+    missed[-1] = missed[0]
+    put_right = make_interp_spline(x, missed, k=DEGREE, bc_type="periodic").c
+    curve = BSpline(curve.t, y[0] + (curve.c + put_right), DEGREE)
+    return PeriodicSpline(curve, 0.0, BSpline(curve.t, np.zeros((curve.c.size, 1)), DEGREE))
+
+
+def smoothing(
+    x: FloatArray, y: FloatArray, period: float, rising: bool = False
+) -> tuple[PeriodicSpline, float]:
+    """Smooth spline near scattered points of one period, and what they rise beside it.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Ascending, all within a period.
+    y : ndarray, shape (n,)
+        Values there.
+    period : float
+        Length after which the spline repeats itself.
+    rising : bool
+        Whether y rises evenly beside what repeats itself; else the rise over a period is 0.
+
+    Raises
+    ------
+    InvalidValue
+        When the points are at fewer places than a spline needs.
+    """
+    from scipy.interpolate import BSpline
+    from scipy.linalg import eigh
+
+    knots = _knots(x, period)
+    size = knots.size - 1
+    # the knots go on beyond both ends, and the splines there have the first coefficients again
+    before, behind = knots[-1 - DEGREE : -1] - period, knots[1 : DEGREE + 1] + period
+    continued = np.concatenate([before, knots, behind])
+    wrap = np.eye(size)[np.arange(size + DEGREE) % size]
+    # a row of this sparse matrix has six numbers, however many knots there are
+    rows = BSpline.design_matrix(x, continued, DEGREE)
+    normal = wrap.T @ (rows.T @ rows).toarray() @ wrap
+    rough = _roughness(knots, BSpline(continued, wrap, DEGREE))
+    rough *= np.trace(normal) / np.trace(rough)
+    normal += _RIDGE * np.trace(normal) / knots.size * np.eye(size)
+    # each mode is of size 1 over the points, and its roughness is the eigenvalue; the smooth
+    # spline keeps the less of it the rougher it is, for each lambda of the grid
+    sizes, back = eigh(rough, normal)
+    kept = 1.0 / (1.0 + np.outer(_GRID, np.maximum(sizes, 0.0)))
+    y, start = y - y[0], y[0]  # the digits are for what it changes
+    ramp = (x - x[0]) / period
+    wave, even = (back.T @ (wrap.T @ (rows.T @ np.column_stack([y, ramp])))).T
+    rise = np.zeros(_GRID.size)
+    if rising:  # for each lambda the rise that leaves least, the bending counted
+        rise = (y @ ramp - kept @ (wave * even)) / (ramp @ ramp - kept @ even**2)
+    left = wave - rise[:, None] * even
+    squares = y @ y - 2.0 * rise * (y @ ramp) + rise**2 * (ramp @ ramp)
+    rest = squares - (left**2).sum(axis=1) + (((1.0 - kept) * left) ** 2).sum(axis=1)
+    rest, others = np.maximum(rest, 0.0), x.size - rising - kept.sum(axis=1)
+    best = int(np.argmin(rest / others**2))
+    noise = float(np.sqrt(rest[best] / others[best]))
+    curve = BSpline(continued, wrap @ (start + back @ (kept[best] * left[best])), DEGREE)
+    doubts = BSpline(continued, wrap @ (noise * back * np.sqrt(kept[best])), DEGREE)
+    return PeriodicSpline(curve, noise, doubts), float(rise[best])
+
+
+def _knots(x: FloatArray, period: float) -> FloatArray:
+    """A selection of the places of points, far enough apart; the last is the first again."""
+    count = min(MOST_KNOTS, x.size // _ROWS_A_KNOT)
+    places = x[np.linspace(0, x.size, count, endpoint=False).astype(int)]
+    end, gap, kept = places[0] + period, _LEAST_GAP * period / count, [places[0]]
+    for place in places[1:]:
+        if place - kept[-1] > gap and end - place > gap:
+            kept.append(place)
+    if len(kept) < DEGREE:
+        raise InvalidValue(
+            f"theta must be spread over the cell, got rows at {len(kept)} places of it; "
+            f"measure at {DEGREE} at least"
+        )
+    return np.array([*kept, end])
+
+
+def _roughness(knots: FloatArray, basis: BSpline) -> FloatArray:
+    """Integrals of products of third derivatives, exact for quintic splines."""
+    points, weights = np.polynomial.legendre.leggauss(3)
+    half = 0.5 * np.diff(knots)
+    x = knots[:-1, None] + half[:, None] * (1.0 + points)
+    rows = basis(x.ravel(), nu=3)
+    return np.asarray(rows.T @ ((half[:, None] * weights).ravel()[:, None] * rows))

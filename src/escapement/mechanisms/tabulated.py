@@ -4,39 +4,25 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from escapement import validate
 from escapement.errors import InputFileError, InvalidValue
-from escapement.lazy import Lazy
-from escapement.mechanisms.kind import Kind
+from escapement.mechanisms._rows import Rows
+from escapement.mechanisms.kind import ArrayLike, np, slotted, table
 from escapement.model import FloatArray
-from escapement.quantity import InputFile, Numbers, Setting, Truth, declared, quantity, setting
+from escapement.quantity import InputFile, Setting, declared
 from escapement.scene import Path
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike
-
-    from escapement.mechanisms import _periodic_spline as splines
-    from escapement.mechanisms import _rows as rows
-    from escapement.mechanisms import slotted
-else:
-    np, slotted = Lazy("numpy"), Lazy("escapement.mechanisms.slotted")
-    rows = Lazy("escapement.mechanisms._rows")
-    splines = Lazy("escapement.mechanisms._periodic_spline")
 
 _BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
 _SAMPLES = 2001
 _REPORTED = 721
 
 
-@dataclass(frozen=True)
-class Tabulated(Kind):
+@dataclass(frozen=True, repr=False)
+class Tabulated(Rows):
     """Any mechanism whose follower keeps to its driver, from a table.
 
     A periodic quintic spline goes through the table, or, where the table is
@@ -81,54 +67,17 @@ class Tabulated(Kind):
     summary = "any drive that is always in mesh, from a table of its angles"
     meshed = True
 
-    theta: Sequence[float] = field(metadata=setting(
-        Numbers(long_name="driver angles [rad]", remedy="give a list of angles in rad")
-    ))  # fmt: skip
-    phi: Sequence[float] = field(metadata=setting(
-        Numbers(long_name="follower angles [rad]", remedy="give a list of angles in rad")
-    ))  # fmt: skip
-    measured: bool = field(default=False, metadata=setting(
-        Truth(long_name="the rows scatter: a smooth curve goes between them")
-    ))  # fmt: skip
-    cell_angle: float = field(default=0.0, metadata=quantity(
-        "driver angle after which the motion repeats itself", "angle", exclusive=True, axis=False,
-        metavar="DEG", remedy="give the angle, after it the motion repeats itself"
-    ))  # fmt: skip
-    follower_step: float = field(default=0.0, metadata=quantity(
-        "what the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
-        remedy="give the angle, the follower must have turned on from cell to cell"
-    ))  # fmt: skip
-
-    def __post_init__(self) -> None:
-        theta, phi = (rows.column(name, getattr(self, name)) for name in ("theta", "phi"))
-        measured = validate.truth("measured", self.measured)
-        rows.check_rows(theta, phi, measured)
-        cell, step = self.cell_angle, self.follower_step
-        if cell == 0.0:
-            cell = rows.one_cell(theta)
-            turned = float(phi[-1] - phi[0])
-            step = step or abs(splines.rise_over(theta, phi, cell) if measured else turned)
-        elif step == 0.0:
-            raise InvalidValue(
-                "cell_angle must come with follower_step, got it alone; give both, or neither "
-                "for a table of one whole cell"
-            )
-        angles = {"theta": tuple(theta.tolist()), "phi": tuple(phi.tolist())}
-        vars(self).update(angles, measured=measured, cell_angle=cell, follower_step=step)
-        self.check_fields()
-        if self._rows.is_one_cell:
-            self._rows.check_step()
-        self._rows.warn_of_gap()
-
-    def __repr__(self) -> str:
+    def _shown(self) -> list[tuple[str, Any, str]]:
         # a study file knows a mechanism of one's own by its repr, so tables that differ
         # must not look alike
         checksum = zlib.crc32(np.array([self.theta, self.phi]).tobytes())
-        return (
-            f"{type(self).__name__}(<{len(self.theta)} rows, checksum {checksum:08x}>, "
-            f"measured={self.measured}, cell_angle={self.cell_angle}, "
-            f"follower_step={self.follower_step})"
-        )
+        return [
+            ("rows", len(self.theta), ""),
+            ("checksum", f"{checksum:08x}", ""),
+            ("measured", self.measured, ""),
+            ("cell_angle", self.cell_angle, "rad"),
+            ("follower_step", self.follower_step, "rad"),
+        ]
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str], **options: Any) -> Tabulated:
@@ -150,21 +99,32 @@ class Tabulated(Kind):
         InvalidValue
             When an option breaks a rule.
         """
-        theta, phi = rows.read_angles(path)
+        from escapement.columns import read_columns
+
+        found = read_columns(path, "table", by_order=True)
+        if set(found.units) == {"rad", None}:
+            raise InputFileError(
+                f"table {path} must name the units of both columns or of neither, got radians for "
+                "one; write for example theta_deg,phi_deg"
+            )
+        bad = np.flatnonzero(~np.isfinite(np.sum(found.angles, axis=0)))
+        if bad.size:
+            where = f"{path}, line {found.line[bad[0]]}"
+            raise InputFileError(f"{where} must have two finite numbers; leave out the row")
         try:
-            table = cls(theta, phi, **options)  # type: ignore[arg-type]
-            _ = table.spline
+            drive = cls(*found.angles, **options)  # type: ignore[arg-type]
+            _ = drive.spline
         except InvalidValue as error:
             if str(error).startswith(("theta ", "phi ")):
                 raise InputFileError(f"table {path}: {error}") from None
             raise
-        return table
+        return drive
 
     @classmethod
     def options(cls) -> dict[str, Setting]:
         """What the command line asks for: a file in place of the angles, and degrees."""
         known: dict[str, Any] = declared(cls)
-        table = InputFile(
+        file = InputFile(
             name="table", key="table", metavar="FILE.csv", required=True,
             long_name="driver and follower angles, two columns, in degrees unless their headings "
             "say radians: one whole cell, or any rows with --cell-angle and --follower-step",
@@ -173,27 +133,12 @@ class Tabulated(Kind):
             name: replace(known[name], unit="degrees", default=None)
             for name in ("cell_angle", "follower_step")
         }
-        return {"table": table, "measured": known["measured"], **angles}
+        return {"table": file, "measured": known["measured"], **angles}
 
     @classmethod
     def from_options(cls, **given: Any) -> Tabulated:
         """The mechanism of a file, and of the angles that were typed beside it."""
         return cls.from_csv(given.pop("table"), **given)
-
-    @cached_property
-    def _rows(self) -> rows.FoldedRows:
-        theta, phi = np.array(self.theta), np.array(self.phi)
-        return rows.FoldedRows(theta, phi, self.measured, self.cell_angle, self.follower_step)
-
-    @property
-    def sense(self) -> float:
-        """+1 or -1: how the table's follower turns; here it counts so that it grows."""
-        return self._rows.sense
-
-    @property
-    def spline(self) -> splines.PeriodicSpline:
-        """The position function less its mean rise, over the cell."""
-        return self._rows.spline
 
     @cached_property
     def breaks(self) -> tuple[float, float]:
@@ -204,7 +149,7 @@ class Tabulated(Kind):
         has a step at each knot; both engines go from knot to knot.
         """
         first = float(self.spline.knots[0])
-        if self._rows.is_one_cell:
+        if self._is_one_cell:
             return first, float(self.spline.knots[-1])
         theta = np.linspace(first, first + self.cell_angle, _SAMPLES)
         slowest = float(theta[np.argmin(self.transmission(theta).g)])
@@ -227,13 +172,13 @@ class Tabulated(Kind):
 
     def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
-        g = self._rows.mean_ratio + self.spline(theta, 1)
+        g = self._mean_ratio + self.spline(theta, 1)
         return slotted.Transmission(g, np.zeros_like(g), self.spline(theta, 2))
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Follower angle at driver angles of any size [rad], in the sense that grows."""
         angles = np.asarray(theta, dtype=float)
-        return self.spline(angles) + self._rows.mean_ratio * (angles - self.theta[0])
+        return self.spline(angles) + self._mean_ratio * (angles - self.theta[0])
 
     @cached_property
     def path(self) -> Path:
@@ -245,8 +190,6 @@ class Tabulated(Kind):
             Where the follower turns back: by more than a thousandth of its greatest
             speed and three standard deviations. No motion can be computed then.
         """
-        from escapement.mechanisms.table import chebyshev_table
-
         theta = np.linspace(*self.breaks, _SAMPLES)
         g = self.transmission(theta).g
         worst = int(np.argmin(g))
@@ -260,23 +203,18 @@ class Tabulated(Kind):
         start, end = self.breaks
         # the last knot is the first again
         knots = np.sort(start + np.mod(self.spline.knots[:-1] - start, self.cell_angle))
-        inside = knots[(knots > start + self._rows.near) & (knots < end - self._rows.near)].tolist()
-        return chebyshev_table(
-            lambda x: self.transmission(x).g, [start, *inside, end], splines.DEGREE
-        )
+        inside = knots[(knots > start + self._near) & (knots < end - self._near)].tolist()
+        edges = [start, *inside, end]
+        return table.chebyshev_table(lambda x: self.transmission(x).g, edges, table.DEGREE)
 
     def report(self) -> dict[str, Any]:
         """What the table says, and how well it knows, by JSON key."""
         theta = np.linspace(*self.breaks, _REPORTED)
         found, doubt = self.transmission(theta), self.deviation(theta)
-        return {
-            "rows": len(self.theta),
-            **super().report(),
-            "noise_deg": math.degrees(self.noise),
-            "transmission_max": float(found.g.max()),
-            "transmission_min": float(found.g.min()),
-            "transmission_deviation": float(doubt.g.max()),
-            "acceleration_function_max": float(found.dg.max()),
-            "acceleration_function_min": float(found.dg.min()),
-            "acceleration_function_deviation": float(doubt.dg.max()),
-        }
+        noise = math.degrees(self.noise)
+        record = {"rows": len(self.theta), **super().report(), "noise_deg": noise}
+        for name, key in (("transmission", "g"), ("acceleration_function", "dg")):
+            values, deviations = getattr(found, key), getattr(doubt, key)
+            record[f"{name}_max"], record[f"{name}_min"] = float(values.max()), float(values.min())
+            record[f"{name}_deviation"] = float(deviations.max())
+        return record

@@ -11,25 +11,24 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+import h5py
 import numpy as np
 
 from escapement import __version__
+from escapement.dynamics import LOSSES
 from escapement.errors import EscapementError, InputFileError
-from escapement.files import DeferredErrorFile, PendingFile, check_input, storage_error
+from escapement.files import check_target, pending_hdf5
 from escapement.mechanisms import KINDS
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.motion_file.sampled import SampledTrajectory
 from escapement.status import Status
-from escapement.study.parse import parse_plan
-from escapement.study.reader import DAMAGE, configuration_of
-from escapement.study.sweep import plan_from
+from escapement.study.parse import parse_plan, plan_from
+from escapement.study.reader import configuration_of, opened
 from escapement.trajectory import Events, Extrema
-from escapement.units import SYSTEMS, factor, unit_name
-
-__all__ = ["is_motion", "read_motion", "write_motion"]
+from escapement.units import factor, unit_name
 
 CONTENT = "motion"
 """Root attribute `content`, by which a motion is told from a study."""
@@ -37,51 +36,58 @@ SCHEMA_VERSION = 1
 """Version of the file layout: raised when an older reader would misread a newer file."""
 _BLOCK = 65536  # samples computed and written at a time, and the length of a chunk
 _FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
+_ATTRIBUTES = {"engine": str, "rtol": float, "end_time": float, "message": str}
+"""Attributes of a motion that are root attributes of the file too, and their types."""
 Progress = Callable[[int, int, int], None]
 """Called with the samples written, their number and 0."""
-_TYPES = {"f": "<f8", "i": "<i8", "b": "u1"}
 
-
-class Column(NamedTuple):
-    """A dataset: its key in `escapement.units`, and its name for people."""
-
-    quantity: str
-    long_name: str
-
-
-SAMPLES = {
-    "t": Column("time", "time from the first pin entry"),
-    "theta": Column("angle", "driver angle from the first dead centre"),
-    "theta_dot": Column("speed", "driver velocity"),
-    "theta_ddot": Column("acceleration", "driver acceleration"),
-    "phi": Column("angle", "follower angle"),
-    "phi_dot": Column("speed", "follower velocity"),
-    "phi_ddot": Column("acceleration", "follower acceleration"),
-    "contact_moment": Column("torque", "moment of the pin on the follower"),
-    "contact_force": Column("force", "force between pin and slot, with a crank radius"),
+# of each dataset its key in `escapement.units`, its name for people and its type
+Columns = dict[str, tuple[str, str, str]]
+SAMPLES: Columns = {
+    "t": ("time", "time from the first pin entry", "<f8"),
+    "theta": ("angle", "driver angle from the first dead centre", "<f8"),
+    "theta_dot": ("speed", "driver velocity", "<f8"),
+    "theta_ddot": ("acceleration", "driver acceleration", "<f8"),
+    "phi": ("angle", "follower angle", "<f8"),
+    "phi_dot": ("speed", "follower velocity", "<f8"),
+    "phi_ddot": ("acceleration", "follower acceleration", "<f8"),
+    "contact_moment": ("torque", "moment of the pin on the follower", "<f8"),
+    "contact_force": ("force", "force between pin and slot, with a crank radius", "<f8"),
+    "driver_bearing_reaction": ("force", "force that the driver's bearing carries", "<f8"),
+    "follower_bearing_reaction": ("force", "force that the follower's bearing carries", "<f8"),
 }
 """Columns over `t`, computed block by block."""
-_EVENT = {
-    "time": Column("time", "time of each"),
-    "engagement": Column("ratio", "engagement, from 0"),
+_HANDOFFS: Columns = {
+    "handoff_times": ("time", "end of each engagement", "<f8"),
+    "handoff_velocities": ("speed", "driver velocity at each handoff", "<f8"),
+}
+_EVENTS: Columns = {
+    "time": ("time", "time of each", "<f8"),
+    "engagement": ("ratio", "engagement, from 0", "<i8"),
     "theta": SAMPLES["theta"],
     "theta_dot": SAMPLES["theta_dot"],
 }
-GROUPS = {
-    "handoff": {
-        "times": Column("time", "end of each engagement"),
-        "velocities": Column("speed", "driver velocity at each handoff"),
-    },
-    "reversal": _EVENT,
-    "extremum": {**_EVENT, "maximum": Column("ratio", "kind of extremum of the driver velocity")},
-    "piece": {
-        "start": Column("time", "start of each piece"),
-        "engagement": Column("ratio", "engagement, from 0"),
-        "sign": Column("ratio", "side of the slot that carries the force, 0 while locked"),
-        "friction_loss": Column("energy", "work lost in friction over each piece"),
+_EXTREMA: Columns = {
+    **_EVENTS,
+    "maximum": ("ratio", "kind of extremum of the driver velocity", "u1"),
+}
+_PIECES: Columns = {
+    "start": ("time", "start of each piece", "<f8"),
+    "engagement": ("ratio", "engagement, from 0", "<i8"),
+    "sign": ("ratio", "side of the slot that carries the force, 0 while locked", "<f8"),
+    **{
+        f"{name}_loss": ("energy", f"work lost in {name.replace('_', ' ')} over each piece", "<f8")
+        for name in LOSSES
     },
 }
-"""Everything else: dataset `group_name` by group and name; the first of a group is its scale."""
+_LOST = {f"{name}_loss": row for row, name in enumerate(LOSSES)}
+GROUPS = (
+    ("", "", _HANDOFFS),
+    ("reversals", "reversal_", _EVENTS),
+    ("extrema", "extremum_", _EXTREMA),
+    ("trajectory", "piece_", _PIECES),
+)
+"""Everything else: an attribute of the motion or itself, prefix and columns of its datasets."""
 
 
 def write_motion(
@@ -117,41 +123,29 @@ def write_motion(
     InvalidValue
         For a motion without length.
     """
-    import h5py
-
-    pending = PendingFile(path, force)
-    try:
-        times = _sample_times(motion)  # HDF5 may crash where memory ends while it has a file
-        target = DeferredErrorFile(pending.handle)
-        with h5py.File(target, "w") as hdf5:
-            _write_root(hdf5, motion)
-            _write_samples(hdf5, motion, times, units, progress)
-            for group, columns in GROUPS.items():
-                _write_group(hdf5, group, columns, motion)
-        if target.error is not None:
-            raise target.error
-        pending.place()
-    except EscapementError:
-        raise
-    except (OSError, RuntimeError) as error:  # HDF5 tells a failed device by either
-        raise storage_error(path, error) from None
-    finally:
-        pending.discard()
+    check_target(path, force)
+    # HDF5 may crash where memory ends while it has a file
+    times = np.concatenate([motion.t, motion.trajectory.start])
+    times = np.unique(times[(times >= 0.0) & (times <= motion.end_time)])
+    with pending_hdf5(path, force) as (hdf5, _):
+        _write_root(hdf5, motion)
+        _write_samples(hdf5, motion, times, units, progress)
+        for owner, prefix, columns in GROUPS:
+            source: Any = getattr(motion, owner) if owner else motion
+            size = getattr(source, next(iter(columns))).size
+            for key, dataset in _create(hdf5, prefix, columns, size, units).items():
+                lost = key in _LOST
+                dataset[...] = source.losses[_LOST[key]] if lost else getattr(source, key)
 
 
 def _write_root(hdf5: Any, motion: Motion) -> None:
-    import h5py
-
     hdf5.attrs.update(
         content=CONTENT,
         title=f"motion of an escapement, {motion.handoff_times.size} engagements",
         schema_version=SCHEMA_VERSION,
         package_version=__version__,
-        engine=motion.engine,
-        rtol=motion.rtol,
-        end_time=motion.end_time,
+        **{name: getattr(motion, name) for name in _ATTRIBUTES},
         status=motion.status.label,
-        message=motion.message,
         created=datetime.now(UTC).isoformat(timespec="seconds"),
     )
     scene = motion.escapement
@@ -167,63 +161,38 @@ def _write_samples(
     hdf5: Any, motion: Motion, times: FloatArray, units: str, progress: Progress | None
 ) -> None:
     """Columns over `t` in blocks, so that memory does not grow with the motion."""
-    forced = getattr(motion.escapement.mechanism, "crank_radius", None) is not None
-    columns = {name: SAMPLES[name] for name in SAMPLES if forced or name != "contact_force"}
-    made = [_create(hdf5, name, columns[name], times.size, "f", units) for name in columns]
+    first = motion.at(0.0)
+    columns = {name: SAMPLES[name] for name in SAMPLES if getattr(first, name) is not None}
+    made = _create(hdf5, "", columns, times.size, units)
     for start in range(0, times.size, _BLOCK):
         rows = slice(start, start + _BLOCK)
         state = motion.at(times[rows])
-        for (name, column), dataset in zip(columns.items(), made, strict=True):
-            dataset[rows] = getattr(state, name) / factor(column.quantity, units)
+        for name, dataset in made.items():
+            dataset[rows] = getattr(state, name) / factor(columns[name][0], units)
         if progress is not None:
             progress(min(rows.stop, times.size), times.size, 0)
-    _attach(made)
 
 
-def _sample_times(motion: Motion) -> FloatArray:
-    times = np.concatenate([motion.t, motion.trajectory.start])
-    return np.unique(times[(times >= 0.0) & (times <= motion.end_time)])
-
-
-def _write_group(hdf5: Any, group: str, columns: dict[str, Column], motion: Motion) -> None:
-    """The events or pieces of a motion, a dataset for each column."""
-    owners = {"reversal": motion.reversals, "extremum": motion.extrema, "piece": motion.trajectory}
-    made = []
-    for key, column in columns.items():
-        name = f"{group}_{key}"
-        values = getattr(owners[group], key) if group in owners else getattr(motion, name)
-        values = np.asarray(values)
-        made.append(_create(hdf5, name, column, values.size, values.dtype.kind))
-        made[-1][...] = values
-    _attach(made)
-
-
-def _create(
-    hdf5: Any, name: str, column: Column, size: int, kind: str, units: str = SYSTEMS[0]
-) -> Any:
-    """A dataset of numbers of a NumPy kind."""
+def _create(hdf5: Any, prefix: str, columns: Columns, size: int, units: str) -> dict[str, Any]:
+    """Datasets of one length, the first of them the dimension scale of all."""
     # an empty one has no chunks that could be filtered
     options = _FILTERS | {"chunks": (min(size, _BLOCK),)} if size else {}
-    dataset = hdf5.create_dataset(name, (size,), _TYPES[kind], **options)
-    dataset.attrs.update(units=unit_name(column.quantity, units), long_name=column.long_name)
-    if kind == "b":
-        flags = np.array([0, 1], "u1")
-        dataset.attrs.update(flag_values=flags, flag_meanings="minimum maximum")
-    return dataset
-
-
-def _attach(datasets: list[Any]) -> None:
-    """Make the first dataset the dimension scale of all."""
-    scale, *rest = datasets
+    made = {}
+    for key, (quantity, long_name, dtype) in columns.items():
+        made[key] = hdf5.create_dataset(prefix + key, (size,), dtype, **options)
+        made[key].attrs.update(units=unit_name(quantity, units), long_name=long_name)
+        if key == "maximum":
+            flags = np.array([0, 1], "u1")
+            made[key].attrs.update(flag_values=flags, flag_meanings="minimum maximum")
+    scale, *rest = made.values()
     scale.make_scale(scale.name.removeprefix("/"))
     for dataset in rest:
         dataset.dims[0].attach_scale(scale)
+    return made
 
 
 def is_motion(path: str | PathLike[str]) -> bool:
     """Whether `path` is an HDF5 file that says it holds a motion."""
-    import h5py
-
     if not Path(path).is_file():
         return False
     # HDF5 tells of a file that is none, or is damaged, by one or the other
@@ -248,76 +217,47 @@ def read_motion(path: str | PathLike[str]) -> Motion:
         When it holds no motion, is damaged, was written in a layout newer than this
         version knows, or has a mechanism that is of no kind it knows.
     """
-    import h5py
-
-    check_input(path, "motion")
-    if not is_motion(path):
-        raise InputFileError(
-            f"motion {path} must be an HDF5 file that holds a motion, and is none; "
-            "name a file that escapement run wrote"
-        )
-    try:
-        with h5py.File(path, "r") as hdf5:
-            _check_content(path, hdf5)
+    with opened(path, "motion", "run", ("configuration", "t"), SCHEMA_VERSION) as hdf5:
+        machine = configuration_of(hdf5)["mechanism"]
+        # a mechanism of somebody's own cannot be built from a file
+        if machine["kind"] not in KINDS and "description" in machine:
+            raise InputFileError(
+                f"motion {path} must have a mechanism that a file can describe, got one of class "
+                f"{machine['kind']}; take its numbers with h5py or xarray"
+            )
+        try:
             return _read(hdf5)
-    except InputFileError:
-        raise
-    except (*DAMAGE, EscapementError) as error:
-        reason = " ".join(str(error).split())
-        raise InputFileError(
-            f"motion {path} must be whole, and is damaged: {reason}; write it anew"
-        ) from None
-
-
-def _check_content(path: str | PathLike[str], hdf5: Any) -> None:
-    """Refuse a newer layout, and a mechanism of somebody's own, which a file cannot build."""
-    version = int(hdf5.attrs["schema_version"])
-    if version > SCHEMA_VERSION:
-        raise InputFileError(
-            f"motion {path} must have schema_version {SCHEMA_VERSION} or less, got {version}; "
-            "install a newer geneva-escapement to read it"
-        )
-    machine = configuration_of(hdf5)["mechanism"]
-    if machine["kind"] not in KINDS and "description" in machine:
-        raise InputFileError(
-            f"motion {path} must have a mechanism that a file can describe, got one of class "
-            f"{machine['kind']}; take its numbers with h5py or xarray"
-        )
+        except EscapementError as error:
+            raise ValueError(error) from None
 
 
 def _read(hdf5: Any) -> Motion:
     escapement = parse_plan(configuration_of(hdf5)).escapement(0)
-    groups = {
-        group: {key: hdf5[f"{group}_{key}"][()] for key in columns}
-        for group, columns in GROUPS.items()
-    }
+    attributes = {name: kind(hdf5.attrs[name]) for name, kind in _ATTRIBUTES.items()}
     samples = {name: hdf5[name][()] for name in ("t", "theta", "theta_dot")}
-    end = float(hdf5.attrs["end_time"])
+    groups = [
+        # files of the first versions hold the loss in friction alone
+        {key: hdf5[prefix + key][()] for key in columns if key not in _LOST or prefix + key in hdf5}
+        for _, prefix, columns in GROUPS
+    ]
+    handoffs, reversals, extrema, pieces = groups
+    t, end = samples["t"], attributes["end_time"]
     # a damaged file may be read without an error of HDF5
-    for columns in (samples, *groups.values()):
+    for columns in (samples, *groups):
         _check_columns(columns, end)
-    groups["extremum"]["maximum"] = groups["extremum"]["maximum"].astype(bool)
-    t, pieces = samples["t"], groups.pop("piece")
-    if (
-        not t.size
-        or not pieces["start"].size
-        or not (np.diff(t) > 0.0).all()
-        or t[0] != 0.0
-        or t[-1] != end
-    ):
+    whole = t.size and pieces["start"].size and (np.diff(t) > 0.0).all()
+    if not (whole and t[0] == 0.0 and t[-1] == end):
         raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s, and have a piece")
-    extrema = Extrema(**groups["extremum"])
-    found: dict[str, Any] = {"reversals": Events(**groups["reversal"]), "extrema": extrema}
+    extrema["maximum"] = extrema["maximum"].astype(bool)
+    none = np.zeros_like(pieces["start"])
+    pieces["losses"] = np.array([pieces.pop(key, none) for key in _LOST])
+    pieces |= {"reversals": Events(**reversals), "extrema": Extrema(**extrema)}
     return Motion(
         escapement=escapement,
-        engine=str(hdf5.attrs["engine"]),
-        rtol=float(hdf5.attrs["rtol"]),
-        trajectory=SampledTrajectory(escapement, **pieces, **found, **samples),
-        end_time=end,
-        handoff_times=groups["handoff"]["times"],
-        handoff_velocities=groups["handoff"]["velocities"],
+        trajectory=SampledTrajectory(escapement, **pieces, **samples),
         status=Status[str(hdf5.attrs["status"]).upper()],
-        message=str(hdf5.attrs["message"]),
+        **attributes,
+        **handoffs,
     )
 
 

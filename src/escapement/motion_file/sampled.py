@@ -1,11 +1,12 @@
 """A trajectory between the samples of a file."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from escapement.engines.energy.pieces import follow
-from escapement.model import Escapement, FloatArray
+from escapement.model import Escapement, FloatArray, dwell_angle
 from escapement.trajectory import Events, Extrema
 
 _RTOL = 1e-12  # of states between what the file holds
@@ -13,18 +14,18 @@ _RTOL = 1e-12  # of states between what the file holds
 
 @dataclass(frozen=True)
 class SampledTrajectory:
-    """A trajectory between samples; see `escapement.motion.Trajectory`.
+    """A trajectory between samples; see `escapement.trajectory.Trajectory`.
 
     t, theta, theta_dot : samples, each start of a piece among them.
     """
 
     escapement: Escapement
+    reversals: Events
+    extrema: Extrema
     start: FloatArray
     engagement: np.ndarray
     sign: FloatArray
-    friction_loss: FloatArray
-    reversals: Events
-    extrema: Extrema
+    losses: FloatArray
     t: FloatArray
     theta: FloatArray
     theta_dot: FloatArray
@@ -37,27 +38,22 @@ class SampledTrajectory:
         """
         clock = self.escapement.time_unit
         since = np.maximum(np.ascontiguousarray(t) - self.start[piece], 0.0) / clock
-        angle, w = self._start(piece)
-        end = self.escapement.mechanism.breaks[-1]
-        if not self._begins(piece + 1):
-            end = self._start(piece + 1)[0]
-        start = (angle, w, self.sign[piece])
+        angle, end, speed = (values[piece] for values in self._pieces)
+        start = (angle, (speed * clock) ** 2, self.sign[piece])
         theta, squares = follow(self.escapement.scene, start, end, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
-    def _begins(self, piece: int) -> bool:
-        """Whether a piece, there or not, is the first of an engagement."""
-        inside = 0 < piece < self.start.size
-        return not inside or bool(self.engagement[piece] != self.engagement[piece - 1])
-
-    def _start(self, piece: int) -> tuple[float, float]:
-        """Driver angle in the cell, and squared speed in natural units, where a piece starts."""
+    @cached_property
+    def _pieces(self) -> tuple[list[float], list[float], list[float]]:
+        """Of each piece where in the cell it starts and ends at the latest, and its first speed."""
         mechanism = self.escapement.mechanism
+        exit_ = mechanism.breaks[-1]
+        cell_end = exit_ + dwell_angle(mechanism)
+        first = np.diff(self.engagement, prepend=-1) != 0
         # a piece of no length may end the motion
-        sample = min(int(np.searchsorted(self.t, self.start[piece])), self.t.size - 1)
-        angle = self.theta[sample] - self.engagement[piece] * mechanism.cell_angle
-        if self._begins(piece):
-            angle = mechanism.breaks[0]
-        elif self.sign[piece] == 0.0:
-            angle = mechanism.breaks[-1]
-        return float(angle), float(self.theta_dot[sample] * self.escapement.time_unit) ** 2
+        sample = np.minimum(np.searchsorted(self.t, self.start), self.t.size - 1)
+        angle = self.theta[sample] - self.engagement * mechanism.cell_angle
+        angle[self.sign == 0.0] = exit_
+        angle[first] = mechanism.breaks[0]
+        end = np.where(first, cell_end, angle)[1:].tolist()
+        return angle.tolist(), [*end, cell_end], self.theta_dot[sample].tolist()

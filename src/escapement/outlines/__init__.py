@@ -4,7 +4,7 @@ Points are complex numbers x + iy, in the unit of length that each outline names
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,7 @@ from escapement.mechanisms.kind import Wheel
 ComplexArray = NDArray[np.complex128]
 
 
-@dataclass(frozen=True)
-class Disc:
+class Disc(NamedTuple):
     """A round body, or the pitch circle of a gear."""
 
     name: str
@@ -23,8 +22,7 @@ class Disc:
     radius: float
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(NamedTuple):
     """A body that lies between closed curves.
 
     Attributes
@@ -45,10 +43,9 @@ class Body:
         return Body(self.name, tuple(about + edge * turn for edge in self.edges))
 
 
-def circle_edge(radius: float) -> ComplexArray:
-    """A circle about the origin, clockwise."""
-    edge: ComplexArray = radius * np.exp(-1j * np.linspace(0.0, 2.0 * np.pi, 361))
-    return edge
+def arc(radius: float, start: float, stop: float, points: int = 361) -> ComplexArray:
+    """Points of a circle about the origin, from angle to angle [rad]; clockwise if falling."""
+    return np.asarray(radius * np.exp(1j * np.linspace(start, stop, points)))
 
 
 def slotted_edge(
@@ -95,5 +92,4 @@ def locked_angle(mechanism: Wheel, theta: float) -> float:
     entry, leaving = mechanism.breaks[0], mechanism.breaks[-1]
     engagement = math.floor((theta - entry) / mechanism.cell_angle)
     local = min(theta - engagement * mechanism.cell_angle, leaving)
-    turned = engagement * mechanism.follower_step + mechanism.follower_angle(local)
-    return float(turned)
+    return float(engagement * mechanism.follower_step + mechanism.follower_angle(local))

@@ -2,23 +2,18 @@
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
 from escapement import validate
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.model import FloatArray, Mechanism
 from escapement.motion import Motion
-from escapement.plots import style
+from escapement.plots import drawing, style
 from escapement.plots.motion import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
-from escapement.plots.style import scaled
-from escapement.plots.tabulated import plot_mechanism
-
-if TYPE_CHECKING:
-    from matplotlib.animation import FuncAnimation
 
 _MOST_FRAMES = 2_000
 
@@ -30,7 +25,7 @@ def animate(
     *,
     frames: int = 100,
     rate: float = 25.0,
-) -> "FuncAnimation":
+) -> FuncAnimation:
     """Film of a motion, in slow motion: drive and follower to scale, and their velocities.
 
     Parameters
@@ -60,7 +55,7 @@ def animate(
     """
     mechanism = motion.escapement.mechanism
     # what has no function of its own has no bodies
-    if plot_mechanism.dispatch(type(mechanism)) is plot_mechanism.dispatch(object):
+    if drawing.plot_mechanism.dispatch(type(mechanism)) is drawing.plot_mechanism.dispatch(object):
         remedy = "draw its motion with plot_velocities"
         raise validate.fail("motion", "of a mechanism that can be drawn", mechanism, remedy)
     end = float(motion.end_time)
@@ -70,28 +65,26 @@ def animate(
         raise validate.fail("film", f"a part of the motion's {end:g} s", given, "leave both out")
     count = validate.integer("frames", frames, 2, "100 is a good choice", _MOST_FRAMES)
     rate = validate.positive("rate", rate, "25 pictures a second look smooth")
-    from matplotlib.animation import FuncAnimation
-
     times = np.linspace(start, last, count, endpoint=False)
     state = motion.at(times)
     figure = style.new_figure(style.TWO_COLUMN, 3.2)
-    drawing, velocities = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
+    scene, velocities = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
     plot_velocities(motion, style.dress(velocities))
-    factor, unit = scaled("s", [end])
+    factor, unit = style.scaled("s", [end])
     velocities.set_xlim(start * factor, last * factor)
     instant = velocities.axvline(start * factor, color=style.BLACK, lw=0.8, zorder=4)
     (marks,) = velocities.plot([], [], "o", color=style.BLACK, ms=4, zorder=5)
-    draw = _drawing(drawing, mechanism, state.theta)
+    draw = _drawing(scene, mechanism, state.theta)
     slower = count / rate / (last - start)
     pace = f"{slower:.3g} times slower" if slower >= 1.0 else f"{1.0 / slower:.3g} times faster"
     # so many decimals that successive pictures have different titles
     digits = max(0, math.ceil(-math.log10(factor * (last - start) / count)))
 
     def show(frame: int) -> None:
-        drawing.clear()
+        scene.clear()
         draw(float(state.theta[frame]))
         place = times[frame] * factor
-        drawing.set_title(f"{place:.{digits}f} {unit}, {pace}", fontsize=style.SMALL_SIZE)
+        scene.set_title(f"{place:.{digits}f} {unit}, {pace}", fontsize=style.SMALL_SIZE)
         instant.set_xdata([place, place])
         marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
 
@@ -105,14 +98,8 @@ def animate(
 def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Callable[[float], object]:
     """What draws the mechanism at a driver angle, with limits that do not change."""
     if not isinstance(mechanism, EllipticalPlanetary):
-        return lambda theta: plot_mechanism(mechanism, theta, ax)
+        return lambda theta: drawing.plot_mechanism(mechanism, theta, ax)
     # the carrier turns, so the limits must have room for every picture
     left, right, bottom, top = np.array([extent(mechanism, theta) for theta in angles]).T
-    limits = {"xlim": (left.min(), right.max()), "ylim": (bottom.min(), top.max())}
-
-    def draw(theta: float) -> None:
-        draw_planetary(ax, mechanism, theta, theta)
-        ax.set(**limits, aspect="equal")
-        ax.set_axis_off()
-
-    return draw
+    box = left.min(), right.max(), bottom.min(), top.max()
+    return lambda theta: draw_planetary(drawing.dress_scene(ax, box), mechanism, theta, theta)

@@ -1,6 +1,6 @@
 """Gear-driven Geneva wheels drawn to scale, and the curves their pins trace."""
 
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,11 +9,8 @@ from matplotlib.figure import Figure
 
 from escapement import validate
 from escapement.mechanisms import GearDriven
-from escapement.outlines import Body
-from escapement.outlines.gear_driven import GearDrivenOutline
-from escapement.plots import style
-from escapement.plots.bodies import draw_bodies, dress_scene
-from escapement.plots.tabulated import plot_mechanism
+from escapement.outlines.gears import GearDrivenOutline
+from escapement.plots import drawing, style
 
 _PIN = "#00446B"
 _PITCH: dict[str, Any] = {"fill": False, "linestyle": (0, (8, 2, 1.5, 2)), "zorder": 2.2}
@@ -28,8 +25,16 @@ _PLANET = {"planet": {"facecolor": "#DCE9F7", "alpha": 0.55, "linewidth": 0, "zo
 _EDGE = {"relief": {"fill": False, "edgecolor": style.BLACK, "linewidth": 1.6, "zorder": 1.1}}
 _ROOM = {"relief": {"color": "white", "linewidth": 0, "zorder": 1.2}}
 
+_EXAMPLES = ((4, 1, "epicycloid"), (12, 5, "epicycloid"), (4, 0, "hypocycloid"), (12, 3))
+_CURVES = {
+    "hypocycloid": "protracted\nhypocycloid",
+    "contracted-hypocycloid": "contracted\nhypocycloid",
+    "epicycloid": "\nepicycloid",
+    "pericycloid": "\npericycloid",
+}
 
-@plot_mechanism.register
+
+@drawing.plot_mechanism.register
 def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None = None) -> Axes:
     """Gear-driven Geneva wheel to scale: fixed gear, planet, pin path and wheel.
 
@@ -66,36 +71,25 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
 
 def plot_gear_driven_examples() -> Figure:
     """Dijksman's mechanisms of figures 6 to 9, each in the middle of its motion."""
-    wheels = (
-        GearDriven(4, 1, "epicycloid"),
-        GearDriven(12, 5, "epicycloid"),
-        GearDriven(4, 0, "hypocycloid"),
-        GearDriven(12, 3, "hypocycloid"),
-    )
-    titles = {
-        f"figure {number}: n = {wheel.stations}, k = {wheel.gear_ratio}": wheel
-        for number, wheel in enumerate(wheels, 6)
-    }
-    return _draw_row(titles, 2.25, 0.0, wheel=True)
+    wheels = [GearDriven(*numbers) for numbers in _EXAMPLES]
+    titles = [f"figure {i}: n = {w.stations}, k = {w.gear_ratio}" for i, w in enumerate(wheels, 6)]
+    return _draw_row(wheels, titles, 2.25, 0.0, wheel=True)
 
 
 def plot_curves() -> Figure:
     """The four cycloids: two paths, each made by two pairs of gears (figure 2)."""
-    names = {
-        "protracted\nhypocycloid": "hypocycloid",
-        "contracted\nhypocycloid": "contracted-hypocycloid",
-        "\nepicycloid": "epicycloid",
-        "\npericycloid": "pericycloid",
-    }
-    wheels = {name: GearDriven(12, 3, curve) for name, curve in names.items()}
-    titles = {f"{name}\nk = {wheel.gear_ratio}": wheel for name, wheel in wheels.items()}
-    return _draw_row(titles, 2.35, 0.5, wheel=False)
+    wheels = [GearDriven(12, 3, curve) for curve in _CURVES]
+    names = zip(_CURVES.values(), wheels, strict=True)
+    titles = [f"{name}\nk = {wheel.gear_ratio}" for name, wheel in names]
+    return _draw_row(wheels, titles, 2.35, 0.5, wheel=False)
 
 
-def _draw_row(titles: dict[str, GearDriven], height: float, theta: float, *, wheel: bool) -> Figure:
+def _draw_row(
+    wheels: Sequence[GearDriven], titles: Sequence[str], height: float, theta: float, *, wheel: bool
+) -> Figure:
     figure = style.new_figure(style.TWO_COLUMN, height)
-    axes = figure.subplots(1, len(titles))
-    for ax, (title, mechanism) in zip(axes, titles.items(), strict=True):
+    panels = zip(figure.subplots(1, len(wheels)), wheels, titles, strict=True)
+    for ax, mechanism, title in panels:
         _draw(ax, GearDrivenOutline(mechanism), theta, wheel=wheel)
         ax.set_title(title, fontsize=style.SMALL_SIZE)
     return figure
@@ -104,30 +98,22 @@ def _draw_row(titles: dict[str, GearDriven], height: float, theta: float, *, whe
 def _draw(ax: Axes | None, outline: GearDrivenOutline, theta: float, *, wheel: bool) -> Axes:
     """Gears, carrier, path and pins, with or without the wheel that they turn."""
     room = 1.06 * outline.reach
-    ax = dress_scene(ax, (-room, room, -room, room))
+    ax = drawing.dress_scene(ax, (-room, room, -room, room))
     follower, fixed, planet, *pins = outline.bodies(theta)
     if wheel:
-        _draw_wheel(ax, outline, follower, theta)
+        solid = drawing.bodies(ax, [follower], _LOOKS, edgecolor=style.BLACK)["follower"]
+        for relief in outline.reliefs(theta):  # the wheel is cut away where unused lobes pass
+            drawing.bodies(ax, [relief], _EDGE)["relief"].set_clip_path(solid)
+            drawing.bodies(ax, [relief], _ROOM)
     # pins are drawn large enough to be seen
     least = 0.018 * outline.reach
-    seen = [replace(pin, radius=max(pin.radius, least)) for pin in pins]
-    draw_bodies(ax, [planet], _PLANET)
-    draw_bodies(ax, [fixed, planet, *seen], _LOOKS, linewidth=0.9)
-    centre = planet.centre
-    x, y = [0.0, centre.real], [0.0, centre.imag]
-    ax.plot(x, y, color=style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
-    ax.plot(x, y, "o", color="white", mec=style.BLACK, ms=3.2, mew=0.8, zorder=2.6)
-    path = outline.path()
-    ax.plot(path.real, path.imag, color=style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
+    seen = [pin._replace(radius=max(pin.radius, least)) for pin in pins]
+    drawing.bodies(ax, [planet], _PLANET)
+    drawing.bodies(ax, [fixed, planet, *seen], _LOOKS, linewidth=0.9)
+    arm = np.array([0.0, planet.centre])
+    drawing.curve(ax, arm, color=style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
+    drawing.curve(ax, arm, "o", color="white", mec=style.BLACK, ms=3.2, mew=0.8, zorder=2.6)
+    drawing.curve(ax, outline.path(), color=style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
     for pin in pins:
-        ends = np.array([centre, pin.centre])
-        ax.plot(ends.real, ends.imag, color=_PIN, lw=1.2, zorder=2.7)
+        drawing.curve(ax, np.array([planet.centre, pin.centre]), color=_PIN, lw=1.2, zorder=2.7)
     return ax
-
-
-def _draw_wheel(ax: Axes, outline: GearDrivenOutline, follower: Body, theta: float) -> None:
-    """The wheel, cut away where unused lobes pass."""
-    wheel = draw_bodies(ax, [follower], _LOOKS, edgecolor=style.BLACK)["follower"]
-    for relief in outline.reliefs(theta):
-        draw_bodies(ax, [relief], _EDGE)["relief"].set_clip_path(wheel)
-        draw_bodies(ax, [relief], _ROOM)

@@ -5,15 +5,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 
 from escapement import validate
 from escapement.mechanisms import Geneva
-from escapement.outlines import locked_angle
+from escapement.outlines import arc, locked_angle
 from escapement.outlines.geneva import GenevaOutline
-from escapement.plots import style
-from escapement.plots.bodies import draw_arrow, draw_bodies, draw_length, dress_scene
-from escapement.plots.tabulated import plot_mechanism
+from escapement.plots import drawing, style
 
 # The crank disc lies behind the follower, the locking disc in its plane, pins lie in front.
 _LOOKS: dict[str, dict[str, Any]] = {
@@ -24,16 +21,14 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "driver-shaft": {"facecolor": "white", "zorder": 2.6},
     "pin": {"facecolor": "#00466f", "edgecolor": "#00466f", "linewidth": 0, "zorder": 3},
 }
-_HIDDEN: dict[str, dict[str, Any]] = {
-    "crank-disc": {"fill": False, "ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5)), "zorder": 2.2}
-}
+_BROKEN = {"fill": False, "ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5)), "zorder": 2.2}
 _CHAIN = (0, (9, 2, 2, 2))
 _MARGIN = 0.30  # arrows take so much room, in crank radii
 _LARGE = 5.0  # around a larger follower the room grows, and its lines get thinner
 _CONTINUOUS = (3, 4, 6)
 
 
-@plot_mechanism.register
+@drawing.plot_mechanism.register
 def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -> Axes:
     """Geneva drive to scale, driver on the right.
 
@@ -89,32 +84,38 @@ def plot_configurations(theta: float = 0.0) -> Figure:
     boxes = [_extent(drive) for drive in drives]
     widths = [box[1] - box[0] for box in boxes]
     half = max(box[3] for box in boxes) + 0.05
-    height = style.TWO_COLUMN * 2.0 * half / sum(widths) + 0.3
-    figure = style.new_figure(style.TWO_COLUMN, height)
+    wide = style.TWO_COLUMN
+    figure = style.new_figure(wide, 2.0 * wide * half / sum(widths) + 0.3)
     axes = figure.subplots(1, 3, width_ratios=widths)
     for ax, outline in zip(axes, drives, strict=True):
         _draw(ax, outline, angle)
         ax.set_ylim(-half, half)
-        title = f"{outline.mechanism.slots} slots, {outline.mechanism.pins} pins"
-        ax.set_title(title, fontsize=style.LABEL_SIZE)
+        wheel = outline.mechanism
+        ax.set_title(f"{wheel.slots} slots, {wheel.pins} pins", fontsize=style.LABEL_SIZE)
     _draw_scale(axes[0], drives[0])
     return figure
 
 
 def _draw(ax: Axes | None, outline: GenevaOutline, theta: float) -> Axes:
-    ax = dress_scene(ax, _extent(outline))
+    ax = drawing.dress_scene(ax, _extent(outline))
     width = 0.9 / _size(outline)
     bodies = outline.bodies(theta)
-    drawn = draw_bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK, linewidth=width)
+    drawn = drawing.bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK, linewidth=width)
     # what the follower hides of the crank disc is broken
-    hidden = draw_bodies(ax, bodies, _HIDDEN)["crank-disc"]
+    hidden = drawing.bodies(ax, bodies, {"crank-disc": _BROKEN})["crank-disc"]
     hidden.set(gid=None, clip_path=drawn["follower"])
     _draw_lines(ax, outline, locked_angle(outline.mechanism, theta))
-    _draw_senses(ax, outline)
+    # arrows beside the outline tell which way they turn
+    room = 0.4 * _MARGIN * _size(outline)
+    driver = arc(outline.crank_disc_radius + room, 0.4, -0.4, 21)
+    if outline.mechanism.internal:
+        driver = arc(0.25, 0.7, 5.0, 41)
+    drawing.arrow(ax, arc(outline.follower_radius + room, np.pi - 0.3, np.pi + 0.3, 21))
+    drawing.arrow(ax, outline.mechanism.centre_distance + driver)
     return ax
 
 
-def _extent(outline: GenevaOutline) -> tuple[float, float, float, float]:
+def _extent(outline: GenevaOutline) -> drawing.Box:
     """Left, right, bottom and top of the picture, room for arrows and scale included."""
     c = outline.mechanism.centre_distance
     half = max(outline.follower_radius, outline.crank_disc_radius)
@@ -132,38 +133,21 @@ def _draw_lines(ax: Axes, outline: GenevaOutline, phi: float) -> None:
     mechanism, c = outline.mechanism, outline.mechanism.centre_distance
     thin: dict[str, Any] = {"lw": 0.5 / _size(outline), "linestyle": _CHAIN, "zorder": 2.8}
     left, right, _, _ = _extent(outline)
-    across = [left + 0.15, right - 0.15]
-    ax.plot(across, [0, 0], color=style.GREY, gid="line-of-centres", **thin)
-    ax.add_patch(Circle((c, 0), 1.0, fill=False, edgecolor=style.GREY, **thin))
+    lines = {"line-of-centres": np.array([left + 0.15, right - 0.15])}
+    lines["crank-circle"] = c + arc(1.0, 0.0, 2.0 * np.pi)
+    ends = np.array([0.3 * outline.slot_end, outline.rim_radius + 0.1])
+    if mechanism.internal:
+        ends = np.array([outline.rim_radius - 0.1, outline.follower_radius - 0.05])
     for k in range(mechanism.slots):
-        ray = np.exp(1j * (phi + k * mechanism.follower_step))
-        ends = (0.3 * outline.slot_end, outline.rim_radius + 0.1)
-        if mechanism.internal:
-            ends = (outline.rim_radius - 0.1, outline.follower_radius - 0.05)
-        line = np.array(ends) * ray
-        ax.plot(line.real, line.imag, color=style.GREY, gid=f"slot-{k}", **thin)
+        lines[f"slot-{k}"] = ends * np.exp(1j * (phi + k * mechanism.follower_step))
+    for name, line in lines.items():
+        drawing.curve(ax, line, color=style.GREY, gid=name, **thin)
     ax.plot([0, c], [0, 0], "+", color=style.BLACK, ms=6, mew=0.8, zorder=4, gid="axes")
-
-
-def _draw_senses(ax: Axes, outline: GenevaOutline) -> None:
-    """Arrows beside the outline: which way they turn."""
-    c = outline.mechanism.centre_distance
-    room = 0.4 * _MARGIN * _size(outline)
-    follower = (outline.follower_radius + room) * np.exp(
-        1j * np.linspace(np.pi - 0.3, np.pi + 0.3, 21)
-    )
-    if outline.mechanism.internal:
-        driver = c + 0.25 * np.exp(1j * np.linspace(0.7, 5.0, 41))
-    else:
-        driver = c + (outline.crank_disc_radius + room) * np.exp(1j * np.linspace(0.4, -0.4, 21))
-    draw_arrow(ax, follower)
-    draw_arrow(ax, driver)
 
 
 def _draw_scale(ax: Axes, outline: GenevaOutline) -> None:
     """A bar one crank radius long, with the radius where it is known."""
-    left, _, bottom, _ = _extent(outline)
+    (left, _, bottom, _), radius = _extent(outline), outline.mechanism.crank_radius
     place = (left + 0.15, bottom + 0.5 * _MARGIN * _size(outline))
-    radius = outline.mechanism.crank_radius
     text = "crank radius" if radius is None else f"crank radius {1e3 * radius:.4g} mm"
-    draw_length(ax, place, 1.0, text)
+    drawing.length(ax, place, 1.0, text)

@@ -12,15 +12,14 @@ from escapement.measurement.encoder import sensor_uncertainty
 from escapement.measurement.fit import spread_samples
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.style import label
+from escapement.plots.style import Named
 
 _MOST_POINTS = 4000  # a print cannot show more points apart
 _CURVE = 400
 _FALSE_ALARM = 0.01
-_BROKEN: dict[str, Any] = {"color": style.VERMILLION, "lw": 1.0, "ls": style.LOOKS[1].linestyle}
 
 
-def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
+def plot_positions(result: Measurement, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Measured and theoretical position of the output over the input.
 
     Parameters
@@ -29,6 +28,8 @@ def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
         What `escapement.measure` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -41,19 +42,18 @@ def plot_positions(result: Measurement, ax: Axes | None = None) -> Axes:
     ax = _ready(result, ax)
     driver = result.input + result.fit.phase
     angles = np.linspace(driver.min(), driver.max(), _CURVE)
-    phi = position(result.mechanism, angles)
-    ax.plot(np.degrees(angles), np.degrees(phi), color=style.BLUE, lw=1.0, label="theory", zorder=3)
+    phi = np.degrees(position(result.mechanism, angles))
+    ax.plot(np.degrees(angles), phi, color=style.BLUE, lw=1.0, label="theory", zorder=3)
     some = spread_samples(driver.size, _MOST_POINTS)
     found = position(result.mechanism, driver[some]) + result.fit.sense * result.errors[some]
-    ax.plot(
-        np.degrees(driver[some]), np.degrees(found), "o", ms=2.5, mfc="none", mew=0.7,
-        color=style.VERMILLION, label="measured",
-    )  # fmt: skip
-    names = label("driver angle from dead centre", "°"), label("follower angle", "°")
-    return _labelled(ax, result, *names)
+    look: dict[str, Any] = {"mfc": "none", "mew": 0.7, "color": style.VERMILLION}
+    ax.plot(np.degrees(driver[some]), np.degrees(found), "o", ms=2.5, label="measured", **look)
+    return _finished(
+        ax, result, legend, ("driver angle from dead centre", "°"), ("follower angle", "°")
+    )
 
 
-def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
+def plot_errors(result: Measurement, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Errors over the input angle.
 
     Parameters
@@ -62,6 +62,8 @@ def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
         What `escapement.measure` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -74,25 +76,24 @@ def plot_errors(result: Measurement, ax: Axes | None = None) -> Axes:
     """
     ax = _ready(result, ax)
     some = spread_samples(result.errors.size, _MOST_POINTS)
+    some = some[np.argsort(result.input[some])]
     angle = np.degrees(result.input[some] - result.input[0])
     if result.encoder is not None:
         width = 2.0 * np.degrees(sensor_uncertainty(result.encoder, result.fit.slope[some]))
-        order = np.argsort(angle)
-        ax.fill_between(
-            angle[order], -width[order], width[order], color=style.SKY, alpha=0.3, lw=0,
-            label="encoders",
-        )  # fmt: skip
-    ax.axhline(0.0, color=style.BLACK, lw=0.6)
+        ax.fill_between(angle, -width, width, label="encoders", **style.SHADE)
+    ax.axhline(0.0, **style.ZERO)
     ax.plot(angle, np.degrees(result.errors[some]), ".", ms=2.5, color=style.BLUE, label="errors")
     name = f"{100.0 * result.confidence:g} % interval"
     # the legend names the first of the two limits alone
     for limit, text in zip(np.degrees(result.interval), (name, "_"), strict=True):
-        ax.axhline(limit, **_BROKEN, label=text)
+        ax.axhline(limit, lw=1.0, **style.BROKEN, label=text)
     ax.margins(x=0.01)
-    return _labelled(ax, result, label("input angle", "°"), label("error", "°"), columns=3)
+    return _finished(ax, result, legend, ("input angle", "°"), ("error", "°"), columns=3)
 
 
-def plot_error_histogram(result: Measurement, ax: Axes | None = None) -> Axes:
+def plot_error_histogram(
+    result: Measurement, ax: Axes | None = None, *, legend: bool = True
+) -> Axes:
     """Density of the errors in classes, and of the normal law.
 
     Parameters
@@ -101,6 +102,8 @@ def plot_error_histogram(result: Measurement, ax: Axes | None = None) -> Axes:
         What `escapement.measure` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -113,19 +116,18 @@ def plot_error_histogram(result: Measurement, ax: Axes | None = None) -> Axes:
     classes = result.histogram
     edges = np.degrees(classes.edges)
     density = classes.observed / (classes.observed.sum() * np.diff(edges))
-    ax.stairs(
-        density, edges, fill=True, fc=style.SKY, ec=style.BLACK, lw=0.7, alpha=0.6, label="errors"
-    )
+    look: dict[str, Any] = {"fc": style.SKY, "ec": style.BLACK, "lw": 0.7, "alpha": 0.6}
+    ax.stairs(density, edges, fill=True, label="errors", **look)
     mean, deviation = np.degrees([result.mean, result.standard_deviation])
     reach = max(3.5 * deviation, float(np.abs(edges - mean).max()))
-    x = mean + np.linspace(-reach, reach, _CURVE)
-    bell = np.exp(-0.5 * ((x - mean) / deviation) ** 2) / (deviation * np.sqrt(2.0 * np.pi))
-    ax.plot(x, bell, color=style.VERMILLION, lw=1.4, label="normal law")
+    x = np.linspace(-reach, reach, _CURVE) / deviation
+    bell = np.exp(-0.5 * x**2) / (deviation * np.sqrt(2.0 * np.pi))
+    ax.plot(mean + deviation * x, bell, color=style.VERMILLION, lw=1.4, label="normal law")
     ax.set_ylim(0.0, None)
-    return _labelled(ax, result, label("error", "°"), label("density", "1/°"))
+    return _finished(ax, result, legend, ("error", "°"), ("density", "1/°"))
 
 
-def plot_frequencies(result: Measurement, ax: Axes | None = None) -> Axes:
+def plot_frequencies(result: Measurement, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Errors counted in each class beside those a normal law expects.
 
     Parameters
@@ -134,6 +136,8 @@ def plot_frequencies(result: Measurement, ax: Axes | None = None) -> Axes:
         What `escapement.measure` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -146,18 +150,14 @@ def plot_frequencies(result: Measurement, ax: Axes | None = None) -> Axes:
     classes = result.histogram
     middle = np.degrees(0.5 * (classes.edges[1:] + classes.edges[:-1]))
     width = 0.4 * (middle[1] - middle[0])
-    ax.bar(
-        middle - 0.5 * width, classes.observed, width, fc=style.SKY, ec=style.BLACK, lw=0.6,
-        label="empirical",
-    )  # fmt: skip
-    ax.bar(
-        middle + 0.5 * width, classes.expected, width, fc="white", ec=style.VERMILLION, lw=0.9,
-        hatch="////", label="theoretical",
-    )  # fmt: skip
-    return _labelled(ax, result, label("middle of the class", "°"), "Number of errors")
+    sky: dict[str, Any] = {"fc": style.SKY, "ec": style.BLACK, "lw": 0.6}
+    ax.bar(middle - 0.5 * width, classes.observed, width, label="empirical", **sky)
+    hatched: dict[str, Any] = {"fc": "white", "ec": style.VERMILLION, "lw": 0.9, "hatch": "////"}
+    ax.bar(middle + 0.5 * width, classes.expected, width, label="theoretical", **hatched)
+    return _finished(ax, result, legend, ("middle of the class", "°"), ("number of errors", ""))
 
 
-def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
+def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Amplitude of errors that come back, over their frequency.
 
     Parameters
@@ -166,6 +166,8 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
         What `escapement.measure` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -180,24 +182,25 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None) -> Axes:
     keep = _outline(found.frequency.size, np.nan_to_num(found.power))
     ax.plot(found.frequency[keep], 100.0 * found.power[keep], color=style.BLUE, lw=0.9)
     level = 100.0 * found.level(_FALSE_ALARM)
-    ax.axhline(level, **_BROKEN, label=f"{100.0 * _FALSE_ALARM:g} % false alarm")
+    ax.axhline(level, lw=1.0, **style.BROKEN, label=f"{100.0 * _FALSE_ALARM:g} % false alarm")
     cells = 2.0 * np.pi / result.mechanism.cell_angle
     rounds = abs(result.mechanism.follower_step) / result.mechanism.cell_angle
-    marks = {"input turn": (1.0, 5), "output turn": (rounds, 2), "cell": (cells, 3)}
-    for name, (place, number) in marks.items():
-        look = style.LOOKS[number]
+    marks = {"input turn": 1.0, "output turn": rounds, "cell": cells}
+    looks = style.LOOKS[5], style.LOOKS[2], style.LOOKS[3]
+    for look, (name, place) in zip(looks, marks.items(), strict=True):
         if place <= found.frequency[-1]:
             ax.axvline(place, color=look.color, lw=0.9, ls=look.linestyle, label=name, zorder=0)
     ax.set(xlim=(0.0, found.frequency[-1]), ylim=(0.0, None))
-    return _labelled(ax, result, "Cycles a turn of the input", "Share of variance (%)")
+    return _finished(
+        ax, result, legend, ("cycles a turn of the input", ""), ("share of variance", "%")
+    )
 
 
 def plot_measurement(result: Measurement) -> Figure:
     """Errors, their distribution and what comes back, on one sheet."""
     figure = style.new_figure(style.TWO_COLUMN, 5.6)
     draw = (plot_errors, plot_error_histogram, plot_periodogram, plot_frequencies)
-    axes = figure.subplots(2, 2)
-    for ax, plot in zip(axes.flat, draw, strict=True):
+    for ax, plot in zip(figure.subplots(2, 2).flat, draw, strict=True):
         # the heading says what is synthetic, once for all panels
         plot(result, style.dress(ax)).get_legend().set_title(None)  # type: ignore
     if result.readings.synthetic:
@@ -207,17 +210,16 @@ def plot_measurement(result: Measurement) -> Figure:
 
 def _ready(result: Measurement, ax: Axes | None) -> Axes:
     if not isinstance(result, Measurement):
-        raise validate.fail(
-            "result", "a Measurement", result, "give what escapement.measure returns"
-        )
+        raise validate.fail("result", "a Measurement", result, "give what measure returns")
     return ax or style.new_axes(5.0, 3.4)
 
 
-def _labelled(ax: Axes, result: Measurement, x: str, y: str, columns: int = 2) -> Axes:
+def _finished(
+    ax: Axes, result: Measurement, legend: bool, x: Named, y: Named, columns: int = 2
+) -> Axes:
     """The same axes with the names of both, and a legend that says what is synthetic."""
-    ax.set(xlabel=x, ylabel=y)
-    style.legend_above(ax, columns, "synthetic data" if result.readings.synthetic else None)
-    return ax
+    title = "synthetic data" if result.readings.synthetic else None
+    return style.finished(ax, x, y, columns, title, legend=legend)
 
 
 def _outline(count: int, values: FloatArray) -> np.ndarray:

@@ -12,13 +12,13 @@ from escapement import validate
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.plots import style
-from escapement.plots.style import label, scaled
+from escapement.plots.style import finished, scaled
 
 _CROWDED = 30  # lines of full height at more handoffs would grey the figure
 _REPEATS = 0.01  # a cycle is terminal when its two handoff speeds agree within this share
 
 
-def plot_velocities(motion: Motion, ax: Axes | None = None) -> Axes:
+def plot_velocities(motion: Motion, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Driver and follower velocity against time.
 
     Parameters
@@ -27,6 +27,8 @@ def plot_velocities(motion: Motion, ax: Axes | None = None) -> Axes:
         What `escapement.simulate` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure across two columns.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -39,18 +41,14 @@ def plot_velocities(motion: Motion, ax: Axes | None = None) -> Axes:
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     factor, unit = scaled("s", times)
     state = motion.at(times)
-    dashes = style.LOOKS[1].linestyle
     ax.plot(times * factor, state.theta_dot, color=style.BLUE, lw=1.3, label="driver")
-    ax.plot(
-        times * factor, state.phi_dot, color=style.VERMILLION, lw=1.1, ls=dashes, label="follower"
-    )
-    ax.set(xlabel=label("time", unit), ylabel=label("angular velocity", "rad/s"))
+    ax.plot(times * factor, state.phi_dot, lw=1.1, label="follower", **style.BROKEN)
     ax.set_ylim(bottom=min(0.0, float(state.phi_dot.min())))
     _mark_events(ax, motion, factor, motion.reversals.theta_dot)
-    return ax
+    return finished(ax, ("time", unit), ("angular velocity", "rad/s"), 4, legend=legend)
 
 
-def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
+def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Driver velocity against driver angle from dead centre, engagement over engagement.
 
     Parameters
@@ -59,6 +57,8 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
         What `escapement.simulate` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure in one column.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -74,12 +74,14 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
     # angles come from rounded numbers, so a gap below 1e-9 is no dwell
     if entry + cell - exit_ > 1e-9:
         dwell = np.degrees([exit_, entry + cell])
-        ax.axvspan(*dwell, color=style.LIGHT_GREY, alpha=0.35, lw=0, label="dwell")
+        ax.axvspan(*dwell, label="dwell", **style.SHADE | {"color": style.LIGHT_GREY})
     ax.axvline(0.0, color=style.LIGHT_GREY, lw=0.6, ls=":", zorder=0)
     ends = motion.handoff_times[motion.handoff_times > times[0]]
     last = ends.size - 1
     first_name = "transient" if last > 0 else "unfinished"
-    last_name = "terminal cycle" if _repeats(motion) else "last whole engagement"
+    speeds = motion.handoff_velocities[-2:]
+    repeats = speeds.size == 2 and abs(speeds[1] - speeds[0]) <= _REPEATS * abs(speeds[1])
+    last_name = "terminal cycle" if repeats else "last whole engagement"
     places = np.searchsorted(times, np.unique([times[0], *ends, times[-1]]))
     for index, (start, end) in enumerate(pairwise(places)):
         look: dict[str, Any] = {"color": style.GREY, "lw": 0.6, "alpha": 0.7}
@@ -91,18 +93,15 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None) -> Axes:
     found = motion.reversals
     local = found.theta - cell * np.floor((found.theta - entry) / cell)
     _mark_reversals(ax, np.degrees(local), found.theta_dot)
-    ax.set_xlim(*np.degrees([entry, entry + cell]))
-    ax.set_ylim(bottom=0.0)
+    ax.set(xlim=np.degrees([entry, entry + cell]), ylim=(0.0, None))
     # more than eight ticks would crowd the axis
     tick = next((size for size in (5, 10, 15, 30, 45, 60) if np.degrees(cell) <= 8 * size), 90)
     ax.xaxis.set_major_locator(MultipleLocator(tick))
-    ax.set_xlabel(label("driver angle from dead centre", "°"))
-    ax.set_ylabel(label("driver velocity", "rad/s"))
-    style.legend_above(ax, 2)
-    return ax
+    name = "driver angle from dead centre"
+    return finished(ax, (name, "°"), ("driver velocity", "rad/s"), 2, legend=legend)
 
 
-def plot_contact_moment(motion: Motion, ax: Axes | None = None) -> Axes:
+def plot_contact_moment(motion: Motion, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Moment of the pin on the follower against time; it jumps at handoffs.
 
     Parameters
@@ -111,6 +110,8 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None) -> Axes:
         What `escapement.simulate` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure across two columns.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -123,14 +124,12 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None) -> Axes:
     factor, unit = scaled("s", times)
     prefix, moment_unit = scaled("N m", moments)
     x, y = times * factor, moments * prefix
-    ax.axhline(0.0, color=style.BLACK, lw=0.6)
+    ax.axhline(0.0, **style.ZERO)
     ax.plot(x, y, color=style.BLUE, lw=1.1, label="contact moment")
     if np.any(y < 0.0):
-        shade: dict[str, Any] = {"color": style.SKY, "alpha": 0.45, "lw": 0}
-        ax.fill_between(x, y, 0.0, where=y < 0.0, label="follower drives", **shade)
-    ax.set(xlabel=label("time", unit), ylabel=label("moment on the follower", moment_unit))
+        ax.fill_between(x, y, 0.0, where=y < 0.0, label="follower drives", **style.SHADE)
     _mark_events(ax, motion, factor, np.zeros(motion.reversals.time.size))
-    return ax
+    return finished(ax, ("time", unit), ("moment on the follower", moment_unit), 4, legend=legend)
 
 
 def plot_motion(motion: Motion) -> Figure:
@@ -165,7 +164,7 @@ def _times(motion: Motion) -> FloatArray:
     return np.unique(np.concatenate([grid, even, *events]))
 
 
-def _moments(motion: Motion) -> tuple[FloatArray, FloatArray]:
+def _moments(motion: Motion) -> FloatArray:
     """Times and contact moments, one-sided at jumps; NaN between pieces of the solution."""
     times = _times(motion)
     bounds = np.append(motion.trajectory.start, motion.end_time)
@@ -177,17 +176,11 @@ def _moments(motion: Motion) -> tuple[FloatArray, FloatArray]:
             first, last = np.searchsorted(times, start, "right"), np.searchsorted(times, end)
             t = np.concatenate([[start], times[first:last], [end]])
             found += [np.array([t, motion.within(piece, t).contact_moment]), gap]
-    moments = np.hstack(found)
-    return moments[0], moments[1]
-
-
-def _repeats(motion: Motion) -> bool:
-    speeds = motion.handoff_velocities[-2:]
-    return speeds.size == 2 and bool(abs(speeds[1] - speeds[0]) <= _REPEATS * abs(speeds[1]))
+    return np.hstack(found)
 
 
 def _mark_events(ax: Axes, motion: Motion, factor: float, heights: FloatArray) -> None:
-    """Reversals at `heights`, handoffs, limits and legend of a figure over time."""
+    """Reversals at `heights`, handoffs and limits of a figure over time."""
     _mark_reversals(ax, motion.reversals.time * factor, heights)
     times = motion.handoff_times * factor
     if times.size:
@@ -197,10 +190,9 @@ def _mark_events(ax: Axes, motion: Motion, factor: float, heights: FloatArray) -
         across = ax.get_xaxis_transform()
         ax.vlines(times, bottom, 1.0, transform=across, label="handoff", **look)
     ax.set_xlim(0.0, motion.end_time * factor)
-    style.legend_above(ax, 4)
 
 
 def _mark_reversals(ax: Axes, x: FloatArray, y: FloatArray) -> None:
     if x.size:
-        marks: dict[str, Any] = {"mfc": "white", "mec": style.BLACK, "mew": 0.8, "zorder": 4}
-        ax.plot(x, y, "o", ms=4.0 if x.size <= _CROWDED else 2.5, label="pin reversal", **marks)
+        size = 4.0 if x.size <= _CROWDED else 2.5
+        ax.plot(x, y, "o", ms=size, zorder=4, **style.REVERSAL)

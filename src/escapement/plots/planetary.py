@@ -7,10 +7,9 @@ from matplotlib.axes import Axes
 
 from escapement import validate
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.outlines.elliptical import EllipticalOutline
-from escapement.plots import style
-from escapement.plots.bodies import draw_arrow, draw_bodies, draw_length, dress_scene
-from escapement.plots.tabulated import plot_mechanism
+from escapement.outlines import arc
+from escapement.outlines.gears import EllipticalOutline
+from escapement.plots import drawing, style
 
 _SPUR: dict[str, Any] = {"facecolor": "#e4e4e4", "linewidth": 0.8, "zorder": 1}
 _LOOKS: dict[str, dict[str, Any]] = {
@@ -25,7 +24,7 @@ _HIDDEN = {"sun": _BROKEN, "planet": _BROKEN}
 _MARGIN = 0.12  # the room around the gears is this share of the centre distance
 
 
-@plot_mechanism.register
+@drawing.plot_mechanism.register
 def plot_planetary(
     mechanism: EllipticalPlanetary, theta: float = 0.0, ax: Axes | None = None
 ) -> Axes:
@@ -52,11 +51,22 @@ def plot_planetary(
         For an angle that is not finite.
     """
     angle = validate.number("theta", theta, "give the driver angle in rad")
-    box = extent(mechanism, angle)
-    ax = dress_scene(ax, box)
+    box, distance = extent(mechanism, angle), 1e3 * mechanism.centre_distance
+    ax = drawing.dress_scene(ax, box)
     draw_planetary(ax, mechanism, angle, angle)
-    _draw_senses(ax, mechanism, angle)
-    _draw_scale(ax, mechanism, box)
+    # letters stand to the right of the carrier, arrows to its left and behind it
+    along, behind = np.exp(1j * angle), angle + np.pi
+    aside = -10j * along
+    for letter, place in (("A", 0.0 * along), ("C", distance * along)):
+        style.annotate(ax, letter, (place.real, place.imag), (aside.real, aside.imag))
+    # the carrier turns counter-clockwise and the output the other way
+    drawing.arrow(ax, arc(distance, angle + 0.1, angle + 0.4, 21))
+    drawing.arrow(ax, arc(0.42e3 * mechanism.sun_radius, behind + 0.9, behind - 0.9, 31))
+    # the bar has the greatest round length below half the centre distance
+    power = 10.0 ** np.floor(np.log10(0.5 * distance))
+    length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= 0.5 * distance) * power)
+    place = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
+    drawing.length(ax, place, length, f"{length:g} mm")
     return ax
 
 
@@ -64,56 +74,23 @@ def draw_planetary(ax: Axes, mechanism: EllipticalPlanetary, theta: float, carri
     """Gears and line of centres in millimetres; the carrier points along `carrier` [rad]."""
     outline = EllipticalOutline(mechanism)
     bodies = outline.bodies(theta, carrier)
-    draw_bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK)
-    draw_bodies(ax, bodies, _HIDDEN, linewidth=0.6)
+    drawing.bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK)
+    drawing.bodies(ax, bodies, _HIDDEN, linewidth=0.6)
     for ellipse in bodies[2:]:
         # the long axis shows how an ellipse is turned
         ends = ellipse.edges[0][[0, ellipse.edges[0].size // 2]]
-        ax.plot(ends.real, ends.imag, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
+        drawing.curve(ax, ends, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
     _, shaft, contact = np.array(outline.line_of_centres(theta)) * np.exp(1j * carrier)
-    ax.plot(
-        [0, shaft.real], [0, shaft.imag], "o-", color=style.BLACK, lw=1.6, ms=4, mfc="white",
-        zorder=3, gid="carrier",
-    )  # fmt: skip
-    ax.plot(contact.real, contact.imag, "o", color=style.VERMILLION, ms=4, zorder=4, gid="contact")
+    look: dict[str, Any] = {"color": style.BLACK, "lw": 1.6, "mfc": "white", "zorder": 3}
+    drawing.curve(ax, np.array([0.0, shaft]), "o-", ms=4, gid="carrier", **look)
+    drawing.curve(ax, contact, "o", color=style.VERMILLION, ms=4, zorder=4, gid="contact")
 
 
-def _draw_senses(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
-    """Letters at the pivots, and arrows for carrier and output."""
-    distance = 1e3 * mechanism.centre_distance
-    shaft = distance * np.exp(1j * theta)
-    # letters stand to the right of the carrier, arrows to its left and behind it
-    aside = 10.0 * np.exp(1j * (theta - 0.5 * np.pi))
-    style.annotate(ax, "A", (0.0, 0.0), (aside.real, aside.imag))
-    style.annotate(ax, "C", (shaft.real, shaft.imag), (aside.real, aside.imag))
-    # the carrier turns counter-clockwise and the output the other way
-    for arc in (
-        distance * np.exp(1j * (theta + np.linspace(0.1, 0.4, 21))),
-        0.42e3 * mechanism.sun_radius * np.exp(1j * (theta + np.pi - np.linspace(-0.9, 0.9, 31))),
-    ):
-        draw_arrow(ax, arc)
-
-
-def extent(mechanism: EllipticalPlanetary, theta: float) -> tuple[float, float, float, float]:
+def extent(mechanism: EllipticalPlanetary, theta: float) -> drawing.Box:
     """Left, right, bottom and top of the picture, room for arrows and scale included."""
-    sun, distance = 1e3 * mechanism.sun_radius, 1e3 * mechanism.centre_distance
-    shaft = distance * np.exp(1j * theta)
-    room = _MARGIN * distance
-    # the ellipses reach as far as the sun's radius from their pivots
-    return (
-        min(-sun, shaft.real - sun) - room,
-        max(sun, shaft.real + sun) + room,
-        min(-sun, shaft.imag - sun) - 2.0 * room,
-        max(sun, shaft.imag + sun) + room,
-    )
-
-
-def _draw_scale(
-    ax: Axes, mechanism: EllipticalPlanetary, box: tuple[float, float, float, float]
-) -> None:
-    """A bar of a round length."""
     distance = 1e3 * mechanism.centre_distance
-    power = 10.0 ** np.floor(np.log10(0.5 * distance))
-    length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= 0.5 * distance) * power)
-    place = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
-    draw_length(ax, place, length, f"{length:g} mm")
+    shaft, room = distance * np.exp(1j * theta), _MARGIN * distance
+    (left, right), (bottom, top) = sorted((0.0, shaft.real)), sorted((0.0, shaft.imag))
+    # the ellipses reach as far as the sun's radius from their pivots
+    reach = 1e3 * mechanism.sun_radius + room
+    return left - reach, right + reach, bottom - reach - room, top + reach

@@ -1,35 +1,31 @@
 """Figures of a study: figures of merit over one or two swept parameters."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import groupby
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from escapement.errors import InvalidValue
 from escapement.plots import style
-from escapement.plots.sample import plot_sample, plot_spread
-from escapement.plots.study_panels import (
-    draw_line,
-    draw_lines,
-    draw_map,
-    dress_axis,
-    head,
-    is_whole,
-    legend,
-    legend_title,
-)
-from escapement.plots.study_table import StudyTable, available, drawable, tabulate_study
-from escapement.plots.style import label, scaled
+from escapement.plots.sample import QUANTILES, counted, missing, plot_sample, quantile, ran
+from escapement.plots.study_panels import draw_lines, draw_map, explain, head, legend_title
+from escapement.plots.study_table import Parameter, StudyTable, available, refusal, tabulate
 from escapement.study.result import Study
+from escapement.study.varied import CASE
 
 _ENOUGH = 5  # a contour map needs so many points on either axis
-_TIMES = ("rise_time", "settling_time")
-_VELOCITIES = ("velocity_max", "velocity_mean", "velocity_min")
+_FOREMOST = ("rise_time", "velocity_mean")
 _MAPS = ("period", "velocity_mean", "rise_time")
+_SINGLE = dict.fromkeys(("rise_time", "settling_time"), "time")
+_SINGLE |= dict.fromkeys(("velocity_max", "velocity_mean", "velocity_min"), "driver velocity")
 
 
-def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None = None) -> Axes:
+def plot_lines(
+    study: Study, result: str, x: str | None = None, ax: Axes | None = None, *, legend: bool = True
+) -> Axes:
     """One result against one parameter, a line for each value of another.
 
     Parameters
@@ -43,6 +39,8 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
         varied, else the axis with most points.
     ax : Axes, optional
         Where to draw. Default: a new figure in one column.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -58,10 +56,9 @@ def plot_lines(study: Study, result: str, x: str | None = None, ax: Axes | None 
 
     Source: the figures are Meyer (1973), figures 9-11.
     """
-    table = tabulate_study(study, result, x)
+    table = tabulate(study, [result], x)
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.1)
-    lines = draw_lines(ax, study, result, table)
-    legend(ax, study, table, lines, table.note)
+    explain(ax, table, draw_lines(ax, table), table.note, legend)
     return ax
 
 
@@ -76,18 +73,10 @@ def plot_rise_and_terminal(study: Study) -> Figure:
     Source: the figure is Meyer (1973), figures 9-11; his average velocity is
     (max + min)/2, here it is the cell angle over the period.
     """
-    names = available(study, ("rise_time", "velocity_mean"))
-    figure = style.new_figure(style.ONE_COLUMN, 0.7 + 2.2 * len(names))
-    panels = style.new_panels(figure, len(names))
-    lines, table = _fill(panels, study, names)
-    for ax in panels:
-        ax.label_outer()
-    legend(panels[0], study, table, lines)
-    head(figure, table)
-    return figure
+    return _stack(available(study, _FOREMOST))
 
 
-def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
+def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
     Contours, but cells of one colour each for times that jump by an engagement, and
@@ -102,25 +91,63 @@ def plot_map(study: Study, result: str, ax: Axes | None = None) -> Axes:
         Which result.
     ax : Axes, optional
         Where to draw. Default: a new figure in one column.
+    legend : bool
+        Whether to draw one.
 
     Raises
     ------
     InvalidValue
         For an unknown or empty result, or fewer than two varied axes.
     """
-    table = tabulate_study(study, result)
-    if table.lines is None:
-        raise InvalidValue(
-            f"study must vary two parameters for a map, got one ({table.x}); use plot_lines"
-        )
+    table = tabulate(study, [result])
+    if not table.lines.name:
+        raise refusal("vary two parameters for a map", f"one ({table.x.name})", "use plot_lines")
     own = ax is None
     ax = ax or style.new_axes(style.ONE_COLUMN, 2.9)
-    key = draw_map(ax, study, result, table, bar="right")
-    if key:
+    key = draw_map(ax, table, bar="right")
+    if key and legend:
         style.legend_above(ax, 1, handles=key)
     if own:
         head(ax.figure, table)
     return ax
+
+
+def plot_spread(study: Study) -> Figure:
+    """How far a sample scatters at each point of a grid.
+
+    Parameters
+    ----------
+    study : Study
+        A sweep's result over a sample at each point of a grid.
+
+    Returns
+    -------
+    Figure
+        Rise time and mean velocity against a swept parameter: the median over the
+        sample, in a band from its 5 % to its 95 % quantile; a line for each value of
+        a second one. A rise time that a case lacks although it has an answer is longer
+        than any: the median is not drawn where half of the cases lack it, nor is the
+        band where one in twenty does.
+
+    Raises
+    ------
+    InvalidValue
+        When the study is no sample, or varies no axis beside it.
+    """
+    if not study.sampled:
+        raise refusal("be a sample for this figure", "a grid", "use plot_study")
+    names = [name for name in _FOREMOST if name in study.results]
+    results = {name: quantile(counted(study, name), [*QUANTILES]) for name in names}
+    axes = {name: values for name, values in study.axes.items() if name != CASE}
+    tables = available(replace(study, axes=axes, results=results, sampled={}), names)
+    drawn, answered = [table.results[0] for table in tables], ran(study)
+    note = [f"Median and 5 % to 95 % of {answered.shape[-1]} cases"]
+    if lost := int((~answered).sum()):
+        note.append(f"but for {lost} of {answered.size} in all, without result")
+    for name in names:
+        if lack := missing(study, name):
+            note.append(f"{lack}: {'counted as longest' if name in drawn else 'too many to draw'}")
+    return _stack(tables, "\n".join(note))
 
 
 def plot_study(study: Study) -> Figure:
@@ -147,66 +174,55 @@ def plot_study(study: Study) -> Figure:
         When nothing was varied, or no case has a result.
     """
     if study.sampled:
-        beside = [*study.axes.values()][:-1]
-        return (plot_spread if max(map(len, beside), default=1) > 1 else plot_sample)(study)
-    names = available(study, ("rise_time", "velocity_mean"))
-    table = tabulate_study(study, names[0])
-    if table.lines is None:
-        return _plot_single(study, table)
+        return (plot_spread if max(study.shape[:-1], default=1) > 1 else plot_sample)(study)
+    tables = available(study, _FOREMOST)
+    if not tables[0].lines.name:
+        return _plot_single(study)
     # a contour map of fewer points would invent what lies between them
-    if min(table.values.shape) < _ENOUGH:
-        return plot_rise_and_terminal(study)
-    return _plot_double(study, names, table)
+    if min(tables[0].values.shape[1:]) < _ENOUGH:
+        return _stack(tables)
+    return _plot_double(tables, available(study, _MAPS))
 
 
-def _plot_double(study: Study, names: Sequence[str], table: StudyTable) -> Figure:
+def _stack(tables: Sequence[StudyTable], note: str = "") -> Figure:
+    """Panels of lines above one another, with a legend each or one for all."""
+    figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(tables))
+    panels = style.new_panels(figure, len(tables))
+    for ax, table in zip(panels, tables, strict=True):
+        lines = draw_lines(ax, table)
+        ax.label_outer()
+        if ax is panels[0] or table.lines.values.dtype.kind == "U":
+            explain(ax, table, lines, note)
+    head(figure, table)
+    return figure
+
+
+def _plot_single(study: Study) -> Figure:
+    """Times above velocities, against the only varied parameter."""
+    found = [table.results[0] for table in available(study, _SINGLE)]
+    tables = []
+    for title, group in groupby(found, _SINGLE.__getitem__):
+        table = tabulate(study, [*group])
+        entries = [name.removeprefix("velocity_").replace("_", " ") for name in table.results]
+        lines = Parameter("", "", np.array(entries))
+        tables.append(table._replace(name=title, lines=lines, values=table.values.T))
+    return _stack(tables)
+
+
+def _plot_double(tables: Sequence[StudyTable], maps: Sequence[StudyTable]) -> Figure:
     """Lines above maps."""
     figure = style.new_figure(style.TWO_COLUMN, 6.3)
-    rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.05))
-    upper, lower = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
-    lines, _ = _fill(style.new_panels(upper, 1, len(names)), study, names)
-    style.add_legend(
-        upper, len(lines), legend_title(study, table), handles=lines,
-        loc="outside upper center", handlelength=style.HANDLE,
-    )  # fmt: skip
-    maps = available(study, _MAPS)
+    upper, lower = figure.subfigures(2, 1, height_ratios=(1.0, 1.05))  # type: ignore[misc]
+    for ax, table in zip(style.new_panels(upper, 1, len(tables)), tables, strict=True):
+        lines = draw_lines(ax, table)
+    where: dict[str, Any] = {"handlelength": style.HANDLE, "loc": "outside upper center"}
+    style.add_legend(upper, len(lines), legend_title(table), handles=lines, **where)
+    where["loc"] = "outside lower center"
     holes = []
-    for ax, name in zip(style.new_panels(lower, 1, len(maps)), maps, strict=True):
-        holes += draw_map(ax, study, name, tabulate_study(study, name), bar="top")
+    for ax, table in zip(style.new_panels(lower, 1, len(maps)), maps, strict=True):
+        holes += draw_map(ax, table, bar="top")
         ax.label_outer()
     if holes:
-        style.add_legend(
-            lower, 1, handles=holes[:1], loc="outside lower center", handlelength=style.HANDLE
-        )
+        style.add_legend(lower, 1, handles=holes[:1], **where)
     head(figure, table)
     return figure
-
-
-def _plot_single(study: Study, table: StudyTable) -> Figure:
-    """Times above velocities, against the only varied parameter."""
-    wanted = {"time": _TIMES, "driver velocity": _VELOCITIES}
-    groups = {name: found for name in wanted if (found := drawable(study, wanted[name]))}
-    figure = style.new_figure(style.ONE_COLUMN, 0.4 + 2.2 * len(groups))
-    panels, joined = style.new_panels(figure, len(groups)), not is_whole(study, table.x)
-    for ax, (name, members) in zip(panels, groups.items(), strict=True):
-        values = {member: tabulate_study(study, member).values[:, 0] for member in members}
-        factor, unit = scaled(study.units.get(members[0], ""), list(values.values()))
-        for look, (member, y) in zip(style.LOOKS, values.items(), strict=False):
-            entry = member.removeprefix("velocity_").replace("_", " ")
-            draw_line(ax, table.x_values, y * factor, look, entry, joined)
-        dress_axis(ax, "x", study, table.x)
-        ax.set_ylabel(label(name, unit))
-        ax.label_outer()
-        style.legend_above(ax, 3, handlelength=style.HANDLE)
-    head(figure, table)
-    return figure
-
-
-def _fill(
-    panels: list[Axes], study: Study, names: Sequence[str]
-) -> tuple[list[Line2D], StudyTable]:
-    """Lines of one result in each panel; returns those of the last."""
-    for ax, name in zip(panels, names, strict=True):
-        table = tabulate_study(study, name)
-        lines = draw_lines(ax, study, name, table)
-    return lines, table

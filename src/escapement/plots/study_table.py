@@ -1,18 +1,16 @@
-"""What of a study goes into a figure: one result over one or two axes."""
+"""What of a study goes into a figure: results over one or two parameters, as printed."""
 
-import contextlib
 import textwrap
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots.style import LINE, label, parameter_text, print_unit, scaled
+from escapement.plots.style import number_text, print_unit, scaled
 from escapement.status import Status
 from escapement.study.result import Study
 
@@ -32,36 +30,60 @@ _REASONS = {
 _WIDEST = 56  # so many characters of a note fit over one column
 _HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # a longer name makes no axis label
+_DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
 
 
-@dataclass(frozen=True)
-class StudyTable:
-    """One result over at most two axes, ready to draw.
+class Parameter(NamedTuple):
+    """A parameter along an axis: its name and unit as printed, and its values."""
 
-    x, lines : names of the axes along the first and second dimension of
-        `values`; without a second axis `lines` is None, and that dimension 1.
-    x_values, line_values : values along them, ascending.
-    values : the result, NaN where there is none.
+    name: str
+    unit: str
+    values: NDArray[Any]
+
+    @property
+    def whole(self) -> bool:
+        """Whether it takes whole numbers only, with nothing between them."""
+        return bool(np.issubdtype(self.values.dtype, np.integer))
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether it takes numbers in even ratios over a wide range."""
+        values = np.sort(self.values)
+        if values.size < 3 or values[0] <= 0.0 or values[-1] < _DECADE * values[0]:
+            return False
+        steps = np.diff(np.log(values))
+        return bool(np.allclose(steps, steps[0], rtol=1e-6))
+
+
+class StudyTable(NamedTuple):
+    """Results over at most two parameters, ready to draw.
+
+    results : names of the results along the first dimension of `values`.
+    x, lines : parameters along the second and third, ascending; `lines` has one value where
+        only one parameter varies.
+    values : the results in one unit, not finite where there is none.
+    name, unit : of the first result, as printed.
     note : which axes were fixed, and where, and which cases have no answer; "" for none.
     """
 
-    x: str
-    lines: str | None
-    x_values: FloatArray
-    line_values: FloatArray
+    results: Sequence[str]
+    x: Parameter
+    lines: Parameter
     values: FloatArray
+    name: str
+    unit: str
     note: str
 
 
-def tabulate_study(study: Study, result: str, x: str | None = None) -> StudyTable:
+def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> StudyTable:
     """Choose the axes of a figure, and fix every other one at its middle.
 
     Parameters
     ----------
     study : Study
         A sweep's result.
-    result : str
-        Which result.
+    results : sequence of str
+        Which results; the first one decides their unit.
     x : str, optional
         First axis. Default: of the first two that were varied, torque, else
         the one with most points.
@@ -69,78 +91,71 @@ def tabulate_study(study: Study, result: str, x: str | None = None) -> StudyTabl
     Raises
     ------
     InvalidValue
-        For an unknown or empty result, or a study that varies nothing.
+        For an unknown result, or a study that varies nothing.
     """
-    known = tuple(name for name in study.results if name != "status")
-    validate.choice("result", result, known)
+    for name in results:
+        validate.choice("result", name, tuple(name for name in study.results if name != "status"))
     if study.sampled:
-        raise InvalidValue(
-            "study must be a grid to be drawn as lines or a map, got a sample; use plot_study"
-        )
-    varied = [name for name, values in study.axes.items() if np.size(values) > 1]
+        raise refusal("be a grid to be drawn as lines or a map", "a sample", "use plot_study")
+    varied = [name for name, values in study.axes.items() if values.size > 1]
     if not varied:
         raise single_case()
     if x is None:
         pair = varied[:2]
-        x = "torque" if "torque" in pair else max(pair, key=lambda name: len(study.axes[name]))
+        x = "torque" if "torque" in pair else max(pair, key=lambda name: study.axes[name].size)
     validate.choice("x", x, tuple(varied))
     lines = next((name for name in varied if name != x), None)
-    middle = {
-        name: np.size(values) // 2 for name, values in study.axes.items() if name not in (x, lines)
-    }
-    index = tuple(middle.get(name, slice(None)) for name in study.axes)
-    values = np.asarray(study.results[result], dtype=float)[index]
-    values = np.where(np.isfinite(values), values, np.nan)
-    if np.isnan(values).all():
-        raise _empty([result])
-    names = list(study.axes)
-    if lines is None:
-        values = values[:, None]
-    elif names.index(lines) < names.index(x):
-        values = values.T
-    x_values = np.asarray(study.axes[x], dtype=float)
-    line_values = np.zeros(1) if lines is None else np.asarray(study.axes[lines], dtype=float)
     # the axes of a study may descend or be in any order
-    rows, columns = np.argsort(x_values), np.argsort(line_values)
-    fixed = [_fixed(study, name, i) for name, i in middle.items()]
-    where = ", ".join(fixed)
-    notes = [where[:1].upper() + where[1:], _unanswered(study, index)]
-    return StudyTable(
-        x,
-        lines,
-        x_values[rows],
-        line_values[columns],
-        values[np.ix_(rows, columns)],
-        "\n".join(textwrap.fill(line, _WIDEST) for line in notes if line).replace(_HARD, " "),
-    )
+    kept = {
+        name: values.argsort() if name in (x, lines) else np.array([values.size // 2])
+        for name, values in study.axes.items()
+    }
+    # the quantiles of a sample stand in front of its axes
+    values = np.concatenate([study.results[name].reshape(-1, *study.shape) for name in results])
+    values = values[np.ix_(np.arange(len(values)), *kept.values())]
+    values = np.moveaxis(values, 1 + [*kept].index(x), 1)
+    values = values.reshape(len(values), kept[x].size, -1)
+    factor, unit = scaled(study.units.get(results[0], ""), values)
+    shown = {name: parameter(study, name, study.axes[name][index]) for name, index in kept.items()}
+    at = (_fixed(shown[name], study.axes[name].size) for name in kept if name not in (x, lines))
+    fixed = ", ".join(at)
+    status = study.results.get("status", np.zeros(study.shape))
+    notes = [fixed[:1].upper() + fixed[1:], _unanswered(status[np.ix_(*kept.values())])]
+    note = "\n".join(textwrap.fill(line, _WIDEST) for line in notes if line).replace(_HARD, " ")
+    across = Parameter("", "", np.zeros(1)) if lines is None else shown[lines]
+    name = printed_name(study, results[0])
+    return StudyTable(results, shown[x], across, factor * values, name, unit, note)
 
 
-def available(study: Study, names: Sequence[str]) -> list[str]:
-    """Those of the named results that a figure can show.
+def available(study: Study, names: Iterable[str]) -> list[StudyTable]:
+    """A table of each of the named results that a figure can show.
 
     Raises
     ------
     InvalidValue
         When there is none.
     """
-    found = drawable(study, names)
-    if not found:
-        raise _empty(names)
-    return found
+    tables = [tabulate(study, [name]) for name in names if name in study.results]
+    check_number(names, [table.values[0] for table in tables])
+    return [table for table in tables if np.isfinite(table.values[0]).any()]
 
 
-def drawable(study: Study, names: Sequence[str]) -> list[str]:
-    """As `available`, but an empty list where there is none."""
-    found = []
-    for name in filter(study.results.__contains__, names):
-        with contextlib.suppress(NoResult):
-            tabulate_study(study, name)
-            found.append(name)
-    return found
+def check_number(names: Iterable[str], values: ArrayLike) -> None:
+    """Raise InvalidValue where no case that would be drawn has any of the named results."""
+    if not np.isfinite(values).any():
+        rule, remedy = f"hold a number for {' or '.join(names)}", "its status says why"
+        raise refusal(f"{rule} to be plotted", "none in the cases shown", remedy)
 
 
-class NoResult(InvalidValue):
-    """Every case that would be drawn lacks the result."""
+def single_case() -> InvalidValue:
+    """The error for a study that varies nothing."""
+    rule, remedy = "vary at least one parameter to be plotted", "give it two values or more"
+    return refusal(rule, "a single case", remedy)
+
+
+def refusal(rule: str, got: str, remedy: str) -> InvalidValue:
+    """The error for a study that a figure cannot show."""
+    return InvalidValue(f"study must {rule}, got {got}; {remedy}")
 
 
 def printed_name(study: Study, name: str) -> str:
@@ -150,46 +165,21 @@ def printed_name(study: Study, name: str) -> str:
     return _SHORT.get(name) or (long if len(long) <= _LONGEST else words)
 
 
-def parameter_label(study: Study, name: str, line: int = LINE) -> str:
-    """Label of an axis that a parameter runs along, in lines of so many characters."""
-    return label(printed_name(study, name), print_unit(study.units.get(name, "")), line)
+def parameter(study: Study, name: str, values: NDArray[Any]) -> Parameter:
+    """A parameter of a study at some of its values."""
+    return Parameter(printed_name(study, name), print_unit(study.units.get(name, "")), values)
 
 
-def result_scale(study: Study, name: str, values: ArrayLike, line: int = LINE) -> tuple[float, str]:
-    """Factor that brings a result to readable numbers, and the label that tells their unit."""
-    factor, unit = scaled(study.units.get(name, ""), values)
-    return factor, label(printed_name(study, name), unit, line)
-
-
-def _unanswered(study: Study, index: tuple[Any, ...]) -> str:
+def _unanswered(status: NDArray[Any]) -> str:
     """How many of the cases shown have no number, and why; "" for none."""
-    status = np.asarray(study.results.get("status", 0))
-    shown = status[index] if status.ndim else status
-    counts = {why: int((shown == code).sum()) for code, why in _REASONS.items()}
+    counts = {why: int((status == code).sum()) for code, why in _REASONS.items()}
     lost = sum(counts.values())
-    if not lost:
-        return ""
     reasons = [f"{count} {why}".replace(" ", _HARD) for why, count in counts.items() if count]
     gaps = "leaves a gap" if lost == 1 else "leave gaps"
-    return f"{lost} of {shown.size} cases {gaps}: {', '.join(reasons)}"
+    return f"{lost} of {status.size} cases {gaps}: {', '.join(reasons)}" if lost else ""
 
 
-def _fixed(study: Study, name: str, index: int) -> str:
-    values = study.axes[name]
-    text = parameter_text(printed_name(study, name), values[index], study.units.get(name, ""))
-    return text if np.size(values) == 1 else f"{text} (middle of {np.size(values)})"
-
-
-def single_case() -> InvalidValue:
-    """The error for a study that varies nothing."""
-    return InvalidValue(
-        "study must vary at least one parameter to be plotted, got a single case; "
-        "give a parameter two values or more"
-    )
-
-
-def _empty(names: Sequence[str]) -> NoResult:
-    return NoResult(
-        f"study must hold a number for {' or '.join(names)} to be plotted, got none in the cases "
-        "shown; its status says what went wrong in each"
-    )
+def _fixed(along: Parameter, size: int) -> str:
+    """A parameter that is not drawn, at the only one or the middle one of its values."""
+    text = f"{along.name} = {number_text(along.values[0])} {along.unit}".rstrip()
+    return text if size == 1 else f"{text} (middle of {size})"

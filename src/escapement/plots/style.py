@@ -1,27 +1,34 @@
-"""House style of every figure: colours, sizes, legends, and names and units as printed.
+"""House style of every figure: colours, sizes, legends, names and units as printed, and files.
 
 Colours are the Okabe-Ito palette, which colour-blind readers can tell apart
 (Okabe and Ito, "Color universal design", 2008). Each goes with a line style and a
 marker of its own, so nothing is lost in grey print. Sizes and fonts are for a
 printed column and stay readable at half size. Only figure objects are used:
-nothing here touches pyplot's global state or opens a window.
+nothing here touches pyplot's global state or opens a window. A notebook shows them all the same,
+because they are pictures by themselves.
 
 Data carry units in the spelling of UDUNITS ("rad s-1", "in lbf s2"); a figure
 prints "rad/s" and "in·lbf·s²", and picks a prefix that keeps numbers short.
 """
 
+import io
 import math
+import os
 import re
+import tempfile
 import textwrap
+from pathlib import Path
 from typing import Any, NamedTuple
 
+import matplotlib
 import numpy as np
+from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from escapement import validate
+from escapement import files, validate
 
 BLACK, GREY, LIGHT_GREY = "#000000", "#5f5f5f", "#b8b8b8"
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -37,6 +44,14 @@ LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 _MOST_DRAWN = 200  # more slots or lobes could not be told apart
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
+# The same figure gives the same bytes only without the date and without random ids.
+_RANDOM: Any = {"svg.hashsalt": "escapement", "pdf.fonttype": 42}
+_SETTINGS: dict[str, dict[str, Any]] = {
+    ".png": {"dpi": 300, "metadata": {"Software": None}},
+    ".pdf": {"dpi": 300, "metadata": {"CreationDate": None, "Creator": None, "Producer": None}},
+    ".svg": {"dpi": 300, "metadata": {"Date": None, "Creator": None}},
+    ".gif": {"writer": "pillow"},
+}
 LINE = 34
 """Characters of a label that fit beside one panel."""
 
@@ -61,6 +76,57 @@ LOOKS = (
     Look(BLACK, (0, (5, 1.4, 1.2, 1.4, 1.2, 1.4)), "P"),
 )
 
+Point = tuple[float, float]
+Named = tuple[str, str]
+"""Name and unit of an axis."""
+HALO: Any = [withStroke(linewidth=2.2, foreground="white")]
+"""What keeps a number on a curve readable."""
+ZERO: dict[str, Any] = {"color": BLACK, "lw": 0.6}
+"""How the line of zero is drawn."""
+SHADE: dict[str, Any] = {"color": SKY, "alpha": 0.3, "lw": 0}
+"""How an area is shaded."""
+BROKEN: dict[str, Any] = {"color": VERMILLION, "ls": LOOKS[1].linestyle}
+"""How a second curve is drawn beside a blue one."""
+REVERSAL: dict[str, Any] = {"mfc": "white", "mec": BLACK, "mew": 0.8, "label": "pin reversal"}
+"""How a pin reversal is marked."""
+
+
+def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -> None:
+    """Write a figure or a film: complete under its name, or not at all.
+
+    Parameters
+    ----------
+    picture : Figure, Axes or FuncAnimation
+        What to write; of axes their whole figure. The same figure gives the same bytes:
+        nothing in the file tells the time.
+    path : path
+        Its suffix decides the format: .png, .pdf or .svg; a film's is .gif. An existing
+        file is replaced, unless it is read-only.
+
+    Raises
+    ------
+    InvalidValue
+        When the suffix is none of these.
+    CannotCreate
+        When there can be no file at that place.
+    StorageError
+        When writing fails half-way, for example on a full disk.
+    """
+    figure: Any = picture.figure if isinstance(picture, Axes) else picture
+    moving = isinstance(picture, FuncAnimation)
+    suffix = files.picture_format(path, files.FILMS if moving else files.FORMATS)
+    files.check_target(path, force=True, writable=True)
+    # Pillow writes films to files alone
+    with (
+        files.storing(path),
+        matplotlib.rc_context(_RANDOM),
+        tempfile.TemporaryDirectory() as folder,
+    ):
+        made = Path(folder) / f"picture{suffix}"
+        (figure.save if moving else figure.savefig)(made, **_SETTINGS[suffix])
+        content = made.read_bytes()
+    files.replace_file(path, [content])
+
 
 def check_drawn(name: str, count: int) -> None:
     """Refuse a drawing whose parts nobody could tell apart."""
@@ -68,19 +134,37 @@ def check_drawn(name: str, count: int) -> None:
         raise validate.fail(name, f"at most {_MOST_DRAWN} in a drawing", count, "leave it undrawn")
 
 
+class Picture(Figure):
+    """A figure that a notebook shows where a cell ends with it."""
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, float]]:
+        """Twice as fine as a screen, with the size in pixels to show it at."""
+        content = io.BytesIO()
+        self.savefig(content, format="png", dpi=2.0 * self.dpi)
+        width, height = self.bbox.width, self.bbox.height
+        return content.getvalue(), {"width": round(width), "height": round(height)}
+
+
+class PictureAxes(Axes):
+    """The only axes of a picture: a cell that ends with them shows it whole."""
+
+    def _repr_png_(self) -> Any:
+        return self.figure._repr_png_()  # type: ignore[union-attr]
+
+
 def new_figure(width: float = ONE_COLUMN, height: float | None = None) -> Figure:
     """An empty figure, laid out on its own, of a size in inches."""
-    return Figure(figsize=(width, height or 0.72 * width), layout="constrained")
+    return Picture(figsize=(width, height or 0.72 * width), layout="constrained")
 
 
 def new_axes(width: float = ONE_COLUMN, height: float | None = None) -> Axes:
     """The only axes of a new figure of a size in inches."""
-    return dress(new_figure(width, height).add_subplot())
+    return dress(new_figure(width, height).add_subplot(axes_class=PictureAxes))
 
 
 def new_panels(figure: Figure | SubFigure, rows: int, columns: int = 1) -> list[Axes]:
     """Panels in house style, row by row; stacked ones share the abscissa."""
-    axes = figure.subplots(rows, columns, sharex=columns == 1 and rows > 1, squeeze=False)
+    axes = figure.subplots(rows, columns, sharex="col", squeeze=False)
     return [dress(ax) for ax in axes.ravel()]
 
 
@@ -92,17 +176,30 @@ def dress(ax: Axes) -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.label.set_fontsize(LABEL_SIZE)
         axis.get_offset_text().set_fontsize(TICK_SIZE)
-    for spine in ax.spines.values():
-        spine.set_linewidth(0.7)
+    ax.spines[:].set_linewidth(0.7)
     ax.title.set_fontsize(LABEL_SIZE)
     return ax
 
 
 def legend_above(ax: Axes, columns: int, title: str | None = None, **options: Any) -> None:
-    """A legend over the axes, where it can cover no data."""
-    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "borderaxespad": 0.3}
+    """A legend over the axes, where it can cover no data, or in them where there is no room."""
+    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+    place["borderaxespad"] = 0.3
+    if ax.figure.get_layout_engine() is None:
+        # a figure of the reader's own makes no room above its axes
+        columns, place = 1, {"loc": "best", "frameon": True}
     space = {"columnspacing": 1.2, "handlelength": 2.6}
     add_legend(ax, columns, title, **{**place, **space, **options})
+
+
+def finished(
+    ax: Axes, x: Named, y: Named, columns: int, title: str | None = None, *, legend: bool = True
+) -> Axes:
+    """The same axes, labelled, with a legend above unless none is wanted."""
+    ax.set(xlabel=label(*x), ylabel=label(*y))
+    if legend:
+        legend_above(ax, columns, title)
+    return ax
 
 
 def add_legend(
@@ -111,7 +208,7 @@ def add_legend(
     """A legend in house style, of fewer columns where so many are wider than the figure."""
     whole = where.figure if isinstance(where, Axes) else where
     while True:
-        legend = where.legend(ncols=columns, fontsize=SMALL_SIZE, frameon=False, **options)
+        legend = where.legend(ncols=columns, fontsize=SMALL_SIZE, **{"frameon": False, **options})
         if columns == 1 or legend.get_window_extent().width <= whole.bbox.width:
             break
         legend.remove()
@@ -124,18 +221,13 @@ def add_legend(
 
 
 def annotate(
-    ax: Axes,
-    text: str,
-    place: tuple[float, float],
-    offset: tuple[float, float] = (0.0, 0.0),
-    side: str = "center",
+    ax: Axes, text: str, place: Point, offset: Point = (0.0, 0.0), side: str = "center"
 ) -> None:
     """Text beside a point of the data, in a halo; the offset is in points."""
-    note = ax.annotate(
-        text, place, offset, textcoords="offset points", ha=side, va="center",
-        fontsize=SMALL_SIZE, zorder=6, annotation_clip=False,
+    ax.annotate(
+        text, place, offset, textcoords="offset points", ha=side, va="center", zorder=6,
+        fontsize=SMALL_SIZE, annotation_clip=False, path_effects=HALO,
     )  # fmt: skip
-    note.set_path_effects([withStroke(linewidth=2.2, foreground="white")])
 
 
 def grid(ax: Axes) -> None:
@@ -150,12 +242,11 @@ def print_unit(unit: str) -> str:
 
     "1" and the empty string, a pure number, become the empty string.
     """
-    above: list[str] = []
-    below: list[str] = []
+    parts: dict[str, list[str]] = {"": [], "-": []}
     for symbol, sign, power in re.findall(r"([^\d\s-]+)(-?)(\d*)", unit):
-        raised = "" if power == "1" else power.translate(_SUPERSCRIPTS)
-        (below if sign else above).append(symbol + raised)
-    return "/".join(["·".join(above) or "1", *below]) if below else "·".join(above)
+        parts[sign].append(symbol + ("" if power == "1" else power.translate(_SUPERSCRIPTS)))
+    above = "·".join(parts[""])
+    return "/".join([above or "1", *parts["-"]]) if parts["-"] else above
 
 
 def label(name: str, unit: str = "", line: int = LINE) -> str:
@@ -201,8 +292,3 @@ def number_text(value: float) -> str:
     """A number to four figures, its power of ten written out."""
     mantissa, _, power = f"{value:.4g}".partition("e")
     return f"{mantissa}×10{superscript(int(power))}" if power else mantissa
-
-
-def parameter_text(name: str, value: float, unit: str) -> str:
-    """A parameter and its value in running text: "torque = 0.1 in·lbf"."""
-    return f"{name} = {number_text(value)} {print_unit(unit)}".rstrip()

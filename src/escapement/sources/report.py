@@ -1,19 +1,161 @@
-"""How every source's printed and computed numbers are handed on, printed and drawn."""
+"""A source's printed numbers and equations beside the right ones, and how they are shown.
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+A printed number has so many digits and no more, so the right value is rounded to as many
+before the two are compared. Where they differ, rules are tried, from the strictest to the
+loosest, until one gives the printed digits.
+"""
+
+import csv
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from importlib.resources import files
+from itertools import groupby
+from typing import Any
 
-from escapement.sources.printed import Cell, Slip
+import numpy as np
+
+from escapement.model import FloatArray
 from escapement.text import print_columns
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+UNEXPLAINED = "unexplained"
+Record = dict[str, Any]
+"""What JSON says, or a part of it."""
+Table = Sequence[Sequence[Any]]
+"""Rows for CSV, a header first."""
+Panels = Mapping[str, Callable[[], Any]]
+"""File names of figures, and what draws the axes or the figure of each."""
 
-    Panels = Mapping[str, Callable[[], Axes | Figure]]
-    """File names of figures, and what draws each."""
+
+def read_table(source: str, name: str) -> list[dict[str, str]]:
+    """Rows of a data file in the folder of a source, by the names of its columns."""
+    text = files("escapement.sources").joinpath(source, name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+# --- numbers ------------------------------------------------------------------------------
+
+
+def digits(printed: str) -> tuple[float, float]:
+    """Value of a printed number and the unit of its last digit: 0.7265, 21.6° or 4°46'.
+
+    1.— stands for a whole number that is right to four decimals. Angles with minutes have
+    a value in degrees.
+    """
+    angle = re.fullmatch(r"(\d+)°(\d+)'", printed)
+    if angle:
+        return (60 * int(angle[1]) + int(angle[2])) / 60.0, 1.0 / 60.0
+    plain = printed.removesuffix("°").replace("—", "0000")
+    return float(plain), 10.0 ** -len(plain.partition(".")[2])
+
+
+def like(printed: str, value: float, *, cut: bool = False) -> str:
+    """`value` with as many digits as are printed, rounded or cut off."""
+    unit = digits(printed)[1]
+    # what is a whole number of units but for the last bit is not cut to the number below
+    count = math.floor(value / unit + (1e-9 if cut else 0.5))
+    # angles are counted in whole minutes
+    if "'" in printed:
+        return f"{count // 60}°{count % 60:02}'"
+    mark = "°" if printed.endswith("°") else ""
+    return f"{count * unit:.{_places(unit)}f}{mark}"
+
+
+def finer(printed: str, value: float) -> str:
+    """`value` with two digits more than are printed, to show what rounding did."""
+    if "'" in printed:
+        return f"{math.floor(value)}°{60.0 * (value % 1.0):05.2f}'"
+    return f"{value:.{_places(digits(printed)[1]) + 2}f}"
+
+
+def gives(printed: str, value: float, *, cut: bool = False) -> bool:
+    """Whether `value`, rounded or cut off, is what is printed."""
+    return digits(like(printed, value, cut=cut)) == digits(printed)
+
+
+def _places(unit: float) -> int:
+    return round(-math.log10(unit))
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One printed number beside the right one.
+
+    place : where it stands: a number of slots, the number of a figure, or words.
+    column : which number of that place it is.
+    printed, right : text with the same number of digits; `right` is None for a number that
+        follows from nothing printed.
+    value : the right value, unrounded, or NaN; angles in degrees.
+    reason : the rule that explains why they differ, in a sentence; "" where they agree.
+    """
+
+    place: Any
+    column: str
+    printed: str
+    right: str | None
+    value: float
+    reason: str = ""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the printed number is right to its last digit, or cannot be judged."""
+        return not self.reason
+
+    @property
+    def number(self) -> float:
+        """The printed number; the right one where the paper prints a name instead."""
+        return digits(self.printed)[0] if self.printed[0].isdigit() else self.value
+
+
+Cells = Sequence[Cell]
+Rules = Callable[[str, float], Iterator[str]]
+"""From a printed number and the right value to every reason that holds, the strictest first."""
+
+
+def judge(place: Any, column: str, printed: str, value: float, rules: Rules) -> Cell:
+    """Set the right value beside a printed number; NaN is that of one that cannot be judged."""
+    if math.isnan(value):
+        return Cell(place, column, printed, None, value)
+    reason = "" if gives(printed, value) else next(rules(printed, value), UNEXPLAINED)
+    return Cell(place, column, printed, like(printed, value), value, reason)
+
+
+def cut_off(printed: str, value: float) -> Iterator[str]:
+    """The rule that digits were dropped where they should have been rounded."""
+    if gives(printed, value, cut=True):
+        yield f"cut off, not rounded: {finer(printed, value)}"
+
+
+@dataclass(frozen=True)
+class Slip:
+    """A slip in an equation or a sentence: where it stands, what it says, what it must say.
+
+    printed_error, right_error : greatest deviation of the printed and of the corrected
+        formula; None where the slip is a matter of words.
+    """
+
+    place: str
+    printed: str
+    right: str
+    printed_error: float | None = None
+    right_error: float | None = None
+
+
+def read_slips(source: str, deviations: Mapping[str, tuple[FloatArray, FloatArray]]) -> list[Slip]:
+    """Slips of a source, with the errors of those that are formulas.
+
+    deviations : by the name in the file's column `formula`, by how much the printed and the
+        corrected formula are off, in each of the mechanisms that they are tried on.
+    """
+    errors = {name: [float(np.abs(off).max()) for off in offs] for name, offs in deviations.items()}
+    return [
+        Slip(row["place"], row["printed"], row["right"], *errors.get(row["formula"], []))
+        for row in read_table(source, "slips.csv")
+    ]
+
+
+# --- a source as a whole ------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -28,23 +170,35 @@ class Reproduction:
     """
 
     name: str
-    record: dict[str, Any]
-    table: Sequence[Sequence[Any]]
+    record: Record
+    table: Table
     show: Callable[[], None]
-    panels: "Callable[[], Panels]"
-
-    def draw(self, folder: Path) -> None:
-        """Fill a folder with figures."""
-        # a table alone needs no plotting library
-        from escapement.plots import save
-
-        for name, plot in self.panels().items():
-            save(plot(), folder / name)
+    panels: Callable[[], Panels]
 
 
-def counts(cells: Sequence[Cell], slips: Sequence[Slip]) -> dict[str, Any]:
-    """What JSON says of all cells together, and the slips."""
+def by_place(cells: Cells) -> dict[Any, list[Cell]]:
+    """Cells in order, those of one place together."""
+    return {place: list(found) for place, found in groupby(cells, lambda cell: cell.place)}
+
+
+def compare(
+    cells: Cells, slips: Iterable[Slip], heads: Mapping[Any, Record], keys: dict[str, str]
+) -> Record:
+    """What JSON says: a row a place, printed and right numbers and errata in it, and counts.
+
+    heads : what else is said of a place.
+    keys : names of numbers in place of those of their columns.
+    """
+    rows = []
+    told = ("column", "printed", "right", "reason")
+    for place, found in by_place(cells).items():
+        named = {keys.get(cell.column, cell.column): cell for cell in found}
+        printed = {key: cell.number for key, cell in named.items()}
+        computed = {key: cell.value for key, cell in named.items()}
+        errata = [{key: getattr(cell, key) for key in told} for cell in found if not cell.agrees]
+        rows.append({**heads[place], "printed": printed, "computed": computed, "errata": errata})
     return {
+        "rows": rows,
         "cells": len(cells),
         "agreeing": sum(cell.agrees for cell in cells),
         "equations": [vars(slip) for slip in slips],
@@ -52,59 +206,49 @@ def counts(cells: Sequence[Cell], slips: Sequence[Slip]) -> dict[str, Any]:
     }
 
 
-def side_by_side(cells: Sequence[Cell], keys: Mapping[str, str]) -> dict[str, Any]:
-    """Cells of one row for JSON: printed and right numbers, errata.
-
-    keys : names of numbers in place of those of their columns.
-    """
-    named = {keys.get(cell.column, cell.column): cell for cell in cells}
-    told = ("column", "printed", "right", "reason")
-    return {
-        "printed": {key: cell.number for key, cell in named.items()},
-        "computed": {key: cell.value for key, cell in named.items()},
-        "errata": [{key: getattr(cell, key) for key in told} for cell in cells if not cell.agrees],
-    }
-
-
-def as_table(cells: Sequence[Cell], place: str) -> list[list[Any]]:
+def as_table(cells: Cells, place: str) -> Table:
     """A header, then a line a cell; `place` is the heading of where it stands."""
-    header = [place, "column", "printed", "right", "computed", "agrees", "reason"]
-    rows = [
-        [
-            cell.place, cell.column, cell.printed, cell.right, cell.value,
-            "yes" if cell.agrees else "no", cell.reason,
-        ]
-        for cell in cells
-    ]  # fmt: skip
-    return [header, *rows]
+    rows: list[list[Any]] = [[place, "column", "printed", "right", "computed", "agrees", "reason"]]
+    for cell in cells:
+        *said, reason = vars(cell).values()
+        rows.append([*said, "yes" if cell.agrees else "no", reason])
+    return rows
 
 
 def print_side_by_side(
-    heads: Sequence[str],
-    columns: Iterable[str],
-    rows: Iterable[tuple[Sequence[Any], Sequence[Cell]]],
+    heads: dict[str, str], columns: dict[str, str], rows: Iterable[Record], cells: Cells
 ) -> None:
-    """Print rows of cells, each printed and below it computed, a star at what differs."""
+    """Print rows of cells, each printed and below it computed, a star at what differs.
+
+    heads : headings before the cells, and the keys of what stands below them in `rows`.
+    columns : headings of the cells by their columns.
+    """
     lines: list[list[Any]] = []
-    for head, cells in rows:
-        lines.append([*head, "printed", *(f"{cell.printed} " for cell in cells)])
+    for row, found in zip(rows, by_place(cells).values(), strict=True):
+        printed = [f"{cell.printed} " for cell in found]
         # a blank keeps digits of one column below each other
-        computed = [f"{cell.right}{' ' if cell.agrees else '*'}" for cell in cells]
-        lines.append([*[""] * len(head), "computed", *computed])
-    print_columns([[*heads, "", *(f"{name} " for name in columns)]], lines)
+        computed = [f"{cell.right}{' ' if cell.agrees else '*'}" for cell in found]
+        lines.append([*(row[key] for key in heads.values()), "printed", *printed])
+        lines.append([*[""] * len(heads), "computed", *computed])
+    print_columns([[*heads, "", *(f"{name} " for name in columns.values())]], lines)
 
 
-def print_errata(cells: Sequence[Cell], called: str, place: Callable[[Cell], str]) -> None:
-    """How many cells are right; each that is not, where it stands, and why."""
-    wrong = [cell for cell in cells if not cell.agrees]
-    judged = sum(cell.right is not None for cell in cells)
-    print(f"\n{judged - len(wrong)} of {judged} {called} are right to their last digit. Errata:")
+def print_errata(
+    cells: Cells, what: str, place: str, columns: dict[str, str], slips: list[Slip], tried: str = ""
+) -> None:
+    """How many cells are right; each that is not, where it stands, and why; and every slip.
+
+    what : what the cells are called.
+    place : how the place of a cell and its column, as `columns` calls it, are said.
+    tried : on which mechanisms formulas were tried.
+    """
+    judged = [cell for cell in cells if cell.right is not None]
+    wrong = [cell for cell in judged if not cell.agrees]
+    count = f"{len(judged) - len(wrong)} of {len(judged)}"
+    print(f"\n{count} {what} are right to their last digit. Errata:")
     for cell in wrong:
-        print(f"  {place(cell)}: {cell.printed} must be {cell.right}\n      {cell.reason}")
-
-
-def print_slips(slips: Sequence[Slip], tried: str = "") -> None:
-    """Each slip of a formula or a sentence; `tried` says on which mechanisms a formula was."""
+        where = place.format(cell.place, columns[cell.column])
+        print(f"  {where}: {cell.printed} must be {cell.right}\n      {cell.reason}")
     print("\nSlips in equations and text, some perhaps the scan's:")
     if tried:
         print(f"  [greatest error of the printed and of the corrected formula for {tried}]")

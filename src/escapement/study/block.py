@@ -10,6 +10,8 @@ import math
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from io import BytesIO
+from struct import Struct
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +27,7 @@ _CASES = {"energy": (1024, 16384), "ivp": (4, 4)}
 A block costs a call and a chunk, which take as long as tens of fast cases; smaller blocks
 would make that cost count.
 """
+_SIZES = Struct(f"<{len(RESULTS)}I")
 _BLOCKS = 64  # blocks of a large study, so that up to 64 cores have work
 
 
@@ -32,38 +35,27 @@ _BLOCKS = 64  # blocks of a large study, so that up to 64 cores have work
 class Tiling:
     """A grid cut so that every chunk holds consecutive cases in C order.
 
-    shape : of the grid. tile : of a chunk; 1 before the axis that is cut, whole
-    after it.
+    shape : of the grid. tile : of a chunk; 1 before the axis that is cut, whole after it.
+    row : number of cases along that axis and those after it, which are cut into chunks.
     """
 
     shape: tuple[int, ...]
     tile: tuple[int, ...]
+    row: int
 
     @property
     def cells(self) -> int:
         """Cases a full chunk holds."""
         return math.prod(self.tile)
 
-    @property
-    def _cut(self) -> int:
-        """The axis that is cut: the first whose tile is not 1, else the last."""
-        return next((i for i, n in enumerate(self.tile) if n > 1), len(self.tile) - 1)
-
-    @property
-    def _pieces(self) -> int:
-        return -(-self.shape[self._cut] // self.tile[self._cut])
-
     def __len__(self) -> int:
-        return math.prod(self.shape[: self._cut]) * self._pieces
+        return math.prod(self.shape) // self.row * -(-self.row // self.cells)
 
     def span(self, chunk: int) -> tuple[int, int]:
         """First case of a chunk, and the one after its last."""
-        row, piece = divmod(chunk, self._pieces)
-        length, step = self.shape[self._cut], self.tile[self._cut]
-        tail = math.prod(self.shape[self._cut + 1 :])
-        start = row * length + piece * step
-        stop = row * length + min((piece + 1) * step, length)
-        return start * tail, stop * tail
+        row, piece = divmod(chunk, -(-self.row // self.cells))
+        start = row * self.row + piece * self.cells
+        return start, min(start + self.cells, (row + 1) * self.row)
 
     def offset(self, chunk: int) -> tuple[int, ...]:
         """Grid index of a chunk's first case."""
@@ -72,15 +64,14 @@ class Tiling:
 
 def tiling(shape: tuple[int, ...], cells: int) -> Tiling:
     """Cut a grid into chunks of about `cells` cases, at most twice as many."""
-    tail = 1
-    tile = [1] * len(shape)
+    row, tile = 1, [1] * len(shape)
     for axis in reversed(range(len(shape))):
-        pieces = -(-shape[axis] * tail // cells)
+        row *= shape[axis]
+        pieces = -(-row // cells)
         tile[axis] = -(-shape[axis] // pieces)
         if pieces > 1:
             break
-        tail *= shape[axis]
-    return Tiling(shape, tuple(tile))
+    return Tiling(shape, tuple(tile), row)
 
 
 def encode(values: NDArray[np.generic], cells: int) -> bytes:
@@ -129,17 +120,23 @@ def _fold(total: int) -> int:
 
 
 class Block(NamedTuple):
-    """One chunk of every result.
+    """The results of one chunk of cases.
 
     number : place among the chunks.
-    cases, failed : number of cases in it, and of those without an answer.
-    chunks : the encoded results, in the order of `RESULTS`.
+    failed : number of its cases without an answer.
+    data : what is kept of it: for a file the encoded results in the order of `RESULTS`, one
+        after the other behind their sizes; for memory an array of each.
     """
 
     number: int
-    cases: int
     failed: int
-    chunks: tuple[bytes, ...]
+    data: Any
+
+    @property
+    def chunks(self) -> tuple[bytes, ...]:
+        """The encoded results."""
+        data = BytesIO(self.data)
+        return tuple(map(data.read, _SIZES.unpack(data.read(_SIZES.size))))
 
 
 def blocks_of(frame: Study) -> Tiling:
@@ -150,9 +147,9 @@ def blocks_of(frame: Study) -> Tiling:
 
 def encode_block(cut: Tiling, number: int, columns: Mapping[str, NDArray[Any]]) -> Block:
     """A block made of its results, shape (n,) each."""
-    chunks = (
+    chunks = [
         encode(columns[name].astype(result.dtype, copy=False), cut.cells)
         for name, result in RESULTS.items()
-    )
-    status = np.asarray(columns["status"])
-    return Block(number, status.size, count_failed(status), tuple(chunks))
+    ]
+    data = b"".join((_SIZES.pack(*map(len, chunks)), *chunks))
+    return Block(number, count_failed(columns["status"]), data)

@@ -12,17 +12,17 @@ import struct
 import time
 import warnings
 import zlib
-from collections.abc import Callable
-from contextlib import suppress
-from itertools import pairwise
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from escapement.errors import CannotCreate
 from escapement.files import sync_folder
-from escapement.study.block import Block, Tiling
-from escapement.study.identity import check_same
-from escapement.study.result import RESULTS
+from escapement.study.block import Block
+from escapement.study.result import Study, difference
 
 SYNC_EVERY = 1.0
 """Seconds of finished work that a crash of the machine may cost; of the process, none."""
@@ -30,18 +30,35 @@ SYNC_EVERY = 1.0
 _PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet
 _OLD = b"escapement partial results, "  # how the partial results of version 0.1 begin
 _TABLE = "escapement_partial_results"
-_APPLICATION = 0x45534370  # at byte 68 of our databases
-_PAGE = 16384  # bytes; twice as fast for large rows as the 4096 of SQLite
-_HEAD = -1  # number of the row that says which study this is
-_SIZES = struct.Struct(f"<{len(RESULTS)}I")
 _COLUMNS = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
+_SCHEMA = f"CREATE TABLE {_TABLE} ({_COLUMNS})"
+_APPLICATION = 0x45534370  # at byte 68 of our databases
+_HEAD = -1  # number of the row that says which study this is
+_PRAGMAS = ("journal_mode = WAL", "synchronous = NORMAL", "wal_autocheckpoint = 0")
+# A page of 16384 bytes is twice as fast for large rows as the 4096 of SQLite.
+_NEW = ("page_size = 16384", *_PRAGMAS, f"application_id = {_APPLICATION}")
 # Errors of the machine. All others mean damage: a wrong byte can make SQLite say almost anything.
-_MACHINE = (
-    *(sqlite3.SQLITE_BUSY, sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN),
-    *(sqlite3.SQLITE_NOMEM, sqlite3.SQLITE_READONLY),
-)
+_MACHINE = "BUSY", "FULL", "IOERR", "CANTOPEN", "NOMEM", "READONLY"
+_ENDS = ("-wal", "-journal", "")
+"""Of the names of the log, the journal of SQLite, and the database itself."""
+_FIXED_AT_START = ("created", "package_version")
+"""Attributes that a resumed study takes over, so that its file is that of one run."""
+_REFUSALS = {
+    "busy": "must not be in use, and another process is writing it; wait, or name another output",
+    "earlier": "has partial results of an earlier version in {name}, got a run of this version; "
+    "finish them with that version, or start over with force=True (--force)",
+    "ours": "must not have partial results yet, got {name}; continue with resume=True (--resume) "
+    "or start over with force=True (--force)",
+    "other": "must be resumed with the configuration it was begun with, got another: {}; use that "
+    "one, name another output, or start over with force=True (--force)",
+    "version": "must be resumed by the version that began it, {}, got {}, whose results may "
+    "differ; install that one, or start over with force=True",
+    "foreign": "must have {name} to itself, got a file that is no partial result; move it away",
+}
 
-T = TypeVar("T")
+
+class Damaged(OSError):
+    """The database cannot be read, and the machine is not to blame."""
 
 
 class Journal:
@@ -54,7 +71,7 @@ class Journal:
     named : path
         The output as the user named it, for messages.
     force, resume : bool
-        As for `StudyWriter`.
+        As for `study_writer`.
 
     Raises
     ------
@@ -62,6 +79,11 @@ class Journal:
         When another process writes it, or it holds something else.
     OSError
         When it cannot be opened.
+
+    Attributes
+    ----------
+    failed : dict of int
+        Failed cases of the blocks that are here, by number.
     """
 
     def __init__(self, path: Path, named: Any, *, force: bool, resume: bool) -> None:
@@ -71,8 +93,22 @@ class Journal:
         self._next_sync = time.monotonic() + SYNC_EVERY
         self._open()
 
-    def begin(self, head: dict[str, Any], cut: Tiling) -> dict[str, Any]:
-        """Find the blocks that are here, or start anew; returns the attributes of the start.
+    def begin(self, frame: Study, numerics: str, blocks: int) -> Study:
+        """Find which of the blocks are here, or start anew.
+
+        Parameters
+        ----------
+        frame : Study
+            Everything but the results.
+        numerics : str
+            Differs whenever a version of this package may compute other results.
+        blocks : int
+            How many the study has.
+
+        Returns
+        -------
+        Study
+            The frame with the attributes of the start.
 
         Raises
         ------
@@ -80,38 +116,50 @@ class Journal:
             When there are results of another study, or the user has to say what becomes
             of those that are here.
         """
-        self._cut, self._key = cut, zlib.crc32(json.dumps(head["study"]).encode())
-        there = self._read_head()
+        attributes = dict(frame.attributes)
+        fixed = {name: attributes.pop(name) for name in _FIXED_AT_START}
+        study = {"attributes": attributes, "configuration": frame.configuration}
+        head = json.loads(json.dumps({"study": study | {"numerics": numerics}, "fixed": fixed}))
+        self._key = zlib.crc32(json.dumps(head["study"]).encode())
+        rows = self._value(f"SELECT count(*) FROM {_TABLE}")
+        first, sound = self._read(_HEAD), True
         if self._resume:
-            if there is not None:
-                check_same(self._named, there, head)
-            self._find()
-            head = there or head
-        elif not self._force and self._tried(self._any_rows) is not False:
-            raise self._exists()
+            there = head if first is None else json.loads(first.data)
+            old, new = there["study"], head["study"]
+            if text := difference(old, new):
+                raise self._refusal("other", text)
+            if old["numerics"] != new["numerics"]:
+                versions = (
+                    f"{h['fixed']['package_version']} ({h['study']['numerics']})"
+                    for h in (there, head)
+                )
+                raise self._refusal("version", *versions)
+            head = there
+            found = filter(None, map(self._read, range(blocks)))
+            self.failed = {block.number: block.failed for block in found}
+            sound = self._value("PRAGMA quick_check(1)") == "ok"
+            sound &= rows == len(self.failed) + (first is not None)
+        elif rows != 0 and not self._force:
+            raise self._refusal("ours")
+        if not sound:
+            self._warn()
         self._begun = True
-        if not self.failed:
-            self._start_anew()
-        if there is None or not self.failed:
-            text = json.dumps(head, allow_nan=False).encode()
-            _guarded(lambda: self._put(_HEAD, 0, text, 0))
+        row = Block(_HEAD, 0, json.dumps(head, allow_nan=False).encode())
+        if not sound or (rows != 0 and not self.failed):
+            self._renew(row)
+        else:
+            self._put(row)
         sync_folder(self.path.parent)
-        fixed: dict[str, Any] = head["fixed"]
-        return fixed
+        return replace(frame, attributes=frame.attributes | head["fixed"])
 
     def append(self, block: Block) -> None:
         """Keep a finished block; on an error the others are as before."""
-        data = b"".join((_SIZES.pack(*map(len, block.chunks)), *block.chunks))
-        _guarded(lambda: self._put(block.number, block.failed, data, self._key))
+        self._put(block)
         self.failed[block.number] = block.failed
         if time.monotonic() >= self._next_sync:
-            self.sync()
-
-    def sync(self) -> None:
-        """Make what was appended outlast the machine."""
-        _guarded(lambda: self._database.execute("PRAGMA wal_checkpoint").fetchall())
-        self.check()
-        self._next_sync = time.monotonic() + SYNC_EVERY
+            self._execute("PRAGMA wal_checkpoint")  # what was appended outlasts the machine
+            self.check()
+            self._next_sync = time.monotonic() + SYNC_EVERY
 
     def check(self) -> None:
         """Raise FileNotFoundError where the folder or the file has vanished."""
@@ -121,15 +169,10 @@ class Journal:
 
     def block(self, number: int) -> Block:
         """A block that is here; raises OSError where it was damaged since."""
-        block = _guarded(lambda: self._block(number))
+        block = self._read(number)
         if block is None:
             raise OSError(errno.EIO, f"block {number} of {self.path} is damaged")
         return block
-
-    @property
-    def missing(self) -> list[int]:
-        """Numbers of the blocks that are not here."""
-        return [number for number in range(len(self._cut)) if number not in self.failed]
 
     def close(self) -> None:
         """Let others have it; one that never got a block goes."""
@@ -142,227 +185,142 @@ class Journal:
         # Where the files can go first, SQLite does not write its log into the database in vain.
         # The database goes last, because another process may begin once its name is free.
         with suppress(OSError):
-            _remove_files(self.path)
+            _remove(self.path)
         self._database.close()
         if os.name == "nt":  # where an open file stays
             with suppress(OSError):
-                _remove_files(self.path)
+                _remove(self.path)
 
     def _open(self) -> None:
         until = time.monotonic() + _PATIENCE
         while True:
             try:
-                self._database = _connect(self.path, self._foreign)
+                self._database = _connect(self.path)
                 # The owner before may have removed the file while this process waited for it.
                 self._inode = self.path.stat().st_ino
                 return
             except FileNotFoundError:
                 self._database.close()
-            except sqlite3.Error as error:
-                code = getattr(error, "sqlite_errorcode", 0) & 0xFF
-                # A damaged number of the format makes a file that may be written read-only.
-                odd = code == sqlite3.SQLITE_READONLY and os.access(self.path, os.W_OK)
-                if code not in _MACHINE or odd:
-                    self._replace_damaged()
-                elif code != sqlite3.SQLITE_BUSY:
-                    if self._begun:
-                        _remove_files(self.path)
-                    raise _os_error(error) from None
-                elif time.monotonic() > until:
-                    raise CannotCreate(
-                        f"output {self._named} must not be in use, and another process is writing "
-                        "it; wait, or name another output"
-                    ) from None
+            except Damaged:
+                self._replace_damaged()
+            except BlockingIOError:
+                if time.monotonic() > until:
+                    raise self._refusal("busy") from None
+            except OSError:
+                if self._begun:
+                    _remove(self.path)
+                raise
             time.sleep(0.05)
 
     def _replace_damaged(self) -> None:
         """Remove a database that SQLite cannot open, where it is ours and may go."""
         with open(self.path, "rb") as file:
             head = file.read(1 << 17)
-        if head.startswith(_OLD):
-            if not self._force or self._resume:
-                raise CannotCreate(
-                    f"output {self._named} has partial results of an earlier version in "
-                    f"{self.path.name}, got a run of this version; finish them with that version, "
-                    "or start over with force=True (--force)"
-                )
-        elif _TABLE.encode() not in head and head[68:72] != _APPLICATION.to_bytes(4, "big"):
-            raise self._foreign()
-        elif not (self._force or self._resume):
-            raise self._exists()
-        else:
+        marked = _TABLE.encode() in head or head[68:72] == _APPLICATION.to_bytes(4, "big")
+        kind = "earlier" if head.startswith(_OLD) else "ours" if marked else "foreign"
+        force, resume = self._force, self._resume
+        if not {"earlier": force and not resume, "ours": force or resume}.get(kind):
+            raise self._refusal(kind)
+        if marked:
             self._warn()
-        _remove_files(self.path)
+        _remove(self.path)
 
-    def _start_anew(self) -> None:
-        """Nothing of what was there is kept, nor is space for it."""
-        if self._tried(self._any_rows) is False:
-            return
-        self._database.close()
-        _remove_files(self.path)
-        self._open()
-
-    def _find(self) -> None:
-        """Find every block of the study that is whole, and leave a damaged database behind."""
-
-        def check() -> bool:
-            return bool(self._database.execute("PRAGMA quick_check(1)").fetchone()[0] == "ok")
-
-        count, sound = 0, self._tried(check) is True
-        for number in range(_HEAD, len(self._cut)):
-            row = self._tried(lambda number=number: self._row(number))  # type: ignore[misc]
-            count += row is not None
-            if number != _HEAD and (block := self._tried(lambda row=row: self._decoded(row))):  # type: ignore[misc]
-                self.failed[number] = block.failed
-        if not sound or count > len(self.failed) + 1:
-            self._warn()
-            self._rescue()
-
-    def _rescue(self) -> None:
-        """Copy the blocks that are whole to a new database, which takes the place of this one."""
-        head = self._tried(self._read_head)
+    def _renew(self, head: Block) -> None:
+        """Copy a head and what is whole to a new database, which takes the place of this one."""
         new = self.path.with_name(self.path.name + "-new")
-        _guarded(lambda: self._copy(new, head))
+        _remove(new)
+        with closing(_connect(new)) as database, _os_errors(new):
+            for block in chain([head], map(self.block, self.failed)):
+                database.execute(*_insertion(block, self._key))
         self._database.close()
-        # What waits in the log of the damaged database must not go into the new one.
-        for path in _files(self.path)[:-1]:
-            path.unlink(missing_ok=True)
+        # What waits in the log of the old database must not go into the new one.
+        _remove(self.path, _ENDS[:-1])
         os.replace(new, self.path)
         self._open()
 
-    def _copy(self, new: Path, head: dict[str, Any] | None) -> None:
-        _remove_files(new)
-        database = _connect(new, self._foreign)
-        try:
-            wanted = [*([_HEAD] if head is not None else []), *self.failed]
-            for number in wanted:
-                _insert(database, self._row(number) or ())
-        finally:
-            database.close()
+    def _execute(self, text: str, values: tuple[Any, ...] = ()) -> list[Any]:
+        with _os_errors(self.path):
+            return self._database.execute(text, values).fetchall()
 
-    def _tried(self, read: Callable[[], T]) -> T | None:
-        """What `read` gives, None where the database is damaged."""
-        try:
-            return read()
-        except sqlite3.Error as error:
-            if getattr(error, "sqlite_errorcode", 0) & 0xFF in _MACHINE:
-                raise _os_error(error) from None
-        except (ValueError, TypeError, OverflowError, struct.error):
-            pass  # a row whose values are of other types, or out of range
+    def _value(self, query: str) -> Any:
+        """What a query gives, None where the database is damaged."""
+        with suppress(Damaged):
+            return self._execute(query)[0][0]
         return None
 
-    def _any_rows(self) -> bool:
-        return self._database.execute(f"SELECT 1 FROM {_TABLE} LIMIT 1").fetchone() is not None
+    def _put(self, block: Block) -> None:
+        self._execute(*_insertion(block, self._key))
 
-    def _row(self, number: int) -> tuple[Any, ...] | None:
-        text = f"SELECT number, failed, checksum, data FROM {_TABLE} WHERE number = ?"
-        row: tuple[Any, ...] | None = self._database.execute(text, (number,)).fetchone()
-        return row
-
-    def _put(self, number: int, failed: int, data: bytes, key: int) -> None:
-        _insert(self._database, (number, failed, _checksum(number, failed, data, key), data))
-
-    def _read_head(self) -> dict[str, Any] | None:
-        row = self._tried(lambda: self._row(_HEAD))
-        if row is None:
-            return None
-        number, failed, checksum, data = row
-        if self._tried(lambda: _checksum(number, failed, data, 0)) != checksum:
-            return None
-        head: dict[str, Any] = json.loads(data)
-        return head
-
-    def _block(self, number: int) -> Block | None:
-        return self._tried(lambda: self._decoded(self._row(number)))
-
-    def _decoded(self, row: tuple[Any, ...] | None) -> Block | None:
-        """The block of a row, None where it is damaged."""
-        if row is None:
-            return None
-        number, failed, checksum, data = row
-        if _checksum(number, failed, data, self._key) != checksum:
-            return None
-        sizes = _SIZES.unpack_from(data)
-        ends = [_SIZES.size]
-        for size in sizes:
-            ends.append(ends[-1] + size)
-        start, stop = self._cut.span(number)
-        return Block(number, stop - start, failed, tuple(data[a:b] for a, b in pairwise(ends)))
+    def _read(self, number: int) -> Block | None:
+        """The block of a row, None where it is missing or damaged."""
+        query = f"SELECT failed, data, checksum FROM {_TABLE} WHERE number = ?"
+        # a damaged row may hold values of other types, or out of range
+        with suppress(Damaged, ValueError, TypeError, OverflowError, struct.error):
+            for failed, data, checksum in self._execute(query, (number,)):
+                block = Block(number, failed, data)
+                if _checksum(block, self._key) == checksum:
+                    return block
+        return None
 
     def _warn(self) -> None:
         warnings.warn(f"{self.path.name} is damaged; what was lost is computed again", stacklevel=2)
 
-    def _exists(self) -> CannotCreate:
-        return CannotCreate(
-            f"output {self._named} must not have partial results yet, got {self.path.name}; "
-            "continue with resume=True (--resume) or start over with force=True (--force)"
-        )
-
-    def _foreign(self) -> CannotCreate:
-        return CannotCreate(
-            f"output {self._named} must have {self.path.name} to itself, got a file that "
-            "is no partial result; move it away"
-        )
+    def _refusal(self, why: str, *got: str) -> CannotCreate:
+        told = _REFUSALS[why].format(*got, name=self.path.name)
+        return CannotCreate(f"output {self._named} {told}")
 
 
-def _connect(path: Path, foreign: Callable[[], CannotCreate]) -> sqlite3.Connection:
-    """An open and locked database with our table; `foreign` makes the error for another one."""
-    database = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
-    try:
-        # The order counts: a lock held before the log is opened needs no shared memory, so that
-        # the log works on network mounts too.
-        database.execute("PRAGMA locking_mode = EXCLUSIVE").fetchone()
-        database.execute("BEGIN EXCLUSIVE")
-        tables = dict(database.execute("SELECT name, sql FROM sqlite_master").fetchall())
-        mark = database.execute("PRAGMA application_id").fetchone()[0]
-        database.execute("ROLLBACK")
-        if tables and _TABLE not in tables and mark != _APPLICATION:
-            raise foreign()
-        if tables and tables != {_TABLE: f"CREATE TABLE {_TABLE} ({_COLUMNS})"}:
-            raise sqlite3.DatabaseError("the table is damaged")
-        if not tables:
-            database.execute(f"PRAGMA page_size = {_PAGE}")
-        database.execute("PRAGMA journal_mode = WAL").fetchone()
-        database.execute("PRAGMA synchronous = NORMAL")
-        database.execute("PRAGMA wal_autocheckpoint = 0").fetchone()
-        if not tables:
-            database.execute(f"PRAGMA application_id = {_APPLICATION}")
-        database.execute(f"CREATE TABLE IF NOT EXISTS {_TABLE} ({_COLUMNS})")
-    except UnicodeDecodeError:  # SQLite complains in the words of a damaged schema
-        database.close()
-        raise sqlite3.DatabaseError("the table is damaged") from None
-    except BaseException:
-        database.close()
-        raise
+def _connect(path: Path) -> sqlite3.Connection:
+    """An open and locked database with our table; `Damaged` where another one is there."""
+    with _os_errors(path):
+        database = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
+        try:
+            # The order counts: a lock held before the log is opened needs no shared memory, so
+            # that the log works on network mounts too.
+            database.execute("PRAGMA locking_mode = EXCLUSIVE").fetchone()
+            database.execute("BEGIN EXCLUSIVE")
+            tables = dict(database.execute("SELECT name, sql FROM sqlite_master").fetchall())
+            database.execute("ROLLBACK")
+            if tables not in ({}, {_TABLE: _SCHEMA}):
+                raise sqlite3.DatabaseError("the table is damaged")
+            for pragma in _PRAGMAS if tables else _NEW:
+                database.execute(f"PRAGMA {pragma}").fetchall()
+            if not tables:
+                database.execute(_SCHEMA)
+        except BaseException:
+            database.close()
+            raise
     return database
 
 
-def _insert(database: sqlite3.Connection, row: tuple[Any, ...]) -> None:
-    database.execute(f"INSERT OR REPLACE INTO {_TABLE} VALUES (?, ?, ?, ?)", row)
-
-
-def _checksum(number: int, failed: int, data: bytes, key: int) -> int:
-    return zlib.crc32(data, zlib.crc32(struct.pack("<qqI", number, failed, key)))
-
-
-def _files(path: Path) -> list[Path]:
-    """The log, the journal of SQLite, and the database itself."""
-    return [path.with_name(path.name + end) for end in ("-wal", "-journal", "")]
-
-
-def _remove_files(path: Path) -> None:
-    for file in _files(path):
-        file.unlink(missing_ok=True)
-
-
-def _guarded(use: Callable[[], T]) -> T:
-    """What `use` of the database gives, its errors as OSError."""
+@contextmanager
+def _os_errors(path: Path) -> Iterator[None]:
+    """Turn errors of SQLite into OSError, which `Damaged` is a kind of."""
     try:
-        return use()
+        yield
+    except UnicodeDecodeError:  # SQLite complains in the words of a damaged schema
+        raise Damaged(errno.EIO, "the table is damaged") from None
     except sqlite3.Error as error:
-        raise _os_error(error) from None
+        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+        name = next((name for name in _MACHINE if getattr(sqlite3, f"SQLITE_{name}") == code), "")
+        # A damaged number of the format makes a file that may be written read-only.
+        if not name or (name == "READONLY" and os.access(path, os.W_OK)):
+            raise Damaged(errno.EIO, str(error)) from None
+        number = {"FULL": errno.ENOSPC, "BUSY": errno.EAGAIN}.get(name, errno.EIO)
+        raise OSError(number, str(error)) from None
 
 
-def _os_error(error: sqlite3.Error) -> OSError:
-    full = getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_FULL
-    return OSError(errno.ENOSPC if full else errno.EIO, str(error))
+def _insertion(block: Block, key: int) -> tuple[str, tuple[Any, ...]]:
+    row = (block.number, block.failed, _checksum(block, key), block.data)
+    return f"INSERT OR REPLACE INTO {_TABLE} VALUES (?, ?, ?, ?)", row
+
+
+def _checksum(block: Block, key: int) -> int:
+    """Of a row; that of the head is free of the study, whose name it is."""
+    own = struct.pack("<qqI", block.number, block.failed, 0 if block.number == _HEAD else key)
+    return zlib.crc32(block.data, zlib.crc32(own))
+
+
+def _remove(path: Path, ends: tuple[str, ...] = _ENDS) -> None:
+    for end in ends:
+        path.with_name(path.name + end).unlink(missing_ok=True)

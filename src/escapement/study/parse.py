@@ -1,30 +1,36 @@
-"""From a study file, or its content, to a plan."""
+"""From a study file, its content, or a design in Python to a plan."""
 
+import re
 import tomllib
-from collections.abc import Collection, Mapping
-from dataclasses import fields
-from os import PathLike
+import zlib
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from escapement import units, validate
 from escapement.errors import InputFileError, InvalidValue
-from escapement.files import check_input
+from escapement.files import AnyPath, check_input
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
-from escapement.model import Mechanism
-from escapement.quantity import declared
+from escapement.model import Escapement, Mechanism, check_lengths
+from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
-from escapement.study.plan import PlanKind, StudyPlan, model_numbers
+from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
 from escapement.validate import known_keys
 
 MOST_CASES = 10**12
 
 _TOP = ("title", "units", "mechanism", "inertia", "sweep", "sample", "solver")
+_NUMBERS = quantities(Escapement)
 _SOLVER = tuple(setting.name for setting in fields(Solver))
 
 
-def load_plan(path: str | PathLike[str]) -> StudyPlan:
+def load_plan(path: AnyPath) -> StudyPlan:
     """Read and check a study configuration (TOML).
 
     Raises
@@ -68,41 +74,118 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     InvalidValue
         For an unknown key, a missing parameter or a value that breaks its rule.
     """
-    kind, machine = _kind(configuration, mechanism)
+    machine = {"kind": DEFAULT_KIND, **_table(configuration, "mechanism")}
+    build: Any = mechanism
+    if mechanism is None:
+        machine = {"kind": validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))}
+        build = kind_of(machine["kind"])
+    meshed = build.meshed if mechanism is None else mechanism.path.table
+    settings = settings_of(build, meshed)
+    parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
+    _check_tables(configuration, settings)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
-    solver = _solver(_table(configuration, "solver"))
-    fixed = _fixed(configuration, kind, _names_varied(configuration, kind))
-    varied, forms, fingerprint = _varied(configuration, kind, fixed)
-    # of a parameter that lies around it, the nominal value is still part of the study
-    around = {name for name, form in forms.get("sample", {}).items() if _lies_around(form)}
-    # any other fixed value is replaced by its axis or its distribution
-    for name in {name for along in varied.values() for name in along} - around:
-        fixed.pop(name, None)
-    entries = kind.settings | kind.all_parameters
-    plain: dict[str, Any] = {
-        "title": _title(configuration, machine["kind"], varied),
-        "units": system,
-        "mechanism": machine,
-    }
+    solver = Solver(**_table(configuration, "solver"))
+    fixed = _fixed(configuration, settings)
+    varied, forms, fingerprint = _varied(configuration, parameters, fixed)
+    for name in (name for along in varied.values() for name in along):
+        form = forms.get("sample", {}).get(name)
+        # a nominal value around which a sample lies is still part of the study; any other
+        # fixed value is replaced by its axis or its distribution
+        if not isinstance(form, dict) or WIDTHS.isdisjoint(form):
+            fixed.pop(name, None)
+    title = _title(configuration, machine["kind"], varied)
+    plain: dict[str, Any] = {"title": title, "units": system, "mechanism": machine}
     for name, value in fixed.items():
-        section = entries[name].section
-        (plain.setdefault(section, {}) if section else plain)[entries[name].key] = value
-    si = {name: entries[name].to_si(value, system) for name, value in fixed.items()}
-    plan = StudyPlan(
-        configuration=plain | forms | {"solver": solver.given},
-        kind=kind,
-        fixed_si=dict.fromkeys(entries) | si,
-        varied=varied,
-        solver=solver,
-        fingerprint=fingerprint,
-        own_mechanism=mechanism,
-    )
+        section = settings[name].section
+        (plain.setdefault(section, {}) if section else plain)[settings[name].key] = value
+    si = {name: settings[name].to_si(value, system) for name, value in fixed.items()}
+    fixed_si = dict.fromkeys(settings) | si
+    plain |= forms | {"solver": solver.given}
+    plan = StudyPlan(plain, build, meshed, parameters, fixed_si, varied, solver, fingerprint)
+    values = fixed | {name: column for along in varied.values() for name, column in along.items()}
+    greatest = {name: float(np.max(values[name])) for name in parameters if name in values}
+    check_lengths(greatest, plan.lengths["crank_radius"], getattr(build, "plain_crank", True))
     if plan.cases > MOST_CASES:
         raise InvalidValue(
             f"the grid must have at most {MOST_CASES:.0e} cases, got {plan.cases:.3g}; "
             "shorten an axis"
         )
     return plan
+
+
+def plan_from(
+    escapement: Escapement,
+    axes: Mapping[str, ArrayLike | Mapping[str, Any]],
+    *,
+    sample: Mapping[str, Any] | None = None,
+    initial_speed: ArrayLike = 0.0,
+    title: str | None = None,
+    **solver: Any,
+) -> StudyPlan:
+    """Plan a study of `escapement` over `axes`.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        The nominal design; an axis replaces its value. What was left to the
+        mechanism, such as the pins of `Geneva(slots=4)`, follows the axes.
+    axes : Mapping
+        Name of each axis and its values [SI]: numbers, or start, stop and num.
+    sample : Mapping, optional
+        Parameters that vary together, at every point of the grid: the [sample] table
+        of a study, in SI, spread around the values of `escapement`.
+    initial_speed : float or array
+        Driver speed at the first pin entry [rad/s], >= 0; an array is the last axis.
+    title : str, optional
+        One line for people.
+    **solver : optional
+        Fields of `Solver`.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    """
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    machine, own = _describe(escapement.mechanism)
+    speed, axes = {"initial_speed": initial_speed}, dict(axes)
+    if np.ndim(initial_speed) > 0:
+        axes, speed = axes | speed, {}
+    given = {name: getattr(escapement, name) for name in _NUMBERS}
+    numbers = {name: value for name, value in given.items() if value != _NUMBERS[name].default}
+    tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
+    chosen = {"title": title, "sample": sample, "solver": solver}
+    chosen = {name: value for name, value in chosen.items() if value is not None}
+    return parse_plan(speed | numbers | tables | chosen, mechanism=own)
+
+
+def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
+    """A mechanism as a [mechanism] table, or itself where no kind fits it."""
+    for name in KINDS:
+        if type(mechanism) is kind_of(name):
+            return {"kind": name} | _chosen(mechanism), None
+    # the numbers tell apart two mechanisms whose repr is the same
+    cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
+    checksum = zlib.crc32(np.concatenate([mechanism.path.numbers, cell]).tobytes())
+    # an address in memory differs from process to process
+    text = re.sub(r" at 0x[0-9a-fA-F]+", "", repr(mechanism))
+    description = f"{text}, checksum {checksum:08x}"
+    return {"kind": type(mechanism).__qualname__, "description": description}, mechanism
+
+
+def _chosen(mechanism: Any) -> dict[str, Any]:
+    """The settings that were given, or that the mechanism would not have chosen by itself."""
+    kind = type(mechanism)
+    chosen = {name: getattr(mechanism, name) for name in declared(kind)}
+    for name, setting in declared(kind).items():
+        if setting.required or name in getattr(mechanism, "given", ()):
+            continue
+        without = {key: value for key, value in chosen.items() if key != name}
+        with suppress(InvalidValue):  # there may be no such mechanism without it
+            if getattr(kind(**without), name) == chosen[name]:
+                chosen = without
+    return chosen
 
 
 def _table(configuration: Mapping[str, Any], name: str) -> Mapping[str, Any]:
@@ -113,50 +196,43 @@ def _table(configuration: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     return value
 
 
-def _kind(
-    configuration: Mapping[str, Any], mechanism: Mechanism | None
-) -> tuple[PlanKind, dict[str, Any]]:
-    """Kind of the mechanism, and what its table begins with; the keys are checked."""
-    machine = {"kind": DEFAULT_KIND, **_table(configuration, "mechanism")}
-    if mechanism is not None:
-        return PlanKind(None, mechanism.path.table), machine
-    name = validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))
-    kind = PlanKind.named(name)
-    # a key in the wrong table is told where it belongs
-    homes, keys = _homes(kind), {"": [*_TOP], "mechanism": ["kind"], "inertia": []}
-    for name, entry in (kind.settings | kind.all_parameters).items():
+def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setting]) -> None:
+    """Refuse a study in which nothing varies, and an unknown key, saying where it belongs."""
+    machine = {name for name, entry in settings.items() if entry.section == "mechanism"}
+    homes: dict[str, str] = {}
+    for kind in KINDS:
+        for key in declared(kind_of(kind)):
+            others = f"{homes[key]} or" if key in homes else "[mechanism] of kind"
+            homes[key] = f"{others} {kind!r}"
+    for name in model_numbers().keys() - settings.keys():
+        slot = "with" if model_numbers()[name].slotted else "without"
+        homes[name] = f"a study of a mechanism {slot} a slot"
+    homes |= dict.fromkeys(("kind", *machine), "[mechanism]") | dict.fromkeys(_SOLVER, "[solver]")
+    homes |= dict.fromkeys(("size", "seed"), "[sample]")
+    swept = _table(configuration, "sweep")
+    axes = [name for name, entry in settings.items() if entry.axis]
+    known_keys(swept, axes, "in [sweep]", homes)
+    kept = ["kind"] if machine else ["kind", "description"]
+    keys = {"": [*_TOP], "mechanism": kept, "inertia": [], "solver": [*_SOLVER]}
+    for name, entry in settings.items():
         keys[entry.section].append(entry.key)
         place = f"[{entry.section}]" if entry.section else "the top level"
-        homes[entry.key] = place
-        if name != entry.key:
-            homes[name] = f"{place} as {entry.key!r}"
+        homes |= {name: f"{place} as {entry.key!r}", entry.key: place}
     for section, known in keys.items():
         place = f"in [{section}]" if section else "at the top level"
         known_keys(_table(configuration, section), known, place, homes)
-    return kind, {"kind": machine["kind"]}
+    if not swept and "sample" not in configuration:
+        raise InvalidValue(
+            "the study must sweep at least one parameter, got none; "
+            "add an axis (of a study file under [sweep]), for example friction = [0.2, 0.3]"
+        )
 
 
-def _homes(kind: PlanKind) -> dict[str, str]:
-    """Where keys belong that are no parameters of the model, or of another kind of mechanism."""
-    owners: dict[str, list[str]] = {}
-    for name in KINDS:
-        for key in declared(kind_of(name)):
-            owners.setdefault(key, []).append(repr(name))
-    homes = {key: f"[mechanism] of kind {' or '.join(names)}" for key, names in owners.items()}
-    for name, entry in model_numbers().items():
-        if not entry.fits(kind.meshed):
-            slot = "with" if kind.meshed else "without"
-            homes[name] = f"a study of a mechanism {slot} a slot"
-    homes |= dict.fromkeys(["kind", *kind.settings], "[mechanism]")
-    return homes | dict.fromkeys(_SOLVER, "[solver]") | dict.fromkeys(["size", "seed"], "[sample]")
-
-
-def _fixed(
-    configuration: Mapping[str, Any], kind: PlanKind, varied: Collection[str]
-) -> dict[str, Any]:
+def _fixed(configuration: Mapping[str, Any], settings: Mapping[str, Setting]) -> dict[str, Any]:
     """Fixed and nominal values, default ones of numbers included; what varies needs none."""
+    varied = {**_table(configuration, "sweep"), **_table(configuration, "sample")}
     fixed, missing = {}, []
-    for name, entry in (kind.settings | kind.all_parameters).items():
+    for name, entry in settings.items():
         section = _table(configuration, entry.section)
         if entry.key in section:
             fixed[name] = entry.read(entry.label, section[entry.key])
@@ -171,48 +247,23 @@ def _fixed(
     return fixed
 
 
-def _names_varied(configuration: Mapping[str, Any], kind: PlanKind) -> set[str]:
-    """Keys of [sweep] and [sample], which must not share one."""
-    swept, drawn = _table(configuration, "sweep"), _table(configuration, "sample")
-    known_keys(swept, kind.all_parameters, "in [sweep]", _homes(kind))
-    if not swept and "sample" not in configuration:
-        raise InvalidValue(
-            "the study must sweep at least one parameter, got none; "
-            "add an axis (of a study file under [sweep]), for example friction = [0.2, 0.3]"
-        )
-    for name in drawn:
-        if name in swept:
+def _varied(
+    configuration: Mapping[str, Any], parameters: Mapping[str, Quantity], nominal: Mapping[str, Any]
+) -> tuple[dict[str, dict[str, Any]], dict[str, Any], str]:
+    """Columns along each dimension, their tables as plain JSON, and the sample's fingerprint."""
+    varied, forms, fingerprint = {}, {}, ""
+    if swept := _table(configuration, "sweep"):
+        axes = {name: axis_values(form, parameters[name]) for name, form in swept.items()}
+        varied = {name: {name: values} for name, (values, _) in axes.items()}
+        forms["sweep"] = {name: plain for name, (_, plain) in axes.items()}
+    if "sample" in configuration:
+        drawn = _table(configuration, "sample")
+        for name in filter(swept.__contains__, drawn):
             raise InvalidValue(
                 f"{name} must be in [sweep] or in [sample], got both; leave one of them out"
             )
-    return {*swept, *drawn}
-
-
-def _varied(
-    configuration: Mapping[str, Any], kind: PlanKind, nominal: Mapping[str, Any]
-) -> tuple[dict[str, dict[str, Any]], dict[str, Any], str]:
-    """Columns along each dimension, their tables as plain JSON, and the sample's fingerprint."""
-    parameters, fingerprint = kind.all_parameters, ""
-    varied, swept, forms = {}, {}, {}
-    for name, form in _table(configuration, "sweep").items():
-        values, swept[name] = axis_values(name, form, parameters[name])
-        varied[name] = {name: values}
-    if swept:
-        forms["sweep"] = swept
-    if "sample" in configuration:
-        drawn = _table(configuration, "sample")
         varied[CASE], forms["sample"], fingerprint = sample_columns(drawn, parameters, nominal)
     return varied, forms, fingerprint
-
-
-def _lies_around(form: Any) -> bool:
-    """Whether a sampled parameter lies around its nominal value, which then stays fixed."""
-    return isinstance(form, Mapping) and not WIDTHS.isdisjoint(form)
-
-
-def _solver(settings: Mapping[str, Any]) -> Solver:
-    known_keys(settings, _SOLVER, "in [solver]")
-    return Solver(**settings)
 
 
 def _title(configuration: Mapping[str, Any], kind: str, varied: Mapping[str, Any]) -> str:

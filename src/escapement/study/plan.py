@@ -1,17 +1,16 @@
 """A study as a value: its configuration, what is fixed, what varies, and how it is solved."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from escapement import units
-from escapement.mechanisms import kind_of
-from escapement.model import Escapement, Inertia, Mechanism, Run
+from escapement.mechanisms import KINDS, kind_of
+from escapement.model import LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.varied import CASE
@@ -23,45 +22,29 @@ def model_numbers() -> dict[str, Quantity]:
     return {name: entry for name, entry in every.items() if entry.axis}
 
 
-@dataclass(frozen=True)
-class PlanKind:
-    """What a study may say of one kind of mechanism.
+@cache
+def _unit_kinds() -> dict[str, str]:
+    every: dict[str, Setting] = dict(model_numbers())
+    for name in KINDS:
+        every |= declared(kind_of(name))
+    return {name: entry.unit for name, entry in every.items()}
 
-    build : the class that one of its settings makes; None for a mechanism of the user's own.
+
+def unit_kind(name: str) -> str:
+    """Kind of unit, a key of `escapement.units`, of a parameter or a dimension of any study."""
+    return _unit_kinds().get(name, "ratio")
+
+
+def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
+    """All that a study may say of an escapement, its mechanism first.
+
+    build : the class of its mechanism, or a mechanism of the user's own, which stays as it is.
     meshed : whether it has no slot, and loses in a mesh.
     """
-
-    build: type | None
-    meshed: bool
-
-    @classmethod
-    def named(cls, name: str) -> "PlanKind":
-        """The kind that a file calls so."""
-        build = kind_of(name)
-        return cls(build, build.meshed)
-
-    @cached_property
-    def settings(self) -> dict[str, Setting]:
-        """All that its [mechanism] table may hold, what cannot be an axis first."""
-        entries = {} if self.build is None else declared(self.build)
-        return dict(sorted(entries.items(), key=lambda item: item[1].axis))
-
-    @cached_property
-    def parameters(self) -> dict[str, Quantity]:
-        """Its numbers that may be axes."""
-        return {
-            name: entry
-            for name, entry in self.settings.items()
-            if isinstance(entry, Quantity) and entry.axis
-        }
-
-    @cached_property
-    def all_parameters(self) -> dict[str, Quantity]:
-        """Every number of an escapement with such a mechanism that may be an axis."""
-        fitting = {
-            name: entry for name, entry in model_numbers().items() if entry.fits(self.meshed)
-        }
-        return self.parameters | fitting
+    own = declared(build) if isinstance(build, type) else {}
+    # what cannot be an axis stands first in the configuration
+    ordered = dict(sorted(own.items(), key=lambda item: item[1].axis))
+    return ordered | {n: entry for n, entry in model_numbers().items() if entry.fits(meshed)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +58,12 @@ class StudyPlan:
     ----------
     configuration : dict
         The study as plain JSON, of which `parse_plan` makes the same plan.
-    kind : PlanKind
-        What the mechanism is made of.
+    build : type or Mechanism
+        The class of the mechanism; or a mechanism that no configuration can describe.
+    meshed : bool
+        Whether it has no slot.
+    parameters : dict of Quantity
+        Every number this study may fix or vary, by name.
     fixed_si : dict
         Fixed or nominal value of every setting in SI; None leaves it to the mechanism.
     varied : dict of dict of ndarray, shape (n,)
@@ -85,27 +72,21 @@ class StudyPlan:
         Engine and tolerances.
     fingerprint : str
         Of the numbers drawn for a sample; "" where nothing was drawn.
-    own_mechanism : Mechanism, optional
-        A mechanism that no configuration can describe.
     """
 
     configuration: dict[str, Any]
-    kind: PlanKind
+    build: Any
+    meshed: bool
+    parameters: dict[str, Quantity]
     fixed_si: dict[str, Any]
     varied: dict[str, dict[str, NDArray[Any]]]
     solver: Solver
     fingerprint: str = ""
-    own_mechanism: Mechanism | None = None
 
     @property
     def title(self) -> str:
         """One line for people."""
         return str(self.configuration["title"])
-
-    @property
-    def unit_system(self) -> str:
-        """Units of the configuration: "SI" or "in-lbf-s"."""
-        return str(self.configuration["units"])
 
     @property
     def sampled(self) -> dict[str, NDArray[Any]]:
@@ -128,15 +109,9 @@ class StudyPlan:
         """Number of cases."""
         return math.prod(self.shape)
 
-    @property
-    def parameters(self) -> dict[str, Quantity]:
-        """Every parameter this study may fix or vary, by name."""
-        return self.kind.all_parameters
-
     def unit(self, name: str) -> str:
         """UDUNITS spelling of the unit of a parameter or a dimension."""
-        unit = "ratio" if name == CASE else self.parameters[name].unit
-        return units.unit_name(unit, self.unit_system)
+        return units.unit_name(unit_kind(name), self.configuration["units"])
 
     def long_name(self, name: str) -> str:
         """What a parameter or a dimension is."""
@@ -144,11 +119,11 @@ class StudyPlan:
 
     @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
+        system = self.configuration["units"]
         return [
-            {name: self.parameters[name].to_si(column, self.unit_system)
-             for name, column in along.items()}
+            {name: self.parameters[name].to_si(column, system) for name, column in along.items()}
             for along in self.varied.values()
-        ]  # fmt: skip
+        ]
 
     def every(self, name: str) -> Any:
         """All values in SI that a parameter takes: an array, or what is fixed."""
@@ -194,25 +169,34 @@ class StudyPlan:
         values = self.values(case)
         inertias = {entry.key: values[name] for name, entry in declared(Inertia).items()}
         return Escapement(
-            mechanism=self._built(values),
+            mechanism=self.mechanism(case),
             inertia=Inertia(**inertias),
             **{name: values[name] for name in quantities(Escapement) if name in values},
         )
 
-    def mechanism(self, case: int) -> Mechanism:
-        """The mechanism of one case; errors as `escapement`."""
-        return self._built(self.values(case))
+    @property
+    def lengths(self) -> dict[str, float]:
+        """Fixed lengths of the mechanism [m], 0 where it has none."""
+        if not isinstance(self.build, type):
+            return {name: getattr(self.build, name, None) or 0.0 for name in LENGTHS}
+        given = self.fixed_si
+        crank = given.get("crank_radius") or given.get("fixed_radius")
+        return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank or 0.0}
+
+    def mechanism(self, case: int, ideal: bool = False) -> Mechanism:
+        """The mechanism of one case, or one like it with thin pins; errors as `escapement`."""
+        if not isinstance(self.build, type):
+            own: Mechanism = self.build
+            return own
+        values = self.values(case)
+        values |= dict.fromkeys(LENGTHS[1:] if ideal else ())
+        given = {name: values[name] for name in declared(self.build) if values[name] is not None}
+        built: Mechanism = self.build(**given)
+        return built
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""
+        varied = (self.parameters[name] for along in self.varied.values() for name in along)
         # where its numbers vary, a case that cannot be built gets a status instead
-        if all(self.kind.parameters.keys().isdisjoint(along) for along in self.varied.values()):
+        if all(entry.section != "mechanism" for entry in varied):
             _ = self.mechanism(0).path
-
-    def _built(self, values: Mapping[str, Any]) -> Mechanism:
-        if self.own_mechanism is not None:
-            return self.own_mechanism
-        assert self.kind.build is not None
-        given = {name: values[name] for name in self.kind.settings if values[name] is not None}
-        mechanism: Mechanism = self.kind.build(**given)
-        return mechanism

@@ -3,23 +3,16 @@
 import logging
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent import futures
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from escapement import validate
 from escapement.errors import InvalidValue, StorageError
 
 LOCAL = "local"
+_LOCAL_CLUSTER = {"threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
 _PATIENCE = 15.0  # s to find a scheduler
 _TICK = 1.0  # s between two looks whether the scheduler is still there
 _CONNECTED = "running"  # status of a client
@@ -27,54 +20,49 @@ _CONNECTED = "running"  # status of a client
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class Pool:
+class Pool(NamedTuple):
     """Threads or a cluster.
 
     executor : where tasks are submitted.
     ahead : number of tasks that may be on their way.
     share : puts a value where all tasks find it, and gives what to submit in its place.
-    check : raises StorageError once nobody is there any more to solve anything.
+    alive : whether anybody is there to solve anything.
     """
 
-    executor: Executor
+    executor: futures.Executor
     ahead: Callable[[], int]
-    share: Callable[[Any], Any]
-    check: Callable[[], None]
+    share: Callable[[Any], Any] = lambda value: value
+    alive: Callable[[], bool] = lambda: True
 
     def completed(
         self, task: Callable[[Any, Any], T], common: Any, items: Iterable[Any]
     ) -> Iterator[T]:
         """`task(common, item)` of every item, in the order of their completion."""
         shared, waiting = self.share(common), iter(items)
-        running: set[Future[T]] = set()
+        running: set[futures.Future[T]] = set()
         try:
             while True:
                 for item in islice(waiting, max(self.ahead() - len(running), 0)):
                     running.add(self.executor.submit(task, shared, item))
                 if not running:
                     return
-                done, running = wait(running, _TICK, FIRST_COMPLETED)
-                self.check()
+                done, running = futures.wait(running, _TICK, futures.FIRST_COMPLETED)
+                if not self.alive():
+                    raise futures.CancelledError
                 # What succeeded comes first: an error ends the study and would lose it.
-                for future in sorted(done, key=_failed):
+                for future in sorted(done, key=lambda f: f.cancelled() or bool(f.exception())):
                     yield future.result()
         finally:
             for future in running:
                 future.cancel()
 
 
-def _failed(future: Future[Any]) -> bool:
-    return future.cancelled() or future.exception() is not None
-
-
 @contextmanager
 def in_threads(workers: int) -> Iterator[Pool]:
     """Threads of this process. Leaving does not wait for blocks that are being solved."""
-    executor = ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
+    executor = futures.ThreadPoolExecutor(workers, thread_name_prefix="escapement-sweep")
     try:
-        # some blocks may wait while the disk is slow
-        yield Pool(executor, lambda: workers + 8, lambda value: value, lambda: None)
+        yield Pool(executor, lambda: workers + 8)  # some blocks may wait while the disk is slow
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
 
@@ -99,21 +87,20 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
                 warnings.simplefilter("ignore")  # of Dask, where the value is large
                 return client.submit(_itself, value, pure=False)
 
-        def check() -> None:
-            if client.status != _CONNECTED:
-                raise CancelledError
+        def ahead() -> int:
+            return 2 * max(sum(map(int, client.nthreads().values())), 1)
 
         executor = client.get_executor(pure=False, retries=2)
         try:
-            yield Pool(executor, lambda: 2 * max(sum(client.nthreads().values()), 1), share, check)
+            yield Pool(executor, ahead, share, lambda: client.status == _CONNECTED)
         except distributed.KilledWorker as error:
             raise StorageError(
                 f"a block ended {error.allowed_failures + 1} workers, perhaps for lack of memory; "
                 "give workers more memory, then continue with resume=True (--resume)"
             ) from None
-        except (Exception, CancelledError) as error:
+        except (Exception, futures.CancelledError) as error:
             # each version of Dask tells a lost scheduler in other ways
-            if client.status == _CONNECTED and not isinstance(error, CancelledError):
+            if client.status == _CONNECTED and not isinstance(error, futures.CancelledError):
                 raise
             raise StorageError(
                 "the scheduler must stay, and was lost; start it again, then continue with "
@@ -160,13 +147,16 @@ def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
     if not isinstance(scheduler, str):
         remedy = "give for example 'tcp://10.0.0.1:8786'"
         raise validate.fail("scheduler", "an address or a client", scheduler, remedy)
+    silent = logging.CRITICAL
     log = logging.getLogger("distributed.client")  # it prints tracebacks of a lost scheduler
     with ExitStack() as stack:
         stack.callback(log.setLevel, log.level)
-        log.setLevel(logging.CRITICAL)
+        log.setLevel(silent)
         try:
-            address = stack.enter_context(_local(workers)) if scheduler == LOCAL else scheduler
-            client = stack.enter_context(distributed.Client(address, timeout=_PATIENCE))
+            if scheduler == LOCAL:
+                options = {"n_workers": workers, "silence_logs": silent, **_LOCAL_CLUSTER}
+                scheduler = stack.enter_context(distributed.LocalCluster(**options))
+            client = stack.enter_context(distributed.Client(scheduler, timeout=_PATIENCE))
         except RuntimeError as error:  # each process begins as the script does
             raise StorageError(
                 f"a local cluster must start, and did not: {error}; of a script, put what it does "
@@ -178,16 +168,3 @@ def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
                 "check the address, or start one with --scheduler local"
             ) from None
         yield client
-
-
-def _local(workers: int) -> Any:
-    """A cluster of processes on this machine, which say nothing."""
-    import distributed
-
-    return distributed.LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        host="127.0.0.1",
-        dashboard_address=None,
-        silence_logs=logging.CRITICAL,
-    )

@@ -1,25 +1,24 @@
 """Reading a study file back."""
 
 import json
-from collections.abc import Callable
-from os import PathLike
+from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from escapement.errors import CannotCreate, EscapementError, InputFileError, InvalidValue
-from escapement.files import check_input
+from escapement.files import AnyPath, check_input
 from escapement.status import Status
-from escapement.study.identity import difference
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
+from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed, difference
+from escapement.text import plain
 
-T = TypeVar("T")
 DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
 """What h5py and NumPy raise over a file that is not as it should be."""
 
 
-def read_study(path: str | PathLike[str]) -> Study:
+def read_study(path: AnyPath) -> Study:
     """Read a study with all its results.
 
     Parameters
@@ -35,15 +34,35 @@ def read_study(path: str | PathLike[str]) -> Study:
         When it is no HDF5 file, is damaged, holds something else, or was
         written in a layout newer than this version knows.
     """
-    return _open_study(path, _read)
+    with _open_study(path) as hdf5:
+        axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
+        sampled = _sampled(hdf5)
+        names = [*axes, *sampled, *RESULTS]
+        study = Study(
+            axes={name: hdf5[name][()] for name in axes},
+            sampled={name: hdf5[name][()] for name in sampled},
+            results={name: hdf5[name][()] for name in RESULTS},
+            units={name: str(hdf5[name].attrs["units"]) for name in names},
+            long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
+            configuration=configuration_of(hdf5),
+            attributes=plain(hdf5.attrs),
+        )
+        for name, axis in {**study.axes, **study.sampled}.items():
+            _check_values(name, axis, axis.shape[:1])
+            if not axis.size or not np.isfinite(axis).all():
+                raise ValueError(f"{name} must be finite numbers")
+        for name, values in study.results.items():
+            _check_values(name, values, study.shape)
+        return study
 
 
-def read_configuration(path: str | PathLike[str]) -> dict[str, Any]:
+def read_configuration(path: AnyPath) -> dict[str, Any]:
     """The configuration of a study file, without its results; errors as `read_study`."""
-    return _open_study(path, configuration_of)
+    with _open_study(path) as hdf5:
+        return configuration_of(hdf5)
 
 
-def read_sample_case(path: str | PathLike[str], case: int) -> dict[str, Any]:
+def read_sample_case(path: AnyPath, case: int) -> dict[str, Any]:
     """Sampled parameters of one case of a study file, in its units; errors as `read_study`.
 
     Raises
@@ -51,8 +70,7 @@ def read_sample_case(path: str | PathLike[str], case: int) -> dict[str, Any]:
     InvalidValue
         When there is no such case.
     """
-
-    def read(hdf5: Any) -> dict[str, Any]:
+    with _open_study(path) as hdf5:
         cases = hdf5["status"].shape[-1]
         if not 0 <= case < cases:
             raise InvalidValue(
@@ -61,30 +79,50 @@ def read_sample_case(path: str | PathLike[str], case: int) -> dict[str, Any]:
             )
         return {name: hdf5[name][case].item() for name in _sampled(hdf5)}
 
-    return _open_study(path, read)
 
+@contextmanager
+def opened(
+    path: AnyPath, what: str, command: str, needed: Iterable[str], version: int
+) -> Iterator[Any]:
+    """The open file of a result; whatever is wrong with it, or within the block, as one error.
 
-def _open_study(path: str | PathLike[str], use: Callable[[Any], T]) -> T:
-    """What `use` makes of the open file; whatever is wrong with it as one error."""
+    what, command : what the file holds, and the command that writes such a file.
+    needed : names of datasets that it must have.
+    version : the newest layout that is understood.
+    """
     import h5py
 
-    file = Path(path)
+    check_input(path, what)
+    remedy = f"name a file that escapement {command} wrote"
     try:
-        check_input(path, "study")
-        with h5py.File(file, "r") as hdf5:
-            _check_schema(path, hdf5)
-            return use(hdf5)
+        with h5py.File(path, "r") as hdf5:
+            layout = hdf5.attrs.get("schema_version")
+            missing = [name for name in needed if name not in hdf5]
+            if missing or not isinstance(layout, np.integer | int):
+                lacks = ", ".join(missing) or "schema_version"
+                raise InputFileError(
+                    f"{what} {path} must hold a {what}, and lacks {lacks}; {remedy}"
+                )
+            if layout > version:
+                raise InputFileError(
+                    f"{what} {path} must have schema_version {version} or less, got {layout}; "
+                    "install a newer geneva-escapement to read it"
+                )
+            yield hdf5
     except PermissionError:
-        raise InputFileError(f"study {path} must be readable; check its permissions") from None
+        raise InputFileError(f"{what} {path} must be readable; check its permissions") from None
     except EscapementError:
         raise
     except DAMAGE as error:
-        if not h5py.is_hdf5(file):
-            raise InputFileError(
-                f"study {path} must be an HDF5 file, and is not or is cut short; "
-                "name a file that escapement sweep wrote"
-            ) from None
-        raise _damaged(path, error) from None
+        if h5py.is_hdf5(path):
+            raise _damaged(what, path, error) from None
+        raise InputFileError(
+            f"{what} {path} must be an HDF5 file, and is not or is cut short; {remedy}"
+        ) from None
+
+
+def _open_study(path: AnyPath) -> AbstractContextManager[Any]:
+    return opened(path, "study", "sweep", ("configuration", *RESULTS), SCHEMA_VERSION)
 
 
 def failed_cases(path: Path, frame: Study) -> int | None:
@@ -101,24 +139,21 @@ def failed_cases(path: Path, frame: Study) -> int | None:
 
     try:
         with h5py.File(path, "r") as hdf5:
-            own = [name for name in frame.attributes if name != "created"]
+            attributes = {k: v for k, v in frame.attributes.items() if k != "created"}
+            here = {"configuration": frame.configuration, "attributes": attributes}
             there = {
                 "configuration": configuration_of(hdf5),
-                "attributes": {name: _plain(hdf5.attrs[name]) for name in own},
+                "attributes": plain({name: hdf5.attrs[name] for name in attributes}),
             }
-            attributes = {name: frame.attributes[name] for name in own}
-            here = {"configuration": frame.configuration, "attributes": attributes}
-            here = json.loads(json.dumps(here))
-            if json.dumps(there) != json.dumps(here):
+            if text := difference(there, json.loads(json.dumps(here))):
                 raise CannotCreate(
                     f"output {path} must be of this study to be resumed, got the complete file of "
-                    f"another: {difference(there, here)}; name another output, or give force=True "
-                    "to replace it"
+                    f"another: {text}; name another output, or give force=True to replace it"
                 )
             try:
                 return _count_whole(hdf5, frame)
             except DAMAGE as error:
-                raise _damaged(path, error, " with force=True") from None
+                raise _damaged("study", path, error, " with force=True") from None
     except EscapementError:
         raise
     except DAMAGE:
@@ -139,43 +174,6 @@ def _count_whole(hdf5: Any, frame: Study) -> int:
             _check_values(name, values, values.shape)
             failed += count_failed(values) if name == "status" else 0
     return failed
-
-
-def _check_schema(path: str | PathLike[str], hdf5: Any) -> None:
-    version = hdf5.attrs.get("schema_version")
-    missing = [name for name in ("configuration", *RESULTS) if name not in hdf5]
-    if missing or not isinstance(version, np.integer | int):
-        raise InputFileError(
-            f"study {path} must hold a study, and lacks {', '.join(missing) or 'schema_version'}; "
-            "name a file that escapement sweep wrote"
-        )
-    if version > SCHEMA_VERSION:
-        raise InputFileError(
-            f"study {path} must have schema_version {SCHEMA_VERSION} or less, got {version}; "
-            "install a newer geneva-escapement to read it"
-        )
-
-
-def _read(hdf5: Any) -> Study:
-    axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
-    sampled = _sampled(hdf5)
-    names = [*axes, *sampled, *RESULTS]
-    study = Study(
-        axes={name: hdf5[name][()] for name in axes},
-        sampled={name: hdf5[name][()] for name in sampled},
-        results={name: hdf5[name][()] for name in RESULTS},
-        units={name: str(hdf5[name].attrs["units"]) for name in names},
-        long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
-        configuration=configuration_of(hdf5),
-        attributes={name: _plain(value) for name, value in hdf5.attrs.items()},
-    )
-    for name, axis in {**study.axes, **study.sampled}.items():
-        _check_values(name, axis, axis.shape[:1])
-        if not axis.size or not np.isfinite(axis).all():
-            raise ValueError(f"{name} must be finite numbers")
-    for name, values in study.results.items():
-        _check_values(name, values, study.shape)
-    return study
 
 
 def _check_values(name: str, values: Any, shape: tuple[int, ...]) -> None:
@@ -202,12 +200,8 @@ def _sampled(hdf5: Any) -> list[str]:
     return str(hdf5["status"].attrs.get("coordinates", "")).split()
 
 
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def _damaged(path: str | PathLike[str], error: Exception, how: str = "") -> InputFileError:
+def _damaged(what: str, path: AnyPath, error: Exception, how: str = "") -> InputFileError:
     reason = " ".join(str(error).split())
     return InputFileError(
-        f"study {path} must be whole, and is damaged: {reason}; write it anew{how}"
+        f"{what} {path} must be whole, and is damaged: {reason}; write it anew{how}"
     )

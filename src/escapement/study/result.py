@@ -1,9 +1,10 @@
 """A study's results as a value, and the results every study has."""
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -11,6 +12,7 @@ from numpy.typing import DTypeLike, NDArray
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.status import Status
+from escapement.text import Shown
 
 SCHEMA_VERSION = 1
 """Version of the file layout: raised when an older reader would misread a newer file."""
@@ -18,9 +20,10 @@ SCHEMA_VERSION = 1
 _AGREE = 6e-6
 """Relative difference below which a value means the one of the axis: six figures, as shown."""
 
+_NOT_SET = object()
 
-@dataclass(frozen=True)
-class Result:
+
+class Result(NamedTuple):
     """One result of every case: its unit (UDUNITS), name and storage type."""
 
     units: str
@@ -40,8 +43,8 @@ RESULTS: Mapping[str, Result] = {
 """Results over the grid, in the order of the file."""
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Shown):
     """A study: axes, results over their grid, and what they mean.
 
     Attributes
@@ -69,11 +72,13 @@ class Study:
     attributes: dict[str, Any]
     sampled: dict[str, NDArray[Any]] = field(default_factory=dict)
 
-    def __repr__(self) -> str:
-        axes = " x ".join(f"{name} {values.size}" for name, values in self.axes.items())
-        failed = f", {self.failed} failed" if "status" in self.results else ""
-        sampled = f", sampled {', '.join(self.sampled)}" if self.sampled else ""
-        return f"{type(self).__name__}({axes}: {self.cases} cases{failed}{sampled})"
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        failed = [("failed", self.failed, "")] if "status" in self.results else []
+        varied = {**self.axes, **self.sampled}.items()
+        rows = [
+            (name, values, self.units.get(name, "").removeprefix("1")) for name, values in varied
+        ]
+        return [("cases", self.cases, ""), *failed, *rows]
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -109,12 +114,11 @@ class Study:
         InvalidValue
             For a name that is no axis, or a value that is not on it.
         """
-        for name in values:
-            validate.choice("axis", name, tuple(self.axes))
-        kept = {name: slice(None) for name in self.axes}
+        kept = dict.fromkeys(self.axes, slice(None))
         for name, value in values.items():
+            axis = self.axes[validate.choice("axis", name, tuple(self.axes))]
             number = validate.number(name, value, "give one of the axis")
-            place = place_on(self.axes[name], name, number, "the study")
+            place = place_on(axis, name, number, "the study")
             kept[name] = slice(place, place + 1)
         grid = tuple(kept.values())
         case = kept.get("case", slice(None))
@@ -145,5 +149,26 @@ def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
 
 def count_failed(status: NDArray[np.uint8]) -> int:
     """How many statuses say that a case has no answer."""
-    failures = [member.value for member in Status if member.failed]
-    return int(np.isin(status, failures).sum())
+    return int(np.isin(status, [member.value for member in Status if member.failed]).sum())
+
+
+def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
+    """Where the configurations or attributes of two studies differ first; "" where they do not."""
+    parts = ("configuration", "attributes")
+    return next(filter(None, (_first_difference(there[part], here[part]) for part in parts)), "")
+
+
+def _first_difference(there: Any, here: Any, place: str = "") -> str:
+    if not (isinstance(there, dict) and isinstance(here, dict)):
+        return "" if there == here else f"{place} was {_short(there)} and is {_short(here)}"
+    for key in there | here:
+        where = f"{place}.{key}" if place else key
+        if text := _first_difference(there.get(key, _NOT_SET), here.get(key, _NOT_SET), where):
+            return text
+    order = f"{place or 'the study'} had the order {', '.join(there)}"
+    return "" if [*there] == [*here] else order
+
+
+def _short(value: Any) -> str:
+    text = "not set" if value is _NOT_SET else json.dumps(value)
+    return text if len(text) <= 60 else text[:40] + " ... " + text[-15:]

@@ -1,41 +1,41 @@
-"""Running a planned study: scenes first, then blocks, on threads or on a Dask cluster."""
+"""Running a study: scenes first, then blocks, on threads or on a Dask cluster."""
 
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+import hashlib
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
+from dataclasses import replace
 from datetime import UTC, datetime
-from os import PathLike
-from typing import Any, Self, TypedDict, Unpack
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from escapement import __version__, validate
 from escapement.errors import InvalidValue
+from escapement.files import AnyPath
+from escapement.model import Escapement
 from escapement.progress import Progress
+from escapement.solver import Solver, choose_solver
+from escapement.study import scenes
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
-from escapement.study.identity import numerics
+from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import Pool, in_cluster, in_threads
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
-from escapement.study.scenes import (
-    Columns,
-    SceneFigures,
-    SharedScenes,
-    evaluate,
-    shared_scenes,
-    solve_scenes,
-)
-from escapement.study.writer import StudyWriter
+from escapement.study.writer import Unfinished, study_writer
 
 _SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
+_ROOT = Path(__file__).parents[1]
+_ROOMS = ("mechanisms", "engines", "study")
 
 Report = Callable[[int, int, int], object]
 
 
 class Options(TypedDict, total=False):
-    """How a study is run; what each means is said in `escapement.sweep`."""
+    """How a study is run; what each means is said in `sweep`."""
 
     force: bool
     resume: bool
@@ -44,8 +44,7 @@ class Options(TypedDict, total=False):
     scheduler: Any
 
 
-@dataclass(frozen=True)
-class Tally:
+class Tally(NamedTuple):
     """How a study went: its cases, those without an answer, those it had already."""
 
     cases: int
@@ -53,23 +52,22 @@ class Tally:
     resumed: int = 0
 
 
-@dataclass(frozen=True)
-class Work:
+class Work(NamedTuple):
     """All that is needed to solve any block of a study, wherever that is done."""
 
     plan: StudyPlan
     cut: Tiling
     numerics: str
-    shared: SharedScenes | None = None
+    shared: scenes.SharedScenes | None = None
 
-    def columns(self, number: int) -> Columns:
+    def columns(self, number: int) -> scenes.Columns:
         """Results of a block."""
         if self.numerics != numerics():
             raise InvalidValue(
                 f"workers must have the version of the client, numerics {self.numerics}, got "
                 f"{numerics()}; install the same geneva-escapement everywhere"
             )
-        return evaluate(self.plan, *self.cut.span(number), self.shared)
+        return scenes.evaluate(self.plan, *self.cut.span(number), self.shared)
 
 
 def solve_block(work: Work, number: int) -> Block:
@@ -77,129 +75,193 @@ def solve_block(work: Work, number: int) -> Block:
     return encode_block(work.cut, number, work.columns(number))
 
 
-def solve_columns(work: Work, number: int) -> tuple[int, Columns]:
-    """A task: the results of a block as arrays."""
-    return number, work.columns(number)
+def solve_columns(work: Work, number: int) -> Block:
+    """A task: a block as arrays."""
+    columns = work.columns(number)
+    return Block(number, count_failed(columns["status"]), columns)
 
 
-def solve_slice(plan: StudyPlan, part: tuple[int, NDArray[np.int64]]) -> tuple[int, SceneFigures]:
+def solve_slice(plan: StudyPlan, part: tuple[int, Any]) -> tuple[int, scenes.SceneFigures]:
     """A task: the scenes of some cases, and where they belong."""
     start, cases = part
-    return start, solve_scenes(plan, cases)
+    return start, scenes.solve_scenes(plan, cases)
 
 
-def run_plan(
-    plan: StudyPlan, path: str | PathLike[str] | None = None, **options: Unpack[Options]
+def sweep(
+    escapement: Escapement,
+    *,
+    sample: Mapping[str, Any] | None = None,
+    engine: str | None = None,
+    rtol: float | None = None,
+    solver: Solver | None = None,
+    initial_speed: ArrayLike = 0.0,
+    path: AnyPath | None = None,
+    force: bool = False,
+    resume: bool = False,
+    progress: Report | bool | None = None,
+    workers: int = 1,
+    scheduler: Any = None,
+    **axes: ArrayLike,
 ) -> Study:
+    """Figures of merit over a grid of parameters, or a sample of them.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        The nominal design.
+    sample : Mapping, optional
+        Parameters that vary together, at every point of the grid: `method`
+        ("latin-hypercube", "sobol" or "list"), `size`, `seed` (default 0), and a
+        distribution [SI] of each parameter, such as {"relative_tolerance": 0.05} or
+        {"low": 0.2, "high": 0.3}; with "list" its values, case by case.
+    engine, rtol, solver : optional
+        As for `terminal`.
+    initial_speed : float or array
+        Driver speed at the first pin entry [rad/s]; an array is the last axis.
+    path : path, optional
+        HDF5 file to write as well.
+    force : bool
+        Replace an existing file; without `resume`, drop what was kept of an
+        unfinished run.
+    resume : bool
+        Compute only what an unfinished run of the same study did not finish.
+    progress : bool or callable, optional
+        True shows it on standard error; a callable gets (done, total, failed).
+    workers : int
+        Threads that compute; with a local cluster, processes.
+    scheduler : str or distributed.Client, optional
+        A Dask cluster to compute on, needs `path`: "local", an address, or a client.
+    **axes : array
+        Values [SI] of any numbers of the escapement, its inertias (`driver_inertia`,
+        `follower_inertia`) and its mechanism (`slots`, `pins`); the order is that of the
+        results' dimensions. A sample adds the last one, `case`.
+
+    Returns
+    -------
+    Study
+        A case that has no answer holds NaN, and a status that says why.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    CannotCreate, StorageError
+        As `study_writer`.
+    """
+    settings = choose_solver(solver, engine, rtol).given
+    plan = plan_from(escapement, axes, sample=sample, initial_speed=initial_speed, **settings)
+    options: Options = {"force": force, "resume": resume, "progress": progress}
+    options |= {"workers": workers, "scheduler": scheduler}
+    return run_plan(plan, path, **options)
+
+
+def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Options]) -> Study:
     """Run a planned study and return its results; arguments and errors as `escapement.sweep`."""
     if path is not None:
         write_plan(plan, path, **options)
         return read_study(path)
     if (scheduler := options.get("scheduler")) is not None:
         raise validate.fail("scheduler", "left out without a path", scheduler, "name a file")
-    memory = _Memory(frame_of(plan))
-    _run(plan, memory, solve_columns, options)
-    return memory.study
+    _check(plan, options)
+    frame = frame_of(plan)
+    cut = blocks_of(frame)
+    results = {name: np.empty(frame.cases, r.dtype) for name, r in RESULTS.items()}
+
+    def add(block: Block) -> None:
+        for name, values in results.items():
+            values[slice(*cut.span(block.number))] = block.data[name]
+
+    _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), solve_columns, options)
+    shaped = {name: values.reshape(frame.shape) for name, values in results.items()}
+    return replace(frame, results=shaped)
 
 
-def write_plan(plan: StudyPlan, path: str | PathLike[str], **options: Unpack[Options]) -> Tally:
+def write_plan(plan: StudyPlan, path: AnyPath, **options: Unpack[Options]) -> Tally:
     """Run a planned study into a file, in memory that does not grow with its cases.
 
     Arguments and errors as `escapement.sweep`.
     """
+    _check(plan, options)
     version = numerics() + plan.fingerprint
     keep = {"force": options.get("force", False), "resume": options.get("resume", False)}
-    writer = StudyWriter(path, frame_of(plan), numerics=version, **keep)
-    return _run(plan, writer, solve_block, options)
+    with study_writer(path, frame_of(plan), numerics=version, **keep) as study:
+        return _run(plan, study, solve_block, options)
 
 
-class _Memory:
-    """What `StudyWriter` is to a file, for results that stay in memory."""
-
-    def __init__(self, frame: Study) -> None:
-        self._frame, self.cut = frame, blocks_of(frame)
-        self._results = {name: np.empty(frame.cases, r.dtype) for name, r in RESULTS.items()}
-        self.missing: Iterable[int] = range(len(self.cut))
-        self.resumed = self.failed = 0
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        """There is nothing to put away."""
-
-    def add(self, solved: tuple[int, Columns]) -> None:
-        """Keep the results of a block."""
-        number, columns = solved
-        for name, values in self._results.items():
-            values[slice(*self.cut.span(number))] = columns[name]
-        self.failed += count_failed(columns["status"])
-
-    @property
-    def study(self) -> Study:
-        shaped = {name: values.reshape(self._frame.shape) for name, values in self._results.items()}
-        return replace(self._frame, results=shaped)
-
-
-def _run(plan: StudyPlan, keeper: Any, task: Callable[..., Any], options: Options) -> Tally:
-    """Solve what a keeper lacks, and give it block after block."""
-    workers = validate.integer("workers", options.get("workers", 1), 1, "give a number of threads")
+def _check(plan: StudyPlan, options: Options) -> None:
+    """Refuse what is wrong with every case, before anything is opened or solved."""
+    validate.integer("workers", options.get("workers", 1), 1, "give a number of threads")
     plan.check_mechanism()
-    with keeper:
-        scheduler = options.get("scheduler") if keeper.missing else None
-        pool = in_threads(workers) if scheduler is None else in_cluster(scheduler, workers)
-        with pool as here, _shown(options.get("progress"), keeper.resumed) as report:
-            done = keeper.resumed
-            report(done, plan.cases, keeper.failed)
-            if keeper.missing:
-                work = Work(plan, keeper.cut, numerics(), solved_scenes(plan, here))
-                for solved in here.completed(task, work, keeper.missing):
-                    keeper.add(solved)
-                    start, stop = keeper.cut.span(solved[0])
-                    done += stop - start
-                    report(done, plan.cases, keeper.failed)
-    return Tally(plan.cases, keeper.failed, keeper.resumed)
 
 
-def solved_scenes(plan: StudyPlan, pool: Pool) -> SharedScenes | None:
+def _run(
+    plan: StudyPlan, study: Unfinished, task: Callable[[Work, int], Block], options: Options
+) -> Tally:
+    """Solve the missing blocks, and keep one after the other."""
+    workers, scheduler = options.get("workers", 1), options.get("scheduler")
+    here = scheduler is None or not study.missing
+    pool = in_threads(workers) if here else in_cluster(scheduler, workers)
+    done, failed, told = study.resumed, study.failed, options.get("progress")
+    shown = nullcontext(told) if callable(told) else Progress(before=done, quiet=not told)
+    with pool as solvers, shown as report:
+        report(done, plan.cases, failed)
+        shared = solved_scenes(plan, solvers) if study.missing else None
+        work = Work(plan, study.cut, numerics(), shared)
+        for block in solvers.completed(task, work, study.missing):
+            study.add(block)
+            start, stop = study.cut.span(block.number)
+            done, failed = done + stop - start, failed + block.failed
+            report(done, plan.cases, failed)
+    return Tally(plan.cases, failed, study.resumed)
+
+
+def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
     """The scenes that blocks have in common, solved; None where each block solves its own."""
-    sharing = shared_scenes(plan)
-    if sharing is None:
+    shared = scenes.shared_scenes(plan)
+    if shared is None:
         return None
-    size = sharing.cases.size
+    size = shared.cases.size
     step = min(max(size // 64, _SLICE[0]), _SLICE[1])
     figures, status = np.empty((6, size)), np.empty(size, dtype=np.uint8)
-    parts = ((start, sharing.cases[start : start + step]) for start in range(0, size, step))
+    parts = ((start, shared.cases[start : start + step]) for start in range(0, size, step))
     for start, (numbers, outcomes) in pool.completed(solve_slice, plan, parts):
         figures[:, start : start + step], status[start : start + step] = numbers, outcomes
-    return SharedScenes(sharing, figures, status)
+    return shared._replace(figures=figures, status=status)
 
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
     varied = (*plan.dimensions, *plan.sampled)
     units = {name: plan.unit(name) for name in varied}
+    units |= {name: result.units for name, result in RESULTS.items()}
     names = {name: plan.long_name(name) for name in varied}
-    return Study(
-        axes=plan.dimensions,
-        sampled=plan.sampled,
-        results={},
-        units=units | {name: result.units for name, result in RESULTS.items()},
-        long_names=names | {name: result.long_name for name, result in RESULTS.items()},
-        configuration=plan.configuration,
-        attributes={
-            "title": plan.title,
-            "schema_version": SCHEMA_VERSION,
-            "package_version": __version__,
-            "engine": plan.solver.engine,
-            "rtol": plan.solver.tolerance,
-            "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        },
-    )
+    names |= {name: result.long_name for name, result in RESULTS.items()}
+    attributes = {
+        "title": plan.configuration["title"],
+        "schema_version": SCHEMA_VERSION,
+        "package_version": __version__,
+        "engine": plan.solver.engine,
+        "rtol": plan.solver.tolerance,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    axes, configuration = plan.dimensions, plan.configuration
+    return Study(axes, {}, units, names, configuration, attributes, plan.sampled)
 
 
-def _shown(progress: Report | bool | None, before: int) -> AbstractContextManager[Report]:
-    """Where progress goes: to standard error, to the caller, or nowhere."""
-    if progress is True:
-        return Progress(before=before)
-    return nullcontext(progress or (lambda done, total, failed: None))
+def sources() -> list[Path]:
+    """The files that results may depend on, in order."""
+    rooms = (_ROOT.glob("*.py"), *((_ROOT / room).rglob("*.py") for room in _ROOMS))
+    return sorted(path for room in rooms for path in room)
+
+
+@cache
+def numerics() -> str:
+    """Digest of these sources; equal digests, equal results.
+
+    A change of a comment changes the digest too: it is better to begin a study again than
+    to mix two kinds of numbers in it.
+    """
+    digest = hashlib.sha256()
+    for path in sources():
+        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:12]

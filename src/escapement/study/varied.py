@@ -39,13 +39,11 @@ _NEVER = 1e-10  # share of a normal distribution at either side that no draw rea
 Column = tuple[NDArray[Any], Any]
 
 
-def axis_values(name: str, form: Any, parameter: Quantity) -> Column:
+def axis_values(form: Any, parameter: Quantity) -> Column:
     """Values of one axis and its form as plain JSON.
 
     Parameters
     ----------
-    name : str
-        Name of the axis.
     form : number, sequence, one-dimensional array or mapping
         A mapping holds `start`, `stop` and `num`, and may hold `log`: true for equal
         ratios instead of equal differences.
@@ -65,7 +63,8 @@ def axis_values(name: str, form: Any, parameter: Quantity) -> Column:
         For an empty axis, or a value that is no number or breaks the rule.
     """
     if isinstance(form, Mapping):
-        return _even_values(name, form, parameter)
+        return _even_values(form, parameter)
+    name = parameter.name
     # asanyarray keeps a mask, whose values become None and are refused one by one
     items = form if isinstance(form, list | tuple) else np.asanyarray(form).tolist()
     if not isinstance(items, list | tuple):
@@ -77,8 +76,9 @@ def axis_values(name: str, form: Any, parameter: Quantity) -> Column:
     return values, values.tolist()
 
 
-def _even_values(name: str, form: Mapping[str, Any], parameter: Quantity) -> Column:
+def _even_values(form: Mapping[str, Any], parameter: Quantity) -> Column:
     """Values at equal differences, or with `log` at equal ratios."""
+    name = parameter.name
     known_keys(form, ("start", "stop", "num", "log"), f"in axis {name}")
     start, stop = (parameter.read(f"{name}.{end}", form.get(end)) for end in ("start", "stop"))
     fewest = 1 if start == stop else 2
@@ -135,25 +135,23 @@ def sample_columns(
             "the sample must vary at least one parameter, got none; add one under [sample], "
             'for example friction = { tolerance = 0.02 }, or with method "list" [0.2, 0.3]'
         )
+    plain: dict[str, Any] = {"method": method}
+    fingerprint = ""
     if method == "list":
-        return _listed(table, forms, parameters)
-    size, seed = _size(method, table), table.get("seed", 0)
-    seed = validate.integer("sample.seed", seed, 0, "leave it out for 0")
-    shares = unit_cube(method, size, len(forms), seed)
-    # the order of the parameters decides which coordinate of the points each one gets
-    columns, plain = {}, {"method": method, "size": size, "seed": seed}
-    for share, (name, form) in zip(shares, forms.items(), strict=True):
-        columns[name], plain[name] = _drawn(name, form, parameters[name], nominal.get(name), share)
-    return columns, plain, f"{zlib.crc32(shares.tobytes()):08x}"
-
-
-def _listed(
-    table: Mapping[str, Any], forms: Mapping[str, Any], parameters: Mapping[str, Quantity]
-) -> tuple[dict[str, NDArray[Any]], dict[str, Any], str]:
-    """Columns given case by case."""
-    known_keys(table, ("method", *parameters), 'in [sample] with method "list"')
-    parsed = {name: axis_values(name, form, parameters[name]) for name, form in forms.items()}
-    columns = {name: values for name, (values, _) in parsed.items()}
+        known_keys(table, ("method", *parameters), 'in [sample] with method "list"')
+        found = {name: axis_values(form, parameters[name]) for name, form in forms.items()}
+    else:
+        size, seed = _size(method, table), table.get("seed", 0)
+        seed = validate.integer("sample.seed", seed, 0, "leave it out for 0")
+        shares = unit_cube(method, size, len(forms), seed)
+        plain |= {"size": size, "seed": seed}
+        fingerprint = f"{zlib.crc32(shares.tobytes()):08x}"
+        # the order of the parameters decides which coordinate of the points each one gets
+        found = {
+            name: _drawn(form, parameters[name], nominal.get(name), share)
+            for share, (name, form) in zip(shares, forms.items(), strict=True)
+        }
+    columns = {name: values for name, (values, _) in found.items()}
     first, *others = columns
     for name in others:
         if columns[name].size != columns[first].size:
@@ -161,7 +159,7 @@ def _listed(
                 f"sample.{name} must have as many values as {first}, got {columns[name].size} and "
                 f"{columns[first].size}; give every case a value of each"
             )
-    return columns, {"method": "list"} | {name: plain for name, (_, plain) in parsed.items()}, ""
+    return columns, plain | {name: form for name, (_, form) in found.items()}, fingerprint
 
 
 def _size(method: str, table: Mapping[str, Any]) -> int:
@@ -183,15 +181,13 @@ def unit_cube(method: str, size: int, count: int, seed: int) -> FloatArray:
     return np.ascontiguousarray(points.T)
 
 
-def _drawn(
-    name: str, form: Any, parameter: Quantity, nominal: float | None, share: FloatArray
-) -> Column:
+def _drawn(form: Any, parameter: Quantity, nominal: float | None, share: FloatArray) -> Column:
     """Values below which the given shares (0 to 1) of a distribution lie, and its form."""
-    label = f"sample.{name}"
+    label = f"sample.{parameter.name}"
     if parameter.whole or parameter.fraction:
         raise InvalidValue(
             f"{label} must be left out, whole numbers and fractions are not drawn at random; "
-            f'write {name} in [sweep], or use method = "list"'
+            f'write {parameter.name} in [sweep], or use method = "list"'
         )
     if not isinstance(form, Mapping):
         remedy = "write for example { relative_tolerance = 0.05 }"
@@ -200,17 +196,16 @@ def _drawn(
     width = next((key for key in _BESIDE if key in form), "")
     known_keys(form, (width, *_BESIDE[width]), f"in {label} with {width or 'two ends'}")
     if width:
-        values, plain = _around(label, form, width, parameter, nominal, share)
+        values, plain = _around(form, width, parameter, nominal, share)
     else:
-        values, plain = _between(label, form, parameter, share)
+        values, plain = _between(form, parameter, share)
     cut = replace(parameter, remedy="cut its distribution off with low or high")
     return cut.read_all(label, values), plain
 
 
-def _between(
-    label: str, form: Mapping[str, Any], parameter: Quantity, share: FloatArray
-) -> tuple[FloatArray, dict[str, Any]]:
+def _between(form: Mapping[str, Any], parameter: Quantity, share: FloatArray) -> Column:
     """An even distribution between two ends, or one whose logarithm is even."""
+    label = f"sample.{parameter.name}"
     low, high = (parameter.read(f"{label}.{end}", form.get(end)) for end in _ENDS)
     if not low < high:
         raise validate.fail(f"{label}.high", f"greater than low = {low:g}", high, "exchange them")
@@ -222,14 +217,10 @@ def _between(
 
 
 def _around(
-    label: str,
-    form: Mapping[str, Any],
-    key: str,
-    parameter: Quantity,
-    nominal: float | None,
-    share: FloatArray,
-) -> tuple[FloatArray, dict[str, Any]]:
+    form: Mapping[str, Any], key: str, parameter: Quantity, nominal: float | None, share: FloatArray
+) -> Column:
     """A distribution around the nominal value, even or normal."""
+    label = f"sample.{parameter.name}"
     if nominal is None:
         raise InvalidValue(
             f"{label} must have a nominal value to spread around, got none; "

@@ -1,24 +1,13 @@
 """Choosing a slotted mechanism: charts, comparison of motions, inverse synthesis, gears."""
 
-from escapement.synthesis.gears import GearPair, gear_pairs, planet_inertia
-from escapement.synthesis.motion import FollowerMotion, MotionPeaks, follower_motion, motion_peaks
-from escapement.synthesis.search import (
-    Candidate,
-    find_mechanisms,
-    lobes_for,
-    motion_ratio_chart,
-)
-
-__all__ = [
-    "Candidate",
-    "FollowerMotion",
-    "GearPair",
-    "MotionPeaks",
-    "find_mechanisms",
-    "follower_motion",
-    "gear_pairs",
-    "lobes_for",
-    "motion_peaks",
-    "motion_ratio_chart",
-    "planet_inertia",
-]
+from escapement.synthesis.search import Candidate as Candidate
+from escapement.synthesis.search import find_mechanisms as find_mechanisms
+from escapement.synthesis.search import lobes_for as lobes_for
+from escapement.synthesis.search import motion_ratio_chart as motion_ratio_chart
+from escapement.synthesis.wheel import FollowerMotion as FollowerMotion
+from escapement.synthesis.wheel import GearPair as GearPair
+from escapement.synthesis.wheel import MotionPeaks as MotionPeaks
+from escapement.synthesis.wheel import follower_motion as follower_motion
+from escapement.synthesis.wheel import gear_pairs as gear_pairs
+from escapement.synthesis.wheel import motion_peaks as motion_peaks
+from escapement.synthesis.wheel import planet_inertia as planet_inertia

@@ -2,21 +2,23 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
+from escapement.chebyshev import zeros
 from escapement.errors import InvalidValue
 from escapement.mechanisms import GearDriven
 from escapement.mechanisms.gear_equation import CURVES, MOST_LOBES, lobe_ratios
 from escapement.model import FloatArray
-from escapement.synthesis.motion import MotionPeaks, motion_peaks
+from escapement.synthesis.wheel import MotionPeaks, motion_peaks
 
 _MOST = 100_000
-_GRID = 501  # of a chart: two roots closer than a step are one for a designer
 _EDGE = 1e-12  # rounding may leave what lies exactly on a limit by less than this
 
 
@@ -99,41 +101,39 @@ def find_mechanisms(
     """
     n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
     wanted = _wanted(motion_ratio, dwell_ratio)
-    room = validate.non_negative("tolerance", tolerance, "give a deviation of V")
-    names = (curves,) if isinstance(curves, str) else tuple(curves)
-    for name in names:
-        validate.choice("curves", name, CURVES)
-    greatest = validate.integer("most_lobes", most_lobes, 0, "give a number of lobes")
-    parts = validate.integer("finest", finest, 1, "1 for whole numbers of lobes")
+    given = [curves] if isinstance(curves, str) else curves
+    names = [validate.choice("curves", name, CURVES) for name in given]
+    most = validate.integer("most_lobes", most_lobes, 0, "give a number of lobes")
+    validate.integer("finest", finest, 1, "1 for whole numbers of lobes")
     validate.integer("most_pins", most_pins, 1, "give a number of pins")
     validate.integer("most_unused", most_unused, 0, "0 to use every lobe", _MOST)
-    if (greatest + 1) * parts**2 > _MOST:
-        raise InvalidValue(
-            f"most_lobes and finest must leave at most {_MOST} numbers of lobes, got "
-            f"{most_lobes} and {finest}; choose smaller ones"
-        )
-    lobes = sorted({Fraction(a, b) for b in range(1, parts + 1) for a in range(greatest * b + 1)})
-    if largest_radius is not None:
-        validate.positive("largest_radius", largest_radius, "give the radius in m")
-    if most_slots is not None:
-        validate.integer("most_slots", most_slots, 1, "give a number of slots")
+    validate.integer("most_slots", 1 if most_slots is None else most_slots, 1, "give a number")
+    room = validate.non_negative("tolerance", tolerance, "give a deviation of V")
     shaft = validate.non_negative("shaft_radius", shaft_radius, "give a radius, 0 for none")
     planet = validate.non_negative("planet_radius", planet_radius, "give a radius, 0 for none")
+    if largest_radius is not None:
+        validate.positive("largest_radius", largest_radius, "give the radius in m")
+    if (most + 1) * finest**2 > _MOST:
+        raise InvalidValue(
+            f"most_lobes and finest must leave at most {_MOST} numbers of lobes, got "
+            f"{most} and {finest}; choose smaller ones"
+        )
+    lobes = sorted({Fraction(a, b) for b in range(1, finest + 1) for a in range(most * b + 1)})
     found = []
-    for free in _single_pins(n, names, lobes):
-        # the size is that of the largest mechanism in the space, so all lengths go with it
-        for wheel in _with_pins(free, wanted, room, most_pins, most_unused):
-            scale = largest_radius / wheel.reach_over_fixed if largest_radius else 1.0
-            closest = scale * wheel.closest_radius_over_fixed
-            radius = scale / abs(float(wheel.gear_ratio))
-            fits = closest >= shaft * (1.0 - _EDGE) and radius >= planet * (1.0 - _EDGE)
-            if fits and wheel.slots <= (most_slots or math.inf):
-                sized = replace(wheel, fixed_radius=scale) if largest_radius else wheel
-                found.append(Candidate(sized, motion_peaks(wheel), closest))
-    return sorted(
-        found,
-        key=lambda one: (round(abs(one.motion_ratio - wanted), 12), one.peaks.acceleration_max),
-    )
+    # the size is that of the largest mechanism in the space, so all lengths go with it
+    for wheel in _near(_with_one_pin(n, names, lobes), wanted, room, most_pins, most_unused):
+        scale = largest_radius / wheel.reach_over_fixed if largest_radius else 1.0
+        closest = scale * wheel.closest_radius_over_fixed
+        radius = scale / abs(float(wheel.gear_ratio))
+        fits = closest >= shaft * (1.0 - _EDGE) and radius >= planet * (1.0 - _EDGE)
+        if fits and wheel.slots <= (most_slots or math.inf):
+            sized = replace(wheel, fixed_radius=scale) if largest_radius else wheel
+            found.append(Candidate(sized, motion_peaks(wheel), closest))
+
+    def rank(one: Candidate) -> tuple[float, float]:
+        return round(abs(one.motion_ratio - wanted), 12), one.peaks.acceleration_max
+
+    return sorted(found, key=rank)
 
 
 def _wanted(motion_ratio: float | None, dwell_ratio: float | None) -> float:
@@ -142,43 +142,35 @@ def _wanted(motion_ratio: float | None, dwell_ratio: float | None) -> float:
             "motion_ratio or dwell_ratio must be given, and not both, got "
             f"{motion_ratio!r} and {dwell_ratio!r}; one is 1 minus the other"
         )
-    name = "motion_ratio" if dwell_ratio is None else "dwell_ratio"
-    value = motion_ratio if dwell_ratio is None else dwell_ratio
+    name, value = "motion_ratio", motion_ratio
+    if motion_ratio is None:
+        name, value = "dwell_ratio", dwell_ratio
     share = validate.non_negative(name, value, "give a share of the cycle")
     if share > 1.0:
         raise validate.fail(name, "at most 1", value, "give a share of the cycle")
-    return share if dwell_ratio is None else 1.0 - share
+    return 1.0 - share if motion_ratio is None else share
 
 
-def _single_pins(n: int, curves: Sequence[str], lobes: Sequence[Fraction]) -> Iterator[GearDriven]:
-    """Every mechanism with one pin and no unused lobe that turns the wheel by steps."""
-    for curve in curves:
-        for m in lobes:
-            try:
-                free = GearDriven(n, m, curve)
-            except InvalidValue:  # there is no mechanism with so many lobes
-                continue
-            if not free.through_centre:
-                yield free
+def _with_one_pin(n: int, curves: Sequence[str], lobes: Sequence[Fraction]) -> Iterator[GearDriven]:
+    for curve, m in product(curves, lobes):
+        with suppress(InvalidValue):  # there may be no mechanism with so many lobes
+            yield GearDriven(n, m, curve)
 
 
-def _with_pins(
-    free: GearDriven, wanted: float, room: float, most_pins: int, most_unused: int
+def _near(
+    free: Iterator[GearDriven], wanted: float, room: float, most_pins: int, most_unused: int
 ) -> Iterator[GearDriven]:
-    """The same path with more pins and unused lobes, within reach of the wanted ratio."""
-    for pins in range(1, min(most_pins, int((1.0 + _EDGE) / free.lobe_ratio)) + 1):
-        for unused in _unused(pins * free.lobe_ratio, wanted, room, most_unused):
-            try:
-                yield replace(free, pins=pins, unused_lobes=unused)
-            except InvalidValue:  # an unused lobe would find a slot
-                continue
-
-
-def _unused(share: float, wanted: float, room: float, most: int) -> range:
-    """Numbers of unused lobes with which pins that drive for a share of a lobe are near enough."""
+    """The same paths with more pins and unused lobes, if the wheel rests and the ratio is near."""
     near, far = wanted + room + _EDGE, wanted - room - _EDGE
-    first = max(0, math.ceil(share / near - 1.0))
-    return range(first, most + 1 if far <= 0.0 else min(most, math.floor(share / far - 1.0)) + 1)
+    for one in free:
+        most = 0 if one.through_centre else int((1.0 + _EDGE) / one.lobe_ratio)
+        for pins in range(1, min(most_pins, most) + 1):
+            share = pins * one.lobe_ratio
+            first = max(0, math.ceil(share / near - 1.0))
+            last = most_unused if far <= 0.0 else min(most_unused, math.floor(share / far - 1.0))
+            for unused in range(first, last + 1):
+                with suppress(InvalidValue):  # an unused lobe may find a slot
+                    yield replace(one, pins=pins, unused_lobes=unused)
 
 
 def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) -> FloatArray:
@@ -213,8 +205,8 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
     if not np.all((values >= 0.0) & (values <= MOST_LOBES)):
         rule = f"at least 0 and at most {MOST_LOBES}"
         raise validate.fail("lobes", rule, lobes, "give numbers of lobes")
-    found = [_ratio(n, Fraction(float(m)), name) for m in values.reshape(-1)]
-    return np.array(found).reshape(values.shape)
+    found = (lobe_ratios(n, Fraction(float(m)), name) for m in values.reshape(-1))
+    return np.array([next(iter(ratios), math.nan) for ratios in found]).reshape(values.shape)
 
 
 def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> list[float]:
@@ -238,8 +230,6 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
         Empty where the chart does not reach this ratio; two near a hypocycloid's
         least one.
     """
-    from scipy.optimize import brentq
-
     n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
     name = validate.choice("curve", curve, CURVES)
     wanted = validate.positive("motion_ratio", motion_ratio, "give V0 between 0 and 1")
@@ -251,23 +241,9 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
     outside = name in CURVES[1::2]
     start = 1.0 if outside else -1.0
     low, high = start + 2.0 / n, 1.0 + (math.pi - gamma) / x if outside else -2.0 / n
-
-    def value(c: float) -> float:
-        return c * math.sin(x) - math.sin(c * x + gamma)
-
     if high < low - _EDGE:
         return []
-    grid = np.linspace(low - _EDGE, high + _EDGE, _GRID)  # so that m = 0 is on the chart
-    signs = np.sign([value(c) for c in grid])
-    places = np.flatnonzero(signs[1:] * signs[:-1] < 0.0)
-    roots = (float(brentq(value, grid[i], grid[i + 1], xtol=1e-15)) for i in places)
-    found = [max((c - start) * n / 2.0 - 1.0, 0.0) for c in roots]
-    return [m for m in found if m <= MOST_LOBES]
-
-
-def _ratio(stations: int, lobes: Fraction, curve: str) -> float:
-    try:
-        found = lobe_ratios(stations, lobes, curve)
-    except InvalidValue:  # no hypocycloid has so many lobes
-        found = []
-    return found[0] if found else math.nan
+    ends = low - _EDGE, high + _EDGE  # so that m = 0 is on the chart
+    roots = zeros(lambda c: c * math.sin(x) - np.sin(c * x + gamma), ends)
+    found = np.maximum((roots - start) * n / 2.0 - 1.0, 0.0)
+    return [float(m) for m in found if m <= MOST_LOBES]

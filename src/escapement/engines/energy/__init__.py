@@ -1,6 +1,6 @@
 """The fast engine: the squared driver speed solved as a linear equation over the driver angle.
 
-Symbols, those of PHYSICS.md 2 in natural units (I_f, the driving torque and sqrt(I_f/torque)
+Symbols, those of docs/theory.md in natural units (I_f, the driving torque and sqrt(I_f/torque)
 are the units of inertia, torque and time); in brackets the names they have in the code:
 
     theta   driver angle, 0 at dead centre [rad]             (theta, angle)

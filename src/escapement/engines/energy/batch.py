@@ -1,32 +1,37 @@
 """Figures of merit of many scenes of one mechanism."""
 
+from dataclasses import replace
+
 import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.dynamics import scene_of
 from escapement.engines.energy.calls import MarchInputs, kernel_addresses
-from escapement.engines.energy.cells import cells_of
+from escapement.engines.energy.cells import CELL, cells_of
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.jit import jit
+from escapement.mechanisms.slotted import slide_edges
 from escapement.model import FloatArray, Mechanism, dwell_angle
 from escapement.painleve import beyond_painleve
 from escapement.scene import Scene, smooth_intervals, writeable
 
+NO_CELLS = np.empty((1, 0), CELL)
 FIXED = Scene._fields.index("rho")
 """Fields of a scene that all scenes of a mechanism share; those behind them are numbers."""
 _NUMBERS = len(Scene._fields) - FIXED
 
 
 @jit(allocates=True)
-def solve_rows(addresses, scene_tuple, cells, numbers, rtol, table, status):
+def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, table, status):
     """Fill table[i] and status[i] for every scene i, in natural units.
 
     Parameters
     ----------
     addresses, scene_tuple, cells : as `calls.prepared` gives them, for any scene of the
         mechanism, of which path, edges and dwell are used.
+    none : cells of no mechanism, with no columns.
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
     rtol : relative error asked for.
@@ -37,12 +42,16 @@ def solve_rows(addresses, scene_tuple, cells, numbers, rtol, table, status):
     store, events = workspace(shared.edges)
     for i in range(status.size):
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        scene = Scene(shared.path, shared.edges, shared.dwell, *own)
+        scene, known = Scene(shared.path, shared.edges, shared.dwell, *own), cells
+        if scene.pin > 0.0:
+            # a pin with width has breaks of its own, between which nothing is tabulated
+            edges = slide_edges(shared.path, scene.pin, shared.edges)
+            scene, known = Scene(shared.path, edges, shared.dwell, *own), none
         # at the Painleve limit J_s reaches zero, and the march would divide by it
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
-            case = MarchInputs(addresses, scene, cells, store, events)
+            case = MarchInputs(addresses, scene, known, store, events)
             status[i] = figures(case, numbers[i, _NUMBERS], rtol, table[i])
 
 
@@ -66,6 +75,9 @@ def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[Float
     status : ndarray, shape (n,)
         Values of `Status`.
     """
+    if getattr(mechanism, "pin_radius", 0.0):
+        # each scene has a pin of its own
+        mechanism = replace(mechanism, pin_radius=0.0, roller_radius=0.0)  # type: ignore[type-var]
     rows = np.ascontiguousarray(numbers.T, dtype=float)
     table = np.empty((len(rows), FIGURES))
     status = np.empty(len(rows), dtype=np.uint8)
@@ -73,7 +85,7 @@ def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[Float
     edges = smooth_intervals(path, mechanism.breaks)
     scene_tuple = tuple(path), edges, dwell_angle(mechanism), *(0.0,) * _NUMBERS
     cells = cells_of(path, edges)
-    solve_rows(kernel_addresses(), scene_tuple, cells, rows, rtol, table, status)
+    solve_rows(kernel_addresses(), scene_tuple, cells, NO_CELLS, rows, rtol, table, status)
     # of a stall the table holds its angle and engagement, which are no figures of merit
     table[status != OK] = np.nan
     return table, status

@@ -1,4 +1,4 @@
-"""g, |u| and g' on the panels that most scenes need, evaluated once an escapement or study.
+"""g, u, g' and R on the panels that most scenes need, evaluated once an escapement or study.
 
 Panels come from halving the intervals between the edges of a scene, so the first of them are
 known before any motion is. Cell 1 is a whole interval, and cells 2k and 2k + 1 are the halves
@@ -14,8 +14,8 @@ from escapement.mechanisms.slotted import transmission_on
 from escapement.model import FloatArray
 from escapement.scene import Path
 
-CELL = record_dtype({"g": ROW, "u": ROW, "dg": ROW, "entry": END, "exit": END})
-"""g, |u| and g' at the Gauss points, and at the two ends of a cell."""
+CELL = record_dtype({"g": ROW, "u": ROW, "dg": ROW, "radius": ROW, "entry": END, "exit": END})
+"""g, u, g' and R at the Gauss points, and at the two ends of a cell."""
 
 
 @jit
@@ -44,9 +44,10 @@ def tabulate_cells(path, edges, work, ends, cells):
             if 2 * k < most:
                 ends[2 * k, 0], ends[2 * k, 1] = left, left + half
                 ends[2 * k + 1, 0], ends[2 * k + 1, 1] = left + half, right
-            transmission_on(path, left, half, row, count, cell.g, cell.u, cell.dg)
-            fill_end(cell.entry, path, left)
-            fill_end(cell.exit, path, right)
+            g, u, dg, radius = cell.g, cell.u, cell.dg, cell.radius
+            transmission_on(path, left, half, row, count, g, u, dg, radius)
+            fill_end(cell.entry, path, left, False)
+            fill_end(cell.exit, path, right, False)
 
 
 def cells_of(path: Path, edges: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import free_turn
+from escapement.dynamics import is_drag_free
 from escapement.engines.energy.calls import march_case, refine
 from escapement.engines.energy.events import ROUGH_ERROR, has_reversal, is_extremum
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
@@ -28,11 +28,10 @@ FOLLOWED = 20
 
 
 class Ends(NamedTuple):
-    """g at the entry and the exit of an engagement, and 2 dwell/rho, what a dwell adds to w."""
+    """g at the entry and the exit of an engagement."""
 
     entry: float
     exit: float
-    dwell: float
 
 
 class Step(NamedTuple):
@@ -64,14 +63,13 @@ def newton_step(w, found, scene, ends, has_turned):
     unequal = (ends.exit - ends.entry) * (ends.exit + ends.entry) / leave
     contraction = np.exp(-found.exponent) * (1.0 - unequal)
     gap = -np.expm1(-found.exponent) + np.exp(-found.exponent) * unequal
-    following = found.w + ends.dwell
     if gap <= 0.0 or (gap <= NO_LOSS and not has_turned):
         # Without a reversal s stays +1, and int B over the engagement is zero, since g' changes
         # sign at dead centre: the map then has no fixed point. Where the motion gains speed,
         # one twice as fast is tried, which may have a reversal.
-        return Step(4.0 * following if following > w else following, contraction, False)
-    # solve w = w - gap w + source/(rho + g_out^2) + dwell
-    return Step((found.source / leave + ends.dwell) / gap, contraction, True)
+        return Step(4.0 * found.w if found.w > w else found.w, contraction, False)
+    # solve w = w - gap w + source/(rho + g_out^2)
+    return Step(found.source / leave / gap, contraction, True)
 
 
 @inner_jit
@@ -110,8 +108,9 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
     scene, events = case.scene, case.events
     loose, strict = tolerances(rtol)
     to_follow, longer = 0, FOLLOWED
-    # with a load two reversals may lie inside one panel, and a march for the map misses them
-    far_detail = np.int64(Detail.MAP if scene.load == 0.0 else Detail.TIME)
+    # with a load or drag two reversals may lie in one panel, and a march for the map misses them
+    alone = scene.load == 0.0 and is_drag_free(scene)
+    far_detail = np.int64(Detail.MAP if alone else Detail.TIME)
     near = False
     for _ in range(MAX_ENGAGEMENTS):
         detail = np.int64(Detail.EXTREMA) if near else far_detail
@@ -129,7 +128,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
             return found.status, count
         step = newton_step(w, found, scene, ends, has_reversal(events, first, found.used))
         better = step.w
-        last_good = found.w + ends.dwell
+        last_good = found.w
         change = abs(better - w)
         # only a step of Newton's method proves convergence: a motion that is followed changes
         # little in every engagement when the contraction is nearly 1
@@ -169,5 +168,5 @@ def _read(case, first, found, w, step, out):
             refine(case.addresses, case.scene, case.store, case.events, i)
         fast, slow = max(fast, event.w), min(slow, event.w)
     out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
-    out[PERIOD] = found.time + free_turn(found.w, case.scene)[1]
+    out[PERIOD] = found.time
     out[W_HANDOFF], out[CONTRACTION] = step.w, step.contraction

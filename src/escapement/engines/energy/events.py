@@ -8,19 +8,26 @@ from enum import IntEnum
 
 import numpy as np
 
-from escapement.dynamics import effective_ratio, net_torque, reduced_inertia
+from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.gauss import POINTS, N, cumulate, dot
 from escapement.engines.energy.locate import locate, weights_to
-from escapement.engines.energy.panels import FLAG, NUMBER, ROW, WHOLE, copy_row, record_dtype
+from escapement.engines.energy.panels import (
+    FLAG,
+    NUMBER,
+    ROW,
+    WHOLE,
+    copy_row,
+    record_dtype,
+    solution_of,
+)
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.jit import inner_jit
-from escapement.mechanisms.slotted import transmission_at
 
 
 class EventKind(IntEnum):
-    """Kinds of events; a march notes the first four, and `pieces.events_of` adds the others."""
+    """Kinds of events; a march notes all but the entry, which `pieces.events_of` adds."""
 
     REVERSAL = 0
     MINIMUM = 1
@@ -117,18 +124,18 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
         # it lies beside an end and not between two points, so that there is no cubic to read
         event.w = np.nan
     else:
-        event.w = _rough_square(scene, work, panel, found.side, point)
+        event.w = _rough_square(scene, work, panel, solution_of(panel, found.side), point)
     return used + 1
 
 
 @inner_jit
-def _rough_square(scene, work, panel, side, point):
+def _rough_square(scene, work, panel, solution, point):
     """w at an extremum between two points, from the cubic with their values and slopes."""
     one, two = point - 1, point
     width = 2.0 * panel.half * (POINTS[two] - POINTS[one])
     # dw/dtheta = 2 theta_ddot, here by the share x of the way between the points
-    before = width * work.net_torque[one] / reduced_inertia(panel.g[one], panel.u[one], side, scene)
-    behind = width * work.net_torque[two] / reduced_inertia(panel.g[two], panel.u[two], side, scene)
+    before = width * work.net_torque[one] / reduced_inertia(panel.g[one], solution.bend[one], scene)
+    behind = width * work.net_torque[two] / reduced_inertia(panel.g[two], solution.bend[two], scene)
     # the extremum lies where the chord of the slopes vanishes
     x = before / (before - behind)
     y = 1.0 - x
@@ -150,17 +157,17 @@ def refine(scene, store, events, i):
     x, slope = locate(work, event.net_torque, event.point, event.first, event.final, event.high)
     angle = event.angle + event.half * (1.0 + x)
     elapsed, energy = _up_to(scene, work, event, x, angle)
-    g, u, dg = transmission_at(scene.path, angle)
-    p, w = effective_ratio(g, u, event.side, scene), energy / (scene.rho + g * g)
+    g, c, k = bent_pose(angle, event.side, scene)
+    w = energy / (scene.rho + g * g)
     # the first step of Newton's method: `slope` is d(J theta_ddot)/dx
-    torque = net_torque(g, u, dg, w, event.side, scene)
+    torque = net_torque(g, c, k, w, root_of(w, scene), scene)
     way = -torque * event.half / slope
     way = way if abs(way) < LARGEST_CORRECTION * event.half else 0.0
     # over the step theta_ddot falls linearly to zero, so dw = 2 theta_ddot way/2
-    w += way * torque / (scene.rho + g * p)
+    w += way * torque / reduced_inertia(g, c, scene)
     if event.coarse and way != 0.0:
-        g, u, dg = transmission_at(scene.path, angle + way)
-        left_over = net_torque(g, u, dg, w, event.side, scene)
+        g, c, k = bent_pose(angle + way, event.side, scene)
+        left_over = net_torque(g, c, k, w, root_of(w, scene), scene)
         # a secant step; where the first step did not halve the torque, that was only rounding
         way *= torque / (torque - left_over) if abs(left_over) < 0.5 * abs(torque) else 1.0
     event.angle, event.w = angle + way, w
@@ -178,9 +185,10 @@ def _up_to(scene, work, event, x, angle):
         return dot(work.from_left, work.scratch, count), dot(work.at_x, event.energy, count)
     # the panel is solved again between its left end and the extremum, outside the chain
     panel = work.spare
-    panels.evaluate_geometry(work, panel, scene.path, scene.rho, event.angle, angle)
-    solve_side(scene, work, panel, event.side)
-    solution = panels.solution_of(panel, event.side)
+    panel.locked = False
+    panels.evaluate_geometry(work, panel, scene, event.angle, angle)
+    solve_side(scene, work, panel, event.side, event.left_energy)
+    solution = solution_of(panel, event.side)
     sample_panel(scene, work, panel, solution, event.side, event.left_energy)
     return duration(work)[0], solution.alpha_end * event.left_energy + solution.beta_end
 

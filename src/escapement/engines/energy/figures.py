@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from escapement.dynamics import dwell_gain, ends_alike, free_turn
+from escapement.dynamics import constant_drive, ends_alike, is_lossless
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import march_case, refine
 from escapement.engines.energy.events import (
@@ -13,12 +13,12 @@ from escapement.engines.energy.events import (
     has_reversal,
     is_extremum,
     most_events,
-    note,
 )
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
+from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
 
 # Of a transient so many events are kept until the terminal cycle is known.
@@ -43,14 +43,14 @@ def figures(case, w, rtol, out):
     stall out[0] is the driver angle and out[1] the engagement; both are NaN where a motion
     without friction loses energy in every engagement, which `escapement.terminal` tells first.
     """
-    scene, cells, events = case.scene, case.cells, case.events
+    scene, events = case.scene, case.events
     for i in range(cycle.FIGURES):
         out[i] = np.nan
-    last = cells.shape[0] - 1
-    ends = cycle.Ends(cells[0, 1].entry.g, cells[last, 1].exit.g, dwell_gain(scene))
-    constant_gain = scene.mu_plus == 0.0 and ends_alike(ends.entry, ends.exit, scene.rho)
-    # without friction and load every engagement adds the drive's work, which is positive
-    if constant_gain and scene.load == 0.0:
+    entry, exit_ = scene.edges[0], scene.edges[-1]
+    ends = cycle.Ends(transmission_at(scene.path, entry)[0], transmission_at(scene.path, exit_)[0])
+    constant_gain = is_lossless(scene) and ends_alike(ends.entry, ends.exit, scene.rho)
+    # without losses and load every engagement adds the drive's work, which is positive
+    if constant_gain and scene.load == 0.0 and constant_drive(scene) > 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.EXTREMA), loose, strict)
@@ -66,13 +66,13 @@ def figures(case, w, rtol, out):
         if constant_gain:
             # every engagement adds the same energy: a negative one stops the motion in the end,
             # and with a positive one the speed grows without bound
-            return NO_TERMINAL if found.source + scene.rho * dwell_gain(scene) > 0.0 else STALL
-        used, rising = _enter_dwell(scene, events, found)
+            return NO_TERMINAL if found.source > 0.0 else STALL
+        used, rising = found.used, found.rising
         _mark_extrema(case, first, used, time)
         if cycle_known:
             in_band = _judge(case, first, used, in_band, out)
-        following, free = free_turn(found.w, scene)
-        time += found.time + free
+        following = found.w
+        time += found.time
         if not sought:
             step = cycle.newton_step(w, found, scene, ends, has_reversal(events, first, used))
             first = used
@@ -101,23 +101,6 @@ def figures(case, w, rtol, out):
     # a settling time beyond the limit of engagements is not given
     out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
-
-
-@inner_jit
-def _enter_dwell(scene, events, found):
-    """Note a minimum where a dwell begins, because the driver gains speed in all of it.
-
-    Returns
-    -------
-    used, rising : number of events noted, and sign of theta_ddot.
-    """
-    if scene.dwell == 0.0:
-        return found.used, found.rising
-    used = found.used
-    if found.rising < 0.0:
-        kind = np.int64(EventKind.MINIMUM)
-        used = note(events, used, kind, scene.edges[-1], found.time, found.w)
-    return used, 1.0
 
 
 @inner_jit

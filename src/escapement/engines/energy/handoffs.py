@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from escapement.dynamics import dwell_gain, free_turn, scene_of
+from escapement.dynamics import is_lossless, scene_of
 from escapement.engines.energy.calls import march
 from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
 from escapement.engines.energy.march import OK, PAINLEVE
@@ -49,26 +49,24 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
     rho, edges = scene.rho, scene.edges
     inertia = transmission_at(scene.path, edges[0])[0] ** 2 + rho
     ends_equal = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
-    free_gain = dwell_gain(scene)
-    start = w
+    start, lossless = w, is_lossless(scene)
     for k in range(times.size):
         found = march(addresses, scene, cells, store, count, request, w, 0.0, events, NO_EVENTS)
         count = found.panels
         if found.status != OK:
             times[k] = (time + found.time) * clock
             return found.status, k, found.angle
-        out, free = free_turn(found.w, scene)
-        if scene.mu_plus == 0.0 and ends_equal:
+        out = found.w
+        if lossless and ends_equal:
             # without friction every engagement adds the same energy, so that a product takes the
             # place of a sum, whose rounding errors would add up
-            out = start + (k + 1) * (found.source / inertia + free_gain)
+            out = start + (k + 1) * found.source / inertia
         elif ends_equal and abs(found.exponent) < SMALL_EXPONENT:
-            # w_out - w = (exp(-exponent) - 1) w + source/(rho + g^2) + 2 dwell/rho, added to w by
-            # Kahan's sum
-            change = np.expm1(-found.exponent) * w + found.source / inertia + free_gain - carry_w
+            # w_out - w = (exp(-exponent) - 1) w + source/(rho + g^2), added to w by Kahan's sum
+            change = np.expm1(-found.exponent) * w + found.source / inertia - carry_w
             out = w + change
             carry_w = (out - w) - change
-        length = found.time + free
+        length = found.time
         # Kahan's sum: the rounding errors of a million engagements must not add up
         step = length - carry
         total = time + step

@@ -9,7 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import contact, free_gain, net_torque
+from escapement.dynamics import (
+    contact,
+    dragged_slope,
+    free_gain,
+    is_viscous,
+    net_torque,
+    root_of,
+)
 from escapement.engines.energy import sampling
 from escapement.engines.energy.gauss import (
     BARYCENTRIC,
@@ -23,6 +30,13 @@ from escapement.engines.energy.gauss import (
 )
 from escapement.engines.energy.panels import points_of, solution_of
 from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, NEGLIGIBLE
+from escapement.engines.energy.solve import (
+    MOST_STEPS,
+    fill_bend,
+    refresh_roots,
+    solve_linear,
+    solve_side,
+)
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 
@@ -98,26 +112,48 @@ class Instant(NamedTuple):
 
 @inner_jit
 def reversal_at(scene, work, panel, side, x, slope, w):
-    """Instant of a reversal located at x; `w` is that of the left end.
+    """Instant of a reversal at x, whose weights are in the workspace; `w` is at the left end.
 
     g and g' are evaluated at x and not interpolated, because the panel was tested for E and
     1/(rho + g^2) alone.
     """
     count = points_of(work)
     if x <= -1.0:
-        weights_to(work, -1.0)
         return Instant(panel.left, 0.0, w)
-    weights_to(work, x)
     cumulate(work.slowness, work.scratch)
     angle = panel.left + panel.half * (1.0 + x)
     g, _u, dg = transmission_at(scene.path, angle)
     elapsed = dot(work.from_left, work.scratch, count)
     w = dot(work.at_x, work.energy, count) / (scene.rho + g * g)
     # one step of Newton's method on s X, as a part of the panel and then as an angle
-    way = side * contact(g, dg, w, scene) / -slope
+    k = dragged_slope(g, dg, scene)
+    way = side * contact(g, k, w, root_of(w, scene), scene) / -slope
     way = panel.half * (way if abs(way) < LARGEST_CORRECTION else 0.0)
     # X = 0 means that there is no contact force: the driver turns free
-    return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, scene))
+    return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, w, scene))
+
+
+@inner_jit
+def solve_behind(scene, work, panel, side):
+    """Solve a panel for the side -s that carries the force behind a reversal.
+
+    With viscous drag the solution is that through the E of the reversal, whose weights are in
+    the workspace.
+    """
+    other, count = solution_of(panel, -side), points_of(work)
+    if not is_viscous(scene):
+        solve_side(scene, work, panel, -side, 0.0)
+        return
+    fill_bend(scene, work, panel, other, -side)
+    e = dot(work.at_x, work.energy, count)
+    for i in range(N):
+        work.root[i] = np.sqrt(work.w[i])
+    for _ in range(MOST_STEPS):
+        solve_linear(scene, work, panel, other, -side)
+        fictive = (e - dot(work.at_x, other.beta, count)) / dot(work.at_x, other.alpha, count)
+        if refresh_roots(scene, work, panel, other, fictive) < 1e-14:
+            return
+    other.tail = 1.0
 
 
 class AfterReversal(NamedTuple):
@@ -137,7 +173,7 @@ class AfterReversal(NamedTuple):
 
 
 @inner_jit
-def pass_reversal(scene, work, panel, side, reversal, strict, extrema, source):
+def pass_reversal(scene, work, panel, side, reversal, strict, trend, source):
     """Go from the reversal to the right end with the solution of the other side.
 
     The solutions of both sides are smooth over the whole panel. The motion follows that of s
@@ -149,7 +185,7 @@ def pass_reversal(scene, work, panel, side, reversal, strict, extrema, source):
     side : s before the reversal.
     reversal : the first point behind it.
     strict : tail allowed for values inside the panel.
-    extrema : whether extrema of the driver speed matter.
+    trend : sign of theta_ddot at the reversal where extrema matter, otherwise 0.
     source : of the map up to the left end, see `AfterReversal`.
     """
     count = points_of(work)
@@ -161,7 +197,7 @@ def pass_reversal(scene, work, panel, side, reversal, strict, extrema, source):
     # solve e = other_alpha E_left + other_beta: from this energy at the left end, the other
     # side's solution has the energy e at the reversal
     fictive = (e - other_beta) / other_alpha
-    bad = _run_behind(scene, work, panel, two, -side, fictive, reversal, extrema)
+    bad = _run_behind(scene, work, panel, two, -side, fictive, reversal, trend)
     # the time is that of the other side over the whole panel, and up to the reversal the
     # integral of the difference in dt/dx
     cumulate(work.slowness_change, work.scratch)
@@ -170,7 +206,7 @@ def pass_reversal(scene, work, panel, side, reversal, strict, extrema, source):
     e_right = two.alpha_end * fictive + two.beta_end
     w_right = e_right / (scene.rho + panel.exit.g**2)
     bad += not w_right > 0.0
-    bad += _hides_more(scene, work, panel, side, w_right, reversal, extrema)
+    bad += _hides_more(scene, work, panel, side, w_right, reversal, trend)
     # compose the affine maps: to the reversal, back to the left end on the other side, and on
     # to the right end; the reversal's own shift changes the result to second order only
     source = (alpha * source + beta - other_beta) / other_alpha
@@ -180,32 +216,33 @@ def pass_reversal(scene, work, panel, side, reversal, strict, extrema, source):
 
 
 @inner_jit
-def _run_behind(scene, work, panel, solution, side, energy, reversal, extrema):
+def _run_behind(scene, work, panel, solution, side, energy, reversal, trend):
     """Fill the workspace with the motion behind a reversal; returns the number of bad points.
 
     A point is bad where there is no speed. Behind the reversal it is also bad where the force
-    is back on the first side or, if extrema matter, where the driver slows down: a panel with
-    a reversal must hold neither of these.
+    is back on the first side or, if extrema matter, where theta_ddot has another sign than at
+    the reversal: a panel with a reversal must hold neither of these.
     """
     bad = 0
-    apart = panel.half > CLOSE_PAIR
+    apart, viscous = panel.half > CLOSE_PAIR, is_viscous(scene)
     for i in range(points_of(work)):
         w = (solution.alpha[i] * energy + solution.beta[i]) * panel.inverse_inertia[i]
         slowness = panel.dtheta_dx[i] / np.sqrt(w)
         work.slowness_change[i] = work.slowness[i] - slowness
         work.slowness[i] = slowness
-        c = -side * contact(panel.g[i], panel.dg[i], w, scene)
-        a = net_torque(panel.g[i], panel.u[i], panel.dg[i], w, side, scene)
+        root = np.sqrt(w) if viscous else 0.0
+        c = -side * contact(panel.g[i], panel.dg[i], w, root, scene)
+        a = net_torque(panel.g[i], solution.bend[i], panel.dg[i], w, root, scene)
         work.contact[i] = c
         work.net_torque[i] = a
         bad += not w > 0.0
         bad += apart and i >= reversal and c > 0.0
-        bad += extrema and i >= reversal and a <= 0.0
+        bad += trend != 0.0 and i >= reversal and a * trend <= 0.0
     return bad
 
 
 @inner_jit
-def _hides_more(scene, work, panel, side, w, reversal, extrema):
+def _hides_more(scene, work, panel, side, w, reversal, trend):
     """Number of signs of a further event between a reversal and the right end.
 
     `side` is that before the reversal, and `w` is that at the right end.
@@ -215,11 +252,11 @@ def _hides_more(scene, work, panel, side, w, reversal, extrema):
     # the search begins one point later, because X passes through zero at the reversal itself
     rest = reversal + 1
     more = 0
-    more += extrema and a <= 0.0
+    more += trend != 0.0 and a * trend <= 0.0
     if panel.half > CLOSE_PAIR:
         negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
         more += c > 0.0
         more += sampling.may_vanish(work, work.contact, negligible, c, c, rest, ALL_POINTS)
-        if extrema:
+        if trend != 0.0:
             more += sampling.may_vanish(work, work.net_torque, NEGLIGIBLE, a, a, rest, ALL_POINTS)
     return more

@@ -12,7 +12,7 @@ and so may `_choose` for a start, by the tail it sets.
 
 import numpy as np
 
-from escapement.dynamics import side_at
+from escapement.dynamics import drive_sign, is_drag_free, is_viscous, side_at
 from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.events import (
     EventKind,
@@ -50,7 +50,7 @@ TOO_MANY_PANELS = 128
 
 @inner_jit
 def march(scene, cells, store, count, request, w, rising, events, used):
-    """March from the entry to the exit of one engagement.
+    """March over one cell: from the entry to the exit of an engagement, and over the dwell.
 
     Parameters
     ----------
@@ -122,8 +122,8 @@ def _enter(scene, panel, w, rising, used):
 def _choose(scene, work, panel, state, request):
     """Solve a panel for side s; returns whether the spare panel of a start takes its place."""
     solution = panels.solution_of(panel, state.side)
-    if state.w > 0.0 and solution.tail == panels.UNSOLVED:
-        solve_side(scene, work, panel, state.side)
+    if state.w > 0.0 and (solution.tail == panels.UNSOLVED or is_viscous(scene)):
+        solve_side(scene, work, panel, state.side, state.energy)
     # 1/sqrt(w) is singular at rest, and nearly so where E is small against what the panel adds
     if state.w == 0.0 or state.energy <= START_SHARE * solution.beta_end:
         return solve_start(scene, work, panel, state.side, state.w, request.strict)
@@ -144,9 +144,18 @@ def _pass_over(scene, work, panel, starting, state, request):
     # in a start all energy comes from this panel, so that its error is the error of E itself
     split = tail > (request.strict if starting else request.loose)
     time, slowing, reversal = state.time, np.int64(0), NOWHERE
+    if split and panel.half <= SHORTEST_STOP and is_viscous(scene):
+        # the linearised viscous drag has no solution on a panel that holds a stop
+        way = -w / slope_of_w(scene, panel, side, w)
+        if 0.0 < way <= 4.0 * panel.half:
+            return _stops(panel, way, w, time, energy)
     # the map alone needs no values inside, unless the right end shows a reversal or a stop
-    if split or (request.detail == Detail.MAP and right > 0.0 and w_right > 0.0):
+    if split or (request.detail == Detail.MAP and (right > 0.0 or panel.locked) and w_right > 0.0):
         return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
+    if _turns_free(scene, panel) and w_right > 0.0:
+        # the acceleration is constant: the time is the angle over the mean speed
+        time += 4.0 * panel.half / (np.sqrt(w) + np.sqrt(w_right))
+        return Passage(False, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     against, stopped, slowing = sampling.sample_panel(
         scene, work, panel, solution, side, state.energy
     )
@@ -154,15 +163,11 @@ def _pass_over(scene, work, panel, starting, state, request):
     if starting and against > 0:
         against = sampling.clearly_against(work)
     if stopped > 0 or not w_right > 0.0:
-        if against == 0 and panel.half <= SHORTEST_STOP:
-            # with constant deceleration w falls linearly to zero, and the time is 2 way/sqrt(w)
-            way = -w / slope_of_w(scene, panel, side, w)
-            time += 2.0 * way / np.sqrt(w)
-            angle = panel.left + way
-            return Passage(False, True, angle, energy, w, right, time, reversal, slowing, left)
+        if (against == 0 or panel.locked) and panel.half <= SHORTEST_STOP:
+            return _stops(panel, -w / slope_of_w(scene, panel, side, w), w, time, energy)
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
-    if against > 0 or right <= 0.0:
+    if not panel.locked and (against > 0 or right <= 0.0):
         split, reversal = _single_reversal(
             work, panel, against, left, right, negligible, starting or tail > request.strict
         )
@@ -172,6 +177,24 @@ def _pass_over(scene, work, panel, starting, state, request):
         )
         time += passed
     return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
+
+
+@inner_jit(inlined=True)
+def _stops(panel, way, w, time, energy):
+    """The passage to a stop, which lies a short way behind the left end of a panel.
+
+    With constant deceleration w falls linearly to zero, and the time is 2 way/sqrt(w).
+    """
+    time += 2.0 * way / np.sqrt(w)
+    return Passage(
+        False, True, panel.left + way, energy, w, 1.0, time, NOWHERE, np.int64(0), 1.0
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def _turns_free(scene, panel):
+    """Whether the driver turns under a constant torque, so that its acceleration is constant."""
+    return panel.locked and is_drag_free(scene)
 
 
 @inner_jit(inlined=True)
@@ -207,7 +230,7 @@ def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal
         # next to a stop the deceleration is constant over so short a way: the time is the
         # angle over the mean speed
         return 4.0 * panel.half / (np.sqrt(w) + np.sqrt(w_right)), False
-    if not split and panel.half > CLOSE_PAIR:
+    if not split and panel.half > CLOSE_PAIR and not panel.locked:
         split = sampling.may_vanish(
             work, work.contact, negligible, left, right, FIRST_POINT, ALL_POINTS
         )
@@ -219,9 +242,12 @@ def _note_left_end(scene, panel, state, events):
     """Note a break of the mechanism, and an extremum where theta_ddot jumps through zero."""
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
-        used = note(events, used, np.int64(EventKind.BREAK), panel.left, state.time, state.w)
-    # at a kink of |u|, and at an entry on another side than before, theta_ddot jumps
+        kind = np.int64(EventKind.EXIT if panel.locked else EventKind.BREAK)
+        used = note(events, used, kind, panel.left, state.time, state.w)
+    # at a kink of |u|, an exit, and an entry on another side than before, theta_ddot jumps
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
+    if panel.locked and not panel.kink:
+        now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:
@@ -237,11 +263,14 @@ def _check(scene, work, panel, starting, state, passage, request):
     """Look for an extremum of the driver speed in a panel, up to its reversal if it has one."""
     side, energy = state.side, state.energy
     first, final, point, split = 1.0, 1.0, NOWHERE, passage.split
-    if not split and request.detail > Detail.TIME:
+    # in a dwell the speed tends to that at which drag takes all torque, and never passes it
+    if not split and request.detail > Detail.TIME and not panel.locked:
         first = sampling.net_torque_at(panel.entry, side, state.w, scene)
         last = passage.reversal
-        # at a reversal X = 0, so that J theta_ddot = J/rho > 0: there `final` stays 1
-        if last < 0:
+        # at a reversal X = 0, so that J theta_ddot = D J/rho has the sign of the drive D
+        if last >= 0:
+            final = drive_sign(work.w[min(last, N - 1)], scene)
+        else:
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
         slowing, changes = passage.slowing, 0
         # one sign at all points and at both ends means that there is nothing to find
@@ -266,32 +295,29 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         return Inside(split, used, after_reversal)
     x, slope = 1.0, 0.0
     if reversal >= 0:
-        other = panels.solution_of(panel, -state.side)
-        if other.tail == panels.UNSOLVED:
-            solve_side(scene, work, panel, -state.side)
-        if other.tail > request.strict:
-            return Inside(True, used, after_reversal)
         # with s X <= 0 at the left end already, which is rounding, the reversal lies there
         x = -1.0
         if passage.left_contact > 0.0:
             left, right = passage.left_contact, passage.contact
             x, slope = locate.locate(work, work.contact, reversal, left, right, 1.0)
+        locate.weights_to(work, x)
+        locate.solve_behind(scene, work, panel, state.side)
+        if panels.solution_of(panel, -state.side).tail > request.strict:
+            return Inside(True, used, after_reversal)
     if extremum.point >= 0:
         kind = extremum_kind(state.rising)
         used = note_extremum(scene, events, used, kind, work, panel, extremum, x)
     if reversal >= 0:
         instant = locate.Instant(np.nan, np.nan, np.nan)
+        # E and time change with the square of an error of x only, so they need no correction of x
         if request.detail == Detail.EVERYTHING:
             instant = locate.reversal_at(scene, work, panel, state.side, x, slope, state.w)
-        else:
-            # E and time change with the square of an error of x only, so x needs no correction
-            locate.weights_to(work, x)
         time = state.time + instant.elapsed
         kind = np.int64(EventKind.REVERSAL)
         used = note(events, used, kind, instant.angle, time, instant.w)
-        extrema = request.detail > Detail.TIME
+        trend = extremum.final if request.detail > Detail.TIME else 0.0
         after_reversal = locate.pass_reversal(
-            scene, work, panel, state.side, reversal, request.strict, extrema, state.source
+            scene, work, panel, state.side, reversal, request.strict, trend, state.source
         )
     return Inside(not after_reversal.good, used, after_reversal)
 
@@ -299,12 +325,12 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """MarchState at the right end of a panel, which is the left end of the one at `following`."""
-    # behind a reversal the driver gains speed, see `_check`, so that `rising` is 1
+    # behind a reversal theta_ddot keeps its sign, see `_check`
     if passage.reversal >= 0:
         after = inside.after_reversal
         w = after.energy / (scene.rho + panel.exit.g**2)
         return MarchState(
-            following, w, after.energy, -state.side, 1.0, state.time + after.length,
+            following, w, after.energy, -state.side, extremum.final, state.time + after.length,
             state.exponent + after.exponent, after.source, inside.used, False,
         )  # fmt: skip
     solution = panels.solution_of(panel, state.side)

@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.dynamics import dragged_slope
 from escapement.engines.energy.gauss import POINTS, N, tail_of
 from escapement.jit import inner_jit
-from escapement.mechanisms.slotted import transmission_at, transmission_on
+from escapement.mechanisms.slotted import pose_at, transmission_on
 
 NUMBER, WHOLE, FLAG = np.float64, np.int64, np.bool_
 ROW = (NUMBER, (N,))
@@ -39,13 +40,14 @@ def record_dtype(fields: dict[str, Any]) -> np.dtype:
     return np.dtype((np.record, plain))
 
 
-END = record_dtype({"g": NUMBER, "u": NUMBER, "dg": NUMBER})
-"""g, |u| and g' at one driver angle."""
+END = record_dtype({"g": NUMBER, "u": NUMBER, "dg": NUMBER, "radius": NUMBER})
+"""g, u, g' and R at one driver angle."""
 
 SOLUTION = record_dtype(
     {
         # at the points: E(x) = alpha E_left + beta with alpha = exp(-b) and b = int B
         **dict.fromkeys(("alpha", "beta", "b"), ROW),
+        "bend": ROW,  # c = p - g at the points
         # the same three at the right end
         **dict.fromkeys(("alpha_end", "beta_end", "b_end"), NUMBER),
         # relative tail of the solution, UNSOLVED before there is one, and its rounding error
@@ -59,12 +61,13 @@ PANEL = record_dtype(
         **dict.fromkeys(("left", "half"), NUMBER),  # driver angle of the left end, half the width
         "next": WHOLE,  # index of the panel to its right, CHAIN_END if there is none
         "kink": FLAG,  # whether |u| has a kink at the left end, as at dead centre
+        "locked": FLAG,  # whether it lies in the dwell, where g, |u| and g' are zero
         **dict.fromkeys(("interval", "cell"), WHOLE),  # indices of its geometry in the cells
-        **dict.fromkeys(("g", "u", "dg"), ROW),  # g, |u| and g' at the points
+        **dict.fromkeys(("g", "u", "dg", "radius"), ROW),  # g, u, k and R at the points
         "inverse_inertia": ROW,  # 1/(rho + g^2) at the points
         "geometry_tail": NUMBER,  # relative tail of 1/(rho + g^2)
         "dtheta_dx": ROW,  # theta' = dtheta/dx at the points
-        **dict.fromkeys(("entry", "exit"), END),  # g, |u| and g' at the left and the right end
+        **dict.fromkeys(("entry", "exit"), END),  # the same at the left and the right end
         **dict.fromkeys(("plus", "minus"), SOLUTION),  # for the sides s = +1 and -1
     }
 )
@@ -79,6 +82,7 @@ WORKSPACE = record_dtype(
         "scratch": ROW,  # passed from one step to the next: points, or integrals
         **dict.fromkeys(("at_x", "from_left"), ROW),  # weights of `locate.weights_to`
         **dict.fromkeys(("decay", "gain"), ROW),  # B and A by x while a panel is being solved
+        "root": ROW,  # the speeds about which viscous drag is linear meanwhile
         "spare": PANEL,  # a panel outside the chain, for a start and for refined events
     }
 )
@@ -110,6 +114,7 @@ def new_store(most):
     """An empty store for `most` panels; memory that is never touched costs nothing."""
     workspace = np.empty(1, WORKSPACE)
     workspace[0].points = N
+    workspace[0].spare.locked = False
     return Store(np.empty(most, PANEL), workspace)
 
 
@@ -126,16 +131,17 @@ def solution_of(panel, side):
 
 
 @inner_jit
-def fill_end(end, path, theta):
-    """Fill an `END` with g, |u| and g' at a driver angle."""
-    g, u, dg = transmission_at(path, theta)
-    end.g, end.u, end.dg = g, abs(u), dg
+def fill_end(end, path, theta, locked):
+    """Fill an `END` with g, u, g' and R at a driver angle; all are zero in a dwell (`locked`)."""
+    end.g = end.u = end.dg = end.radius = 0.0
+    if not locked:
+        end.g, end.u, end.dg, end.radius = pose_at(path, theta)
 
 
 @inner_jit
 def copy_end(end, other):
     """Copy the `END` named `other`."""
-    end.g, end.u, end.dg = other.g, other.u, other.dg
+    end.g, end.u, end.dg, end.radius = other.g, other.u, other.dg, other.radius
 
 
 @inner_jit
@@ -147,26 +153,37 @@ def copy_row(row, other, count):
 
 
 @inner_jit
-def evaluate_geometry(work, panel, path, rho, left, right):
-    """Evaluate g, |u| and g' of a panel at the Gauss points, and at its ends."""
-    # `transmission_on` needs the points in a row of the workspace
+def evaluate_geometry(work, panel, scene, left, right):
+    """Evaluate g, u, k and R of a panel at the Gauss points, and at its ends."""
+    # `evaluate_at` needs the points in a row of the workspace
     for i in range(N):
         work.scratch[i] = POINTS[i]
-    half = 0.5 * (right - left)
     panel.left = left
-    panel.half = half
-    transmission_on(path, left, half, work.scratch, points_of(work), panel.g, panel.u, panel.dg)
-    fill_end(panel.entry, path, left)
-    fill_end(panel.exit, path, right)
-    finish_geometry(panel, rho, points_of(work))
+    panel.half = 0.5 * (right - left)
+    evaluate_at(work.scratch, points_of(work), panel, scene.path)
+    fill_end(panel.entry, scene.path, left, panel.locked)
+    fill_end(panel.exit, scene.path, right, panel.locked)
+    finish_ends(panel, scene)
+    finish_geometry(panel, scene, points_of(work))
 
 
 @inner_jit
-def fill_geometry(work, panel, path, cells, rho, left, right):
+def evaluate_at(points, count, panel, path):
+    """Evaluate g, u, g' and R at points of a panel, which are x in [-1, 1]."""
+    g, u, dg, radius = panel.g, panel.u, panel.dg, panel.radius
+    if not panel.locked:
+        transmission_on(path, panel.left, panel.half, points, count, g, u, dg, radius)
+        return
+    for i in range(count & N):
+        g[i] = u[i] = dg[i] = radius[i] = 0.0
+
+
+@inner_jit
+def fill_geometry(work, panel, scene, cells, left, right):
     """Fill the geometry of a panel from the mechanism's cells, or evaluate it."""
-    # the cells hold only the first halvings of an interval
-    if panel.cell >= cells.shape[1]:
-        evaluate_geometry(work, panel, path, rho, left, right)
+    # the cells hold only the first halvings of an interval, and nothing of a dwell
+    if panel.locked or panel.cell >= cells.shape[1]:
+        evaluate_geometry(work, panel, scene, left, right)
         return
     cell = cells[panel.interval, panel.cell]
     panel.left = left
@@ -175,18 +192,30 @@ def fill_geometry(work, panel, path, cells, rho, left, right):
     copy_row(panel.g, cell.g, count)
     copy_row(panel.u, cell.u, count)
     copy_row(panel.dg, cell.dg, count)
+    copy_row(panel.radius, cell.radius, count)
     copy_end(panel.entry, cell.entry)
     copy_end(panel.exit, cell.exit)
-    finish_geometry(panel, rho, points_of(work))
+    finish_ends(panel, scene)
+    finish_geometry(panel, scene, count)
 
 
 @inner_jit
-def finish_geometry(panel, rho, count):
+def finish_ends(panel, scene):
+    """Turn g' at the ends into k."""
+    for end in (panel.entry, panel.exit):
+        end.dg = dragged_slope(end.g, end.dg, scene)
+
+
+@inner_jit
+def finish_geometry(panel, scene, count):
     """Fill what follows from g and the half width, and mark both sides as unsolved."""
     half = panel.half
     for i in range(count & N):
-        panel.inverse_inertia[i] = 1.0 / (rho + panel.g[i] * panel.g[i])
+        panel.inverse_inertia[i] = 1.0 / (scene.rho + panel.g[i] * panel.g[i])
         panel.dtheta_dx[i] = half
+    if scene.follower_drag > 0.0:
+        for i in range(N):
+            panel.dg[i] = dragged_slope(panel.g[i], panel.dg[i], scene)
     # 1/(rho + g^2) is greatest at the first or the last point unless |g| has a minimum between;
     # then the tail is overestimated, and the panel becomes finer than it need be
     largest = max(panel.inverse_inertia[0], panel.inverse_inertia[N - 1])
@@ -211,11 +240,11 @@ def halve(scene, cells, store, index, count):
     if panel.next != CHAIN_END:
         right = store.panels[panel.next].left
     # the halves of cell k are the cells 2k and 2k + 1
-    new.interval = panel.interval
+    new.interval, new.locked = panel.interval, panel.locked
     new.cell = 2 * panel.cell + 1
     panel.cell = 2 * panel.cell
-    fill_geometry(work, panel, scene.path, cells, scene.rho, left, middle)
-    fill_geometry(work, new, scene.path, cells, scene.rho, middle, right)
+    fill_geometry(work, panel, scene, cells, left, middle)
+    fill_geometry(work, new, scene, cells, middle, right)
     new.next = panel.next
     panel.next = count
     new.kink = False
@@ -224,20 +253,21 @@ def halve(scene, cells, store, index, count):
 
 @inner_jit
 def lay_out(scene, cells, store, loose):
-    """Lay out the chain of an engagement, fine enough for its geometry; returns its length."""
-    edges = scene.edges
-    intervals = edges.size - 1
-    for k in range(intervals):
+    """Lay out the chain of an engagement and of the dwell that follows it, fine enough for its
+    geometry; returns its length.
+    """
+    edges, moving = scene.edges, scene.edges.size - 1
+    count = moving + 1 if scene.dwell > 0.0 else moving
+    for k in range(count):
         panel = store.panels[k]
-        panel.next = k + 1 if k + 1 < intervals else CHAIN_END
+        panel.next = k + 1 if k + 1 < count else CHAIN_END
+        panel.locked = k == moving
         # at a break of a slotted path |u| has a kink; at the corner of a table it has none
-        panel.kink = k > 0 and not scene.path.table
+        panel.kink = k > 0 and (panel.locked or not scene.path.table)
         panel.interval = k
         panel.cell = 1
-        fill_geometry(
-            store.workspace[0], panel, scene.path, cells, scene.rho, edges[k], edges[k + 1]
-        )
-    count = intervals
+        right = edges[k] + scene.dwell if panel.locked else edges[k + 1]
+        fill_geometry(store.workspace[0], panel, scene, cells, edges[k], right)
     # an eighth of the memory at most is used here, and the march needs the rest
     index, limit = FIRST_PANEL, GEOMETRY_SHARE * loose
     while index != CHAIN_END:

@@ -111,16 +111,16 @@ class SpeedExtremum(NamedTuple):
 
 
 class Engagement(NamedTuple):
-    """The result of a march over one engagement.
+    """The result of a march over one engagement and the dwell behind it.
 
     status : a value of `Status`.
-    w : theta_dot^2 at the exit.
+    w : theta_dot^2 at the end of the cell.
     angle : driver angle of a stall [rad].
-    time : from the entry to the exit, or to the stall.
+    time : from the entry to the end of the cell, or to the stall.
     exponent, source : of the affine map
         w_out (rho + g_out^2) = exp(-exponent) w_in (rho + g_in^2) + source,
         which holds as long as the reversals stay at their angles.
-    side, rising : s, and the sign of theta_ddot, at the exit.
+    side, rising : s at the exit, and the sign of theta_ddot at the end.
     panels, used : number of panels in use, and of events noted.
     """
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import drive, loss_per_angle, scene_of
+from escapement.dynamics import LOSSES, losses_per_angle, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
@@ -19,7 +19,7 @@ from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.sampling import duration, sample_panel
-from escapement.engines.energy.solve import solve_side
+from escapement.engines.energy.solve import slope_of_w, solve_side
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.roots import newton_in_bracket
@@ -78,12 +78,11 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
     events = np.empty(_ROOM + 4 * scene.edges.size, EVENT)
     table = np.empty(8 * starts.size + 64, MOTION_EVENT)
     count, filled, rising = panels.NO_PANELS, NO_EVENTS, 0.0
-    exit_ = scene.edges[-1]
     for k in range(starts.size):
         w, start = squares[k], starts[k]
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
         count, rising, used = found.panels, found.rising, found.used
-        if filled + used + 3 > table.shape[0]:
+        if filled + used + 1 > table.shape[0]:
             larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
             _copy(table, larger, filled)
             table = larger
@@ -98,14 +97,6 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
             filled = _append(table, filled, k, event.kind, event.angle, time, event.w, 0.0)
         if found.status != OK:
             break
-        # in a dwell the driver gains speed, so a speed that fell before it has its minimum there
-        if scene.dwell > 0.0:
-            kind, time = np.int64(EventKind.MINIMUM), start + found.time
-            if rising < 0.0:
-                filled = _append(table, filled, k, kind, exit_, time, found.w, 0.0)
-            kind = np.int64(EventKind.EXIT)
-            filled = _append(table, filled, k, kind, exit_, time, found.w, 0.0)
-            rising = 1.0
     happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
     return happened
@@ -130,27 +121,25 @@ class Stretch(NamedTuple):
 
 
 @jit(allocates=True)
-def states_in(scene, left, end, w, side, rtol, times, theta, squares):
+def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
     """Fill driver angles and w at times since the start of one piece.
 
     Parameters
     ----------
     left, end : driver angles where the piece starts and ends.
-    w, side : w at its start, and s.
+    w, side : w at its start, and s, which is 0 in a dwell.
     times : since the start; later ones than the end of the piece give the state at its end.
     theta, squares : results, angles and w, as long as `times`.
-
-    Returns
-    -------
-    loss : work lost in friction over the piece.
+    losses : result, the work lost over the piece in each of `dynamics.LOSSES`.
     """
     _loose, strict = panels.tolerances(rtol)
     store = panels.new_store(ONE)
     work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
+    panel.locked = side == 0.0
     ends = np.empty(_HALVINGS)
     waiting = 0
     part = Stretch(left, _next(scene.edges, left, end), 0.0, w)
-    loss = 0.0
+    losses[:] = 0.0
     for j in range(times.size):
         theta[j], squares[j] = left, w
     while part.left < end:
@@ -166,18 +155,22 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
             continue
         solution = panels.solution_of(panel, side)
         energy = part.w * (scene.rho + panel.entry.g**2)
-        # E = alpha E_left + beta at the right end, and w = E/(rho + g^2), 0 after a stop
-        after = solution.alpha_end * energy + solution.beta_end
-        after = max(after / (scene.rho + panel.exit.g**2), 0.0)
-        loss += panel.half * _loss_over_x(scene, work, panel, side)
-        length = duration(work)[0]
         # over so short a part whose panel is no good, as next to a stop, the time is the angle
         # over the mean speed
         if short and not good:
+            gain = slope_of_w(scene, panel, side, part.w) * (part.right - part.left)
+            after = max(part.w + gain, 0.0)
             length = 2.0 * (part.right - part.left) / (np.sqrt(part.w) + np.sqrt(after))
+            for i in range(N):
+                work.w[i] = 0.5 * (part.w + after)
             _read_short(part, length, after, end, times, theta, squares)
         else:
+            # E = alpha E_left + beta at the right end, and w = E/(rho + g^2), 0 after a stop
+            after = solution.alpha_end * energy + solution.beta_end
+            after = max(after / (scene.rho + panel.exit.g**2), 0.0)
+            length = duration(work)[0]
             _read(scene, work, panel, part, length, end, times, theta, squares)
+        _add_losses(scene, work, panel, side, losses)
         now = part.time + length
         if after == 0.0:
             # the motion has stopped, and keeps this angle at all later times
@@ -190,16 +183,15 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares):
             waiting -= 1
             right = ends[waiting]
         part = Stretch(part.right, right, now, after)
-    return loss
 
 
 @inner_jit
 def _solve(scene, work, panel, part, side, strict):
     """Solve a panel over a part of a piece; returns whether it is fine enough to interpolate."""
-    panels.evaluate_geometry(work, panel, scene.path, scene.rho, part.left, part.right)
-    solve_side(scene, work, panel, side)
-    solution = panels.solution_of(panel, side)
+    panels.evaluate_geometry(work, panel, scene, part.left, part.right)
     energy = part.w * (scene.rho + panel.entry.g**2)
+    solve_side(scene, work, panel, side, energy)
+    solution = panels.solution_of(panel, side)
     _against, stopped, _slowing = sample_panel(scene, work, panel, solution, side, energy)
     roughness = duration(work)[1]
     smooth = roughness <= max(strict, solution.noise)
@@ -217,7 +209,7 @@ def _read(scene, work, panel, part, length, end, times, theta, squares):
             continue
         x = _invert(work, min(t, length), length)
         theta[j] = 0.5 * (part.left + part.right) + panel.half * x
-        g = transmission_at(scene.path, theta[j])[0]
+        g = 0.0 if panel.locked else transmission_at(scene.path, theta[j])[0]
         # E is interpolated, which is mostly smoother than w: the factor of w = E/(rho + g^2)
         # is then exact
         squares[j] = dot(work.at_x, work.energy, panels.points_of(work)) / (scene.rho + g * g)
@@ -259,12 +251,9 @@ def follow(
     theta, squares : ndarray, shape (n,)
     """
     angle, w, side = start
-    if side == 0.0:
-        # in a dwell rho theta_ddot = 1
-        speed, gain = np.sqrt(w), times * drive(scene) / scene.rho
-        return angle + times * (speed + 0.5 * gain), (speed + gain) ** 2
     theta, squares = np.empty_like(times), np.empty_like(times)
-    states_in(scene, angle, end, w, side, rtol, times, theta, squares)
+    losses = np.empty(len(LOSSES))
+    states_in(scene, angle, end, w, side, rtol, times, theta, squares, losses)
     return theta, squares
 
 
@@ -278,13 +267,14 @@ def _next(edges, left, end):
 
 
 @inner_jit
-def _loss_over_x(scene, work, panel, side):
-    """int mu |u| |N R| dx over a panel; times its half width this is the work lost."""
-    total = 0.0
+def _add_losses(scene, work, panel, side, losses):
+    """Add the work lost over a panel to each of `losses`."""
     for i in range(N):
-        lost = loss_per_angle(panel.g[i], panel.u[i], panel.dg[i], work.w[i], side, scene)
-        total += WEIGHTS[i] * lost
-    return total
+        g, u, radius, k = panel.g[i], panel.u[i], panel.radius[i], panel.dg[i]
+        rates = losses_per_angle(g, u, radius, k, work.w[i], side, scene)
+        weight = panel.half * WEIGHTS[i]
+        for j in range(losses.size):
+            losses[j] += weight * rates[j + 1]
 
 
 @inner_jit

@@ -7,7 +7,7 @@ which of these it asks of which panel.
 
 import numpy as np
 
-from escapement.dynamics import contact, net_torque
+from escapement.dynamics import bend, contact, is_viscous, net_torque, root_of
 from escapement.engines.energy.gauss import (
     LAST_BUT_ONE_COEFFICIENT,
     LAST_COEFFICIENT,
@@ -33,15 +33,21 @@ SLOPE_ERROR = 0.01
 
 
 @inner_jit
+def bend_at(end, side, scene):
+    """c = p - g at an end of a panel; in a dwell, where g and u are zero, it does no work."""
+    return bend(end.g, end.u, end.radius, side, scene)
+
+
+@inner_jit
 def net_torque_at(end, side, w, scene):
-    """J theta_ddot at an end of a panel, where `end` holds g, |u| and g'."""
-    return net_torque(end.g, end.u, end.dg, w, side, scene)
+    """J theta_ddot at an end of a panel."""
+    return net_torque(end.g, bend_at(end, side, scene), end.dg, w, root_of(w, scene), scene)
 
 
 @inner_jit
 def contact_at(end, w, scene):
-    """X at an end of a panel, where `end` holds g, |u| and g'."""
-    return contact(end.g, end.dg, w, scene)
+    """X at an end of a panel."""
+    return contact(end.g, end.dg, w, root_of(w, scene), scene)
 
 
 @inner_jit
@@ -58,19 +64,22 @@ def sample_panel(scene, work, panel, solution, side, energy):
     against = 0
     stopped = 0
     slowing = 0
+    viscous = is_viscous(scene)
     for i in range(points_of(work)):
         # E = alpha E_left + beta, and w = E/(rho + g^2)
         e = solution.alpha[i] * energy + solution.beta[i]
         w = e * panel.inverse_inertia[i]
-        # X = rho (g' w + load) + g is the contact moment times J > 0
-        c = side * contact(panel.g[i], panel.dg[i], w, scene)
-        a = net_torque(panel.g[i], panel.u[i], panel.dg[i], w, side, scene)
+        speed = np.sqrt(w)
+        root = speed if viscous else 0.0
+        # X is the contact moment times J > 0
+        c = side * contact(panel.g[i], panel.dg[i], w, root, scene)
+        a = net_torque(panel.g[i], solution.bend[i], panel.dg[i], w, root, scene)
         work.energy[i] = e
         work.w[i] = w
         work.contact[i] = c
         work.net_torque[i] = a
         # dt/dx = theta'/sqrt(w); where there is no speed it is infinite or NaN
-        work.slowness[i] = panel.dtheta_dx[i] / np.sqrt(w)
+        work.slowness[i] = panel.dtheta_dx[i] / speed
         against += c <= 0.0
         stopped += not w > 0.0
         slowing += a <= 0.0

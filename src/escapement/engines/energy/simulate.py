@@ -9,12 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
+from escapement.dynamics import LOSSES
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.handoffs import handoffs
 from escapement.engines.energy.march import OK, PAINLEVE, STALL
 from escapement.engines.energy.pieces import events_of, follow, states_in
-from escapement.model import Escapement, FloatArray
+from escapement.model import Escapement, FloatArray, dwell_angle
 from escapement.motion import Motion, no_motion, stall_message
 from escapement.status import MESSAGES, Status
 from escapement.trajectory import Events, Extrema
@@ -71,7 +72,9 @@ class EnergyTrajectory:
         """
         rows: list[list[float]] = []
         side = 0.0
-        exit_ = self.escapement.mechanism.breaks[-1]
+        mechanism = self.escapement.mechanism
+        # a cell ends where the follower, and then the driver, has come to the next pin's entry
+        end = mechanism.breaks[-1] + dwell_angle(mechanism)
         for engagement, kind, angle, time, w, at_entry in self._events.tolist():
             if kind == EventKind.ENTRY:
                 side = at_entry
@@ -81,10 +84,10 @@ class EnergyTrajectory:
                 side = 0.0
             elif kind != EventKind.BREAK:
                 continue
-            # a piece ends where the next one of its engagement begins, the last one at the exit
+            # a piece ends where the next one of its engagement begins, or at the end of the cell
             if rows and rows[-1][1] == engagement:
                 rows[-1][4] = angle
-            rows.append([time, engagement, side, angle, exit_, w])
+            rows.append([time, engagement, side, angle, end, w])
         return np.array(rows).reshape(-1, 6).T
 
     @property
@@ -106,22 +109,20 @@ class EnergyTrajectory:
         return result
 
     @cached_property
-    def friction_loss(self) -> FloatArray:
-        """Work lost in friction over each piece [J]."""
+    def losses(self) -> FloatArray:
+        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
         scene = self.escapement.scene
         end_time = self.end_time / self.escapement.time_unit
         pieces = self._pieces[2:].T.copy()
-        if pieces[-1, 0] != 0.0:
+        if len(pieces):
             since = np.array([end_time - self._pieces[0, -1]])
             pieces[-1, 2] = self._solve(len(pieces) - 1, since)[0][0]
         # a motion that has settled repeats its pieces, of which each is solved once
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
-        none = (_EMPTY, _EMPTY, _EMPTY)
-        lost = [
-            states_in(scene, angle, end, w, side, self.rtol, *none) if side else 0.0
-            for side, angle, end, w in distinct
-        ]
-        return np.array(lost)[which.reshape(-1)] * self.escapement.torque
+        lost = np.zeros((len(distinct), len(LOSSES)))
+        for (side, angle, end, w), row in zip(distinct, lost, strict=True):
+            states_in(scene, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row)
+        return lost.T[:, which.reshape(-1)] * self.escapement.torque
 
     @cached_property
     def reversals(self) -> Events:

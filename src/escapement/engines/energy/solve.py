@@ -11,12 +11,25 @@ speed, is solved on a panel over the square root of the angle instead.
 
 import numpy as np
 
-from escapement.dynamics import energy_rates, reduced_inertia, signed_loss
+from escapement.dynamics import (
+    bend,
+    energy_rates,
+    is_ideal,
+    is_viscous,
+    reduced_inertia,
+    signed_loss,
+)
 from escapement.engines.energy.gauss import POINTS, N, cumulate, integral, tail_of
-from escapement.engines.energy.panels import copy_end, finish_geometry, points_of, solution_of
-from escapement.engines.energy.sampling import net_torque_at
+from escapement.engines.energy.panels import (
+    UNSOLVED,
+    copy_end,
+    evaluate_at,
+    finish_geometry,
+    points_of,
+    solution_of,
+)
+from escapement.engines.energy.sampling import bend_at, net_torque_at
 from escapement.jit import inner_jit
-from escapement.mechanisms.slotted import transmission_on
 
 # The error of b is judged against at least the decay that this value in place of
 # int 2 |u| g' dtheta would give: next to the rest position of a mesh the true decay is smaller,
@@ -26,6 +39,10 @@ LEAST_DECAY = 1e-9
 ROUNDING = 1e-15
 # A panel over which B has a greater integral than this is halved without a look at its tail.
 STEEPEST = 20.0
+# Newton's method for viscous drag squares its error in each of so many steps at most.
+MOST_STEPS = 40
+# A squared speed that is not positive is taken for this one.
+TINY = 1e-200
 # This is the greatest |b| for which `_exponentials` is accurate to rounding.
 SERIES = 0.7
 
@@ -70,23 +87,73 @@ def _fill_alpha(solution, gain, count):
 
 
 @inner_jit
-def solve_side(scene, work, panel, side):
-    """Solve dE/dx = A - B E on a panel for the side s of the slot."""
+def solve_side(scene, work, panel, side, energy):
+    """Solve dE/dx = A - B E on a panel for the side s of the slot, where that is not done yet.
+
+    With viscous drag the equation is not linear, and its solution belongs to one E at the left
+    end, `energy`. It is then solved anew, linearised about the last solution, until that does
+    not change any more, which is Newton's method.
+    """
     solution = solution_of(panel, side)
+    viscous = is_viscous(scene)
+    if solution.tail == UNSOLVED or viscous:
+        # the first solution is without this drag
+        fill_bend(scene, work, panel, solution, side)
+    else:
+        return
+    for _ in range(MOST_STEPS):
+        solve_linear(scene, work, panel, solution, side)
+        if not viscous or refresh_roots(scene, work, panel, solution, energy) < 1e-14:
+            return
+    solution.tail = 1.0
+
+
+@inner_jit
+def refresh_roots(scene, work, panel, solution, energy):
+    """Linearise viscous drag about the present solution from E = `energy` at the left end.
+
+    Returns the greatest relative change of a speed. A speed that is not positive, as behind a
+    stop, counts as a tiny one.
+    """
+    change = 0.0
+    for i in range(N):
+        w = (solution.alpha[i] * energy + solution.beta[i]) * panel.inverse_inertia[i]
+        root = np.sqrt(max(w, TINY))
+        change = max(change, abs(root - work.root[i]) / root)
+        work.root[i] = root
+    return change * change
+
+
+@inner_jit
+def fill_bend(scene, work, panel, solution, side):
+    """Fill the row of c = p - g, and that of roots with zeros."""
+    if is_viscous(scene):
+        for i in range(N):
+            work.root[i] = 0.0
+    if is_ideal(scene):
+        friction = signed_loss(side, scene)
+        for i in range(points_of(work) & N):
+            solution.bend[i] = friction * abs(panel.u[i])
+        return
+    for i in range(N):
+        solution.bend[i] = bend(panel.g[i], panel.u[i], panel.radius[i], side, scene)
+
+
+@inner_jit
+def solve_linear(scene, work, panel, solution, side):
+    """Solve dE/dx = A - B E on a panel, viscous drag being linear about the row of roots."""
     count = points_of(work)
-    for i in range(count & N):
-        gain, decay, amplification = energy_rates(
-            panel.g[i],
-            panel.u[i],
-            panel.dg[i],
-            panel.inverse_inertia[i],
-            panel.dtheta_dx[i],
-            side,
-            scene,
-        )
-        work.gain[i], work.decay[i] = gain, decay
-        # the row holds (rho + g^2)/J until beta is known
-        solution.beta[i] = amplification
+    # until beta is known its row holds (rho + g^2)/J
+    if is_viscous(scene):
+        for i in range(N):
+            g, c, k, inverse = panel.g[i], solution.bend[i], panel.dg[i], panel.inverse_inertia[i]
+            rates = energy_rates(g, c, k, inverse, panel.dtheta_dx[i], work.root[i], scene)
+            work.gain[i], work.decay[i], solution.beta[i] = rates
+    else:
+        for i in range(count & N):
+            g, c, k, inverse = panel.g[i], solution.bend[i], panel.dg[i], panel.inverse_inertia[i]
+            rates = energy_rates(g, c, k, inverse, panel.dtheta_dx[i], 0.0, scene)
+            work.gain[i], work.decay[i], solution.beta[i] = rates
     # J is a difference of nearly equal terms near the Painleve limit: its rounding error is
     # amplified by (rho + g^2)/J, and no finer panel makes it smaller
     noise = ROUNDING * (1.0 + integral(solution.beta, count))
@@ -138,7 +205,8 @@ def _tail(scene, panel, solution, side, count):
 def slope_of_w(scene, panel, side, w):
     """dw/dtheta = 2 theta_ddot at the left end of a panel."""
     end = panel.entry
-    return 2.0 * net_torque_at(end, side, w, scene) / reduced_inertia(end.g, end.u, side, scene)
+    inertia = reduced_inertia(end.g, bend_at(end, side, scene), scene)
+    return 2.0 * net_torque_at(end, side, w, scene) / inertia
 
 
 @inner_jit
@@ -160,12 +228,12 @@ def lay_out_start(scene, work, panel, offset):
         # dtheta/dx at these points; the row is free until there is a reversal
         work.slowness_change[i] = 2.0 * half * (last - first) * y
     count = points_of(work)
-    transmission_on(scene.path, left, half, work.scratch, count, start.g, start.u, start.dg)
+    start.left, start.half, start.locked = left, half, panel.locked
+    evaluate_at(work.scratch, count, start, scene.path)
     copy_end(start.entry, panel.entry)
     copy_end(start.exit, panel.exit)
-    start.left, start.half = left, half
     # theta' is not constant: it is set behind the call that sets it to the half width
-    finish_geometry(start, scene.rho, count)
+    finish_geometry(start, scene, count)
     for i in range(N):
         start.dtheta_dx[i] = work.slowness_change[i]
 
@@ -185,5 +253,6 @@ def solve_start(scene, work, panel, side, w, strict):
     lay_out_start(scene, work, panel, w / (2.0 * slope * panel.half))
     solution_of(work.spare, side).tail = work.spare.geometry_tail
     if work.spare.geometry_tail <= strict:
-        solve_side(scene, work, work.spare, side)
+        solution_of(work.spare, side).tail = UNSOLVED
+        solve_side(scene, work, work.spare, side, w * (scene.rho + panel.entry.g**2))
     return True

@@ -22,7 +22,8 @@ def terminal(
     w = (initial_speed * clock) ** 2
     numbers = np.array([[*scene[FIXED:], w]])
     table, codes = np.empty((1, cycle.FIGURES)), np.empty(1, dtype=np.uint8)
-    solve_rows(*prepared(escapement), numbers, rtol, table, codes)
+    addresses, plain, cells = prepared(escapement)
+    solve_rows(addresses, plain, cells, cells, numbers, rtol, table, codes)
     out, code = table[0], int(codes[0])
     status = Status(code)
     if status is Status.STALL:

@@ -6,7 +6,7 @@
     simulate   a motion as a sequence of pieces, with its events
     terminal   the terminal cycle as the fixed point of an engagement
 
-Symbols are those of PHYSICS.md 2: g, u and dg for g, u and g', w for the squared driver
+Symbols are those of docs/theory.md: g, u and dg for g, u and g', w for the squared driver
 speed, rho for I_d/I_f, mu for the losses on the two sides and sign for s. The units of inertia,
 torque and time are I_f, the driving torque and sqrt(I_f/torque). In these natural units the
 tolerance means the same for a watch and for a turret.

@@ -1,18 +1,24 @@
 """The equation of motion in natural units, as numbers and as solve_ivp's right-hand side."""
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from escapement import dynamics
 from escapement.dynamics import scene_of
 from escapement.jit import jit
-from escapement.mechanisms.slotted import transmission_at
+from escapement.mechanisms.slotted import pose_at, transmission_at
 from escapement.model import Escapement, FloatArray
 from escapement.scene import Scene, scene_tuple
 
+_GRID = 128
+"""Intervals in which the least share of the reduced inertia is looked for."""
 
-class Law(NamedTuple):
+
+@dataclass(frozen=True)
+class Law:
     """The equation of motion of one scene, for use outside of kernels.
 
     scene : the scene. plain : the same as `scene.scene_tuple` gives it, for kernels.
@@ -31,18 +37,41 @@ class Law(NamedTuple):
         """Whether the transmission comes from a table and not from a pin's path."""
         return self.scene.path.table
 
-    def transmission(self, theta: float) -> tuple[float, float, float]:
-        """g, u and g' at a driver angle."""
-        g, u, dg = transmission_at(self.scene.path, theta)
-        return g, u, dg
+    @cached_property
+    def losses(self) -> np.ndarray:
+        """Indices of those of `dynamics.LOSSES` that this scene has."""
+        scene = self.scene
+        present = (
+            scene.mu_plus,
+            scene.driver_journal + scene.bearing,
+            scene.follower_journal,
+            scene.driver_drag + scene.driver_viscous,
+            scene.follower_drag + scene.follower_viscous,
+        )
+        return np.flatnonzero(present)
+
+    def loss_rates(self, theta: float, w: float, side: float) -> FloatArray:
+        """The losses that there are, per driver angle."""
+        table = np.empty((1 + len(dynamics.LOSSES), 1))
+        dynamics.tabulate_losses(self.scene, np.array([theta]), np.array([w]), side, table)
+        rates: FloatArray = table[1 + self.losses, 0]
+        return rates
 
     def acceleration(self, theta: float, speed: float, side: float) -> float:
         """Driver acceleration while the given side of the slot carries the force."""
         return float(self.tabulate(np.array([theta]), np.array([speed**2]), side)[0][0])
 
-    def force(self, theta: float, w: float) -> float:
-        """A number with the sign of the contact force, whose zero is the pin reversal."""
-        return float(contact_at(theta, w, self.plain))
+    def force(self, theta: float, w: float, side: float) -> float:
+        """A number with the sign of the contact force, whose zero is the pin reversal.
+
+        In a dwell (`side` is 0) there is no contact, and the number is 1.
+        """
+        return float(contact_at(theta, w, self.plain)) if side else 1.0
+
+    def sense(self, theta: float) -> float:
+        """Sign of the pin's slide u at a driver angle; 0 of a table, whose mesh has none."""
+        slide = transmission_at(self.scene.path, theta)[1]
+        return 0.0 if self.is_table else float(np.sign(slide))
 
     def side(self, theta: float, speed: float) -> float:
         """Side of the slot, +1 or -1, that carries the force where a piece begins."""
@@ -54,41 +83,61 @@ class Law(NamedTuple):
         """Acceleration, and `force`, at many driver angles."""
         table = np.empty((5, theta.size))
         dynamics.tabulate(self.scene, theta, w, side, table)
-        return table[2], table[4]
+        return table[2], table[4] if side else np.ones(theta.size)
+
+
+@jit
+def least_share(scene):
+    """Least share of rho + g^2 that J_s keeps; near the Painleve limit it is near 0."""
+    least, low, high = 1.0, scene.edges[0], scene.edges[-1]
+    for i in range(_GRID + 1):
+        for side in (-1.0, 1.0):
+            theta = low + i * (high - low) / _GRID
+            g, c, _k = dynamics.bent_pose(theta, side, scene)
+            least = min(least, 1.0 + g * c / (scene.rho + g * g))
+    return least
 
 
 @jit(allocates=True)
 def contact_at(theta, w, plain):
     """X at a driver angle; solve_ivp asks for it at every step."""
     scene = scene_of(plain)
-    g, _u, dg = transmission_at(scene.path, theta)
-    return dynamics.contact(g, dg, w, scene)
+    g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
+    return dynamics.contact(g, k, w, dynamics.root_of(w, scene), scene)
 
 
 @jit(allocates=True)
 def side_from(theta, w, plain):
     """Side of the slot that carries the force from a driver angle on."""
     scene = scene_of(plain)
-    g, _u, dg = transmission_at(scene.path, theta)
-    return dynamics.side_at(g, dg, w, scene)
+    g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
+    return dynamics.side_at(g, k, w, scene)
 
 
 @jit(allocates=True)
-def slope(x, y, anchor, unit, side, plain):
+def slope(x, y, anchor, unit, side, sense, losses, plain):
     """Derivative of y by x, in the units of a piece.
 
-    y = (angle from `anchor`, speed / unit, friction loss / unit^2), and x = time * unit;
-    the scene comes as `scene.scene_tuple` gives it.
+    y = (angle from `anchor`, speed / unit, each of `losses` / unit^2), and x = time * unit;
+    the scene comes as `scene.scene_tuple` gives it. `sense` is the sign of u in the piece, or 0.
+
+    A trial step may pass the dead centre at the end of a piece, where |u| has a corner that would
+    make the solver reject it. For an ideal pin s mu |u| goes on smoothly if s changes with u.
     """
     scene = scene_of(plain)
-    out = np.empty(3)
-    g, u, dg = transmission_at(scene.path, anchor + y[0])
-    w = (unit * y[1]) ** 2
+    out = np.empty(2 + losses.size)
+    w, theta = (unit * y[1]) ** 2, anchor + y[0]
+    g = u = k = c = radius = 0.0
+    if side != 0.0:
+        g, u, dg, radius = pose_at(scene.path, theta)
+        if u * sense < 0.0 and dynamics.is_ideal(scene):
+            side = -side
+        k, c = dynamics.dragged_slope(g, dg, scene), dynamics.bend(g, u, radius, side, scene)
+    root = dynamics.root_of(w, scene)
     out[0] = y[1]
-    # J_s theta_ddot = 1 - p_s (g' w + load)
-    out[1] = dynamics.acceleration(g, u, dg, w, side, scene) / unit**2
-    # The loss is mu |N R| |u| theta_dot. It is taken with the sign of N, so that it stays
-    # smooth where a trial step runs past the reversal.
-    moment = dynamics.contact_moment(g, u, dg, w, side, scene)
-    out[2] = dynamics.signed_loss(side, scene) * abs(u) * moment * y[1] / unit**2
+    net = dynamics.net_torque(g, c, k, w, root, scene)
+    out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
+    rates = dynamics.losses_per_angle(g, u, radius, k, w, side, scene)
+    for i in range(losses.size):
+        out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

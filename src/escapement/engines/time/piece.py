@@ -8,15 +8,15 @@ or that which the torque gives the driver over a cell, so that every piece takes
 time of order one and absolute tolerances mean the same at any speed.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, minimize_scalar
+from scipy.integrate import OdeSolution, solve_ivp
 
+from escapement.engines.time.crossings import ROUNDING, find_roots
 from escapement.engines.time.law import Law, slope
 from escapement.model import FloatArray
 
@@ -25,12 +25,12 @@ MOST_STEPS = 25_000
 _LEAST_ATOL = 1e-30  # with an atol of zero solve_ivp would divide 0 by 0
 _PER_STEP = 8
 """Samples of each solver step."""
-_FINEST = 1e-18
-"""Absolute error of a root, for a piece whose time is of order one."""
-_ROUNDING = 1e-9
-"""Of the greatest value: less than this at the end of a piece may be rounding."""
-
-RealFunction = Callable[[float], float]
+_RETAKES = 5
+"""Times that the last step of a piece is taken; two are enough."""
+_NEARLY = 1e-3
+"""Share of a step by which its end may be shifted without another integration."""
+_NUDGE = 1e-7
+"""Time over which the growth of the force is measured, for a piece whose time is of order one."""
 
 
 class NotConverged(Exception):
@@ -94,20 +94,9 @@ class Solution:
     last_rate: float
 
     def state(self, time: Any) -> tuple[Any, Any, Any]:
-        """Driver angle [rad], speed and friction loss in natural units."""
+        """Driver angle [rad], speed and losses in natural units."""
         y = self.dense(np.maximum(time * self.unit, 0.0))
-        return y[0] + self.anchor, y[1] * self.unit, y[2] * self.unit**2
-
-
-class _Spliced(NamedTuple):
-    """Dense output `before` a time `join`, and that of the last step taken again `after` it."""
-
-    before: Any
-    join: float
-    after: Any
-
-    def __call__(self, x: Any) -> Any:
-        return np.where(x < self.join, self.before(x), self.after(x))
+        return y[0] + self.anchor, y[1] * self.unit, y[2:] * self.unit**2
 
 
 def solve_piece(law: Law, task: Task, options: Options) -> Solution:
@@ -120,17 +109,21 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     """
     unit = max(task.speed, np.sqrt(2.0 * np.pi / (law.scene.rho + 1.0)))
     problem = _Problem(law, task, options, unit, _absolute_tolerances(law, task, options, unit))
-    y = [task.theta - task.anchor, task.speed / unit, 0.0]
+    y = np.zeros(2 + law.losses.size)
+    y[:2] = task.theta - task.anchor, task.speed / unit
     solved = problem.integrate((0.0, task.time * unit), y, events=problem.events())
     times, rates, forces = problem.sample(solved)
     end, ending = problem.find_end(solved, times, forces)
     dense, end = problem.retake_last_step(solved, end, ending)
     # extrema of the speed are roots of the acceleration
     kept = times < end
-    last_rate = problem.rate(end, dense(end))
+    last_rate = problem.rate(dense(end))
     times, rates = np.append(times[kept], end), np.append(rates[kept], last_rate)
-    extrema = _find_roots(lambda x: problem.rate(x, dense(x)), times, rates)
-    roots = [x / unit for x in extrema]
+    if not task.sign:
+        # A locked follower leaves a law of the speed alone: the acceleration keeps its sign, though
+        # at the speed where drag balances the drive rounding changes it.
+        rates[:] = last_rate = rates[0]
+    roots = [x / unit for x in find_roots(problem.rate, dense, times, rates)]
     return Solution(dense, task.anchor, unit, end / unit, ending, roots, float(rates[0]), last_rate)
 
 
@@ -142,20 +135,23 @@ class _Problem:
     task: Task
     options: Options
     unit: float
-    atol: tuple[float, float, float]
+    atol: FloatArray
 
-    @property
+    @cached_property
     def arguments(self) -> tuple[Any, ...]:
         """What `slope` takes beside x and y."""
-        return (self.task.anchor, self.unit, self.task.sign, self.law.plain)
+        task, law = self.task, self.law
+        sense = law.sense(0.5 * (task.theta + task.end)) if task.sign else 0.0
+        return (task.anchor, self.unit, task.sign, sense, law.losses, law.plain)
 
-    def rate(self, x: float, y: FloatArray) -> float:
+    def rate(self, y: FloatArray) -> float:
         """Acceleration."""
-        return float(slope(x, y, *self.arguments)[1])
+        return float(slope(0.0, y, *self.arguments)[1])
 
     def force(self, y: FloatArray) -> float:
         """A number with the sign of the contact force."""
-        return self.law.force(self.task.anchor + y[0], (self.unit * y[1]) ** 2)
+        angle, w = self.task.anchor + y[0], (self.unit * y[1]) ** 2
+        return self.law.force(angle, w, self.task.sign)
 
     def events(self) -> Any:
         """Arrival, reversal and stop as events of solve_ivp; the first one counts the steps."""
@@ -170,7 +166,7 @@ class _Problem:
 
         def reverse(x: float, y: FloatArray, *_: Any) -> float:
             # at a start on a reversal the force is rounding, and its root would fire again
-            return sign if x == 0.0 else self.force(y)
+            return sign or 1.0 if x == 0.0 else self.force(y)
 
         def stop(x: float, y: FloatArray, *_: Any) -> float:
             return float(y[1])
@@ -196,10 +192,12 @@ class _Problem:
 
     def sample(self, solved: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Times within every step, and accelerations and forces there, from the dense output."""
-        times = _sample_times(solved.t)
-        (angle, pace, _loss), sign = solved.sol(times), self.task.sign
+        times, steps = _sample_times(solved.t), solved.sol.interpolants
+        within = zip(steps, times[:-1].reshape(-1, _PER_STEP), strict=True)
+        states = np.hstack([*(step(inner) for step, inner in within), solved.y[:, -1:]])
+        (angle, pace), sign = states[:2], self.task.sign or 1.0
         w = (self.unit * pace) ** 2
-        rates, forces = self.law.tabulate(angle + self.task.anchor, w, sign)
+        rates, forces = self.law.tabulate(angle + self.task.anchor, w, self.task.sign)
         # a start on the reversal itself is not another one
         forces[0] = sign * abs(forces[0])
         return times, rates, forces
@@ -211,14 +209,14 @@ class _Problem:
         searched again between its steps.
         """
         arrived, reversed_, stopped = (roots.size > 0 for roots in solved.t_events)
-        last, sign = float(times[-1]), self.task.sign
+        last, sign = float(times[-1]), self.task.sign or 1.0
         if reversed_:
             # the last sample is the root that solve_ivp found: it counts as beyond it
             forces[-1] = -sign * abs(forces[-1])
-        elif abs(forces[-1]) <= _ROUNDING * np.abs(forces).max():
+        elif abs(forces[-1]) <= ROUNDING * np.abs(forces).max():
             # the force may vanish at the goal, g = g' = 0, where its sign is rounding
             forces[-1] = sign * abs(forces[-1])
-        turns = _find_roots(lambda x: self.force(solved.sol(x)), times, forces)
+        turns = find_roots(self.force, solved.sol, times, forces)
         if reversed_:
             turns.append(last)
         if turns:
@@ -233,28 +231,48 @@ class _Problem:
 
         The interpolant inside a step is less accurate than the ends of the step. Where an
         event falls into a step, the error of the interpolant would stay in the state, so
-        the step is integrated again up to the event.
+        the step is integrated again up to the event, which is then a little off.
         """
         dense: Any = solved.sol
-        join = float(solved.t[max(int(np.searchsorted(solved.t, end)) - 1, 0)])
+        whole = max(int(np.searchsorted(solved.t, end)) - 1, 0)
+        join = float(solved.t[whole])
         if not join < end:
             return dense, end
-        step = min(end - join, self.options.max_step * self.unit)
-        last = self.integrate((join, end), dense(join), first_step=step).sol
-        if ending in (Ending.ARRIVED, Ending.STOPPED):
-            # one Newton step brings the angle to the goal, or the speed to zero
-            y, way = last(end), self.task.end - self.task.anchor
-            arrived = ending is Ending.ARRIVED
-            end += float((way - y[0]) / y[1] if arrived else -y[1] / self.rate(end, y))
-            if not end > join:
+        start, step = dense(join), np.inf
+        for _ in range(_RETAKES):
+            step = min(step, end - join, self.options.max_step * self.unit)
+            last = self.integrate((join, end), start, first_step=step).sol
+            shift = self.correction(last(end), ending)
+            near = abs(shift) <= _NEARLY * (last.ts[-1] - last.ts[-2])
+            if ending is Ending.REVERSED and not near:
+                # the force only touches zero, and has no root by which to shift the end
+                break
+            if not end + shift > join:
                 raise NotConverged(
                     f"method {self.options.method!r} makes errors greater than a whole step; "
                     "choose a smaller rtol, a smaller atol or a smaller max_step"
                 )
-            # extrapolated, an interpolant is worthless, most of all that of a short step
-            step = min(step, end - join)
-            last = self.integrate((join, end), dense(join), first_step=step).sol
-        return _Spliced(dense, join, last), end
+            end += shift
+            # extrapolated further, an interpolant is worthless, most of all that of a short step
+            if near:
+                end += self.correction(last(end), ending)
+                break
+        times = np.append(solved.t[: whole + 1], last.ts[1:])
+        steps = dense.interpolants[:whole] + last.interpolants
+        return OdeSolution(times, steps, alt_segment=dense.side == "right"), end
+
+    def correction(self, y: FloatArray, ending: Ending) -> float:
+        """By how much later than at `y` the piece ends, by one step of Newton's method."""
+        if ending is Ending.TIME_UP:
+            return 0.0
+        if ending is Ending.ARRIVED:
+            return float((self.task.end - self.task.anchor - y[0]) / y[1])
+        rates = slope(0.0, y, *self.arguments)
+        if ending is Ending.STOPPED:
+            return float(-y[1] / rates[1])
+        force = self.force(y)
+        growth = (self.force(y + _NUDGE * rates) - force) / _NUDGE
+        return -force / growth if growth else np.inf
 
 
 def _too_many_steps(method: str) -> str:
@@ -265,23 +283,23 @@ def _too_many_steps(method: str) -> str:
     )
 
 
-def _absolute_tolerances(
-    law: Law, task: Task, options: Options, unit: float
-) -> tuple[float, float, float]:
-    """Absolute tolerances of angle, speed and loss in the units of a piece."""
+def _absolute_tolerances(law: Law, task: Task, options: Options, unit: float) -> FloatArray:
+    """Absolute tolerances of angle, speed and losses in the units of a piece."""
+    scales = np.empty(2 + law.losses.size)
     if options.atol is None:
-        g, u, dg = law.transmission(task.typical)
-        # The terminal cycle is where loss and work agree (PHYSICS.md 2), so the loss needs
-        # digits of its own, however small it is: mu |u| |N R| at a typical angle.
-        moment = (law.scene.rho * abs(dg) + abs(g) / unit**2) / (law.scene.rho + g * g)
+        # The terminal cycle is where losses and work agree, so each loss needs digits of its
+        # own, however small it is: those at a typical angle, at rest and at the unit of speed.
+        # The contact force may vanish at one of the two.
+        rates = [law.loss_rates(task.typical, w, task.sign) for w in (0.0, unit**2)]
         small = 1e-2 * options.rtol
         speed = small * (task.speed / unit if _stops_soon(law, task) else 1.0)
-        scales = (small, speed, small * law.scene.mu_plus * abs(u) * moment)
+        scales[:2] = small, speed
+        scales[2:] = small * np.abs(rates).max(axis=0, initial=0.0) / unit**2
     else:
         angle, speed, loss = options.atol
-        scales = (angle, speed / unit, loss / unit**2)
-    first, second, third = (max(scale, _LEAST_ATOL) for scale in scales)
-    return first, second, third
+        scales[:] = loss / unit**2
+        scales[:2] = angle, speed / unit
+    return np.maximum(scales, _LEAST_ATOL)
 
 
 def _stops_soon(law: Law, task: Task) -> bool:
@@ -298,60 +316,3 @@ def _sample_times(steps: FloatArray) -> FloatArray:
     inner = np.arange(_PER_STEP) / _PER_STEP
     times = steps[:-1, None] + np.diff(steps)[:, None] * inner
     return np.append(times.reshape(-1), steps[-1])
-
-
-def _find_roots(function: RealFunction, x: FloatArray, f: FloatArray) -> list[float]:
-    """All roots of `function`, ascending, given its values `f` at `x`.
-
-    solve_ivp compares the signs of an event function at the ends of a step, so that it misses
-    two roots inside one step. With a load an engagement may have two pin reversals, as close
-    to each other as one likes (PHYSICS.md 2).
-
-    Where |f| has a minimum between values of one sign, that minimum is computed, so that
-    a pair of close roots is found. At the ends the sign of `f` counts, whatever the sign
-    of the function, which may be rounding there.
-    """
-    x, f = _add_dips(function, x, f)
-    sides = np.sign(f)
-    changes = np.nonzero(sides[:-1] * sides[1:] < 0.0)[0]
-    return [_root_between(function, float(x[i]), float(x[i + 1])) for i in changes]
-
-
-def _root_between(function: RealFunction, low: float, high: float) -> float:
-    at_low, at_high = function(low), function(high)
-    if np.sign(at_low) * np.sign(at_high) < 0.0:
-        return float(brentq(function, low, high, xtol=_FINEST, rtol=1e-15, maxiter=500))
-    # one end is a root up to rounding, which hides the change of sign
-    return low if abs(at_low) < abs(at_high) else high
-
-
-def _add_dips(
-    function: RealFunction, x: FloatArray, f: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Samples, with the minimum of |f| added wherever f may cross zero twice between two."""
-    size, sides = np.abs(f), np.sign(f)
-    inner = np.nonzero(
-        (size[1:-1] <= size[:-2])
-        & (size[1:-1] <= size[2:])
-        & (sides[:-2] * sides[1:-1] > 0.0)
-        & (sides[1:-1] * sides[2:] > 0.0)
-        & (size[1:-1] < 0.1 * size.max(initial=0.0))
-    )[0]
-    # index of each least sample, and how far beyond zero its minimum has to reach
-    dips = {int(i): 0.0 for i in inner[::-1] + 1}
-    # no sample follows the last one, so that the minimum may lie before it, or be that sample
-    if size.size > 1 and sides[-2] * sides[-1] > 0.0 and size[-1] < min(size[-2], 0.1 * size.max()):
-        dips = {size.size - 1: _ROUNDING * float(size.max())} | dips
-    # from the last to the first, so that an insertion moves no index that is still to come
-    for i, depth in dips.items():
-        side, low, high = sides[i], x[i - 1], x[min(i + 1, size.size - 1)]
-        dip = minimize_scalar(
-            lambda at, side=side: side * function(at),
-            bounds=(low, high),
-            method="bounded",
-            options={"xatol": 1e-12 * (high - low)},
-        )
-        if dip.fun < -depth:
-            place = np.searchsorted(x, dip.x)
-            x, f = np.insert(x, place, dip.x), np.insert(f, place, side * dip.fun)
-    return x, f

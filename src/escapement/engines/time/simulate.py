@@ -12,39 +12,53 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import drive, free_gain
-from escapement.engines.time.law import Law
+from escapement.dynamics import LOSSES
+from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
-from escapement.model import Escapement, FloatArray, Mechanism, dwell_angle
+from escapement.mechanisms.slotted import transmission_at
+from escapement.model import Escapement, FloatArray, Mechanism
 from escapement.motion import Motion, no_motion, stall_message
-from escapement.painleve import critical_friction
+from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status
 from escapement.trajectory import Events, Extrema
 
-_SHARPER = 0.02
-"""Local tolerance over the one asked for, because errors add up over a motion."""
+_SHARPER = 0.05
+"""Local tolerance over the one asked for: errors add up over a motion, and the energy ledger
+is to close within a tenth of the tolerance."""
 _LEAST_RTOL = 2.3e-14
 """A smaller rtol makes solve_ivp warn and take this one."""
-_MOST_RTOL = 1e-9
-"""With a greater one a step may pass over the narrow peak of 1/J_s near the Painleve limit."""
+_MOST_RTOL, _MOST_RTOL_STEEP = 1e-7, 1e-9
+"""Greatest local tolerances. With a greater one the speed carries errors that change the sign
+of a small acceleration, and extrema are found that are none; the steeper the law the more."""
+_STEEP = 0.1
+"""Share of rho + g^2 that friction leaves of J_s, below which the law is steep."""
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Relative error of a time that is converted to natural units and back."""
 _SAME_PLACE = 1e-12
 """Two reversals this close [rad] are one that rounding crosses twice."""
 
 
-class FreeTurn(NamedTuple):
-    """A driver that turns alone under the torque, I_d theta_ddot = tau, in closed form."""
+class Span(NamedTuple):
+    """A smooth interval of driver angles up to `end`, with its slow end [rad].
+
+    slow : the end where the follower is slow. locked : whether it is the dwell.
+    """
+
+    end: float
+    slow: float
+    locked: bool
+
+
+class Rest(NamedTuple):
+    """A driver that stands still at an angle."""
 
     theta: float
-    speed: float
-    rate: float
     length: float = np.inf
 
     def state(self, time: Any) -> tuple[Any, Any, Any]:
-        """Driver angle [rad], speed and friction loss in natural units."""
-        gain = time * self.rate
-        return self.theta + time * (self.speed + 0.5 * gain), self.speed + gain, 0.0 * time
+        """Driver angle [rad], speed and losses in natural units."""
+        none = 0.0 * time
+        return self.theta + none, none, none
 
 
 class Event(NamedTuple):
@@ -62,11 +76,11 @@ class SolvedTrajectory:
     """The pieces and events of a motion in SI; see `escapement.trajectory.Trajectory`."""
 
     clock: float
-    solution: list[Solution | FreeTurn]
+    solution: list[Solution | Rest]
     start: FloatArray
     engagement: np.ndarray
     sign: FloatArray
-    friction_loss: FloatArray
+    losses: FloatArray
     reversals: Events
     extrema: Extrema
 
@@ -85,14 +99,14 @@ class SolvedTrajectory:
 class _Simulation:
     """A motion in natural units that is continued piece by piece.
 
-    spans : end of each smooth interval, and the one of its ends where the follower is slow [rad].
-    pieces : start, engagement, sign (0 in a dwell), friction loss and solution of each.
+    spans : the smooth intervals of a cell.
+    pieces : start, engagement, sign (0 in a dwell), losses and solution of each.
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
     mechanism: Mechanism
     law: Law
-    spans: list[tuple[float, float]]
+    spans: list[Span]
     options: Options
     end_time: float
     speed: float
@@ -113,65 +127,50 @@ class _Simulation:
     def run(self, engagements: int | None) -> None:
         """Continue to the end of the time, to a stop, or for a number of engagements."""
         while self.engagement != engagements:
-            self.theta = entry = self.mechanism.breaks[0]
-            for end, slow in self.spans:
-                self._pass_interval(end, slow)
-            if not self.over and dwell_angle(self.mechanism) > 0.0:
-                self._dwell(entry + self.mechanism.cell_angle)
+            self.theta = self.mechanism.breaks[0]
+            for span in self.spans:
+                self._pass(span)
             if self.over:
                 return
             self.handoffs.append((self.time, self.speed))
             self.engagement += 1
 
-    def _pass_interval(self, end: float, slow: float) -> None:
+    def _pass(self, span: Span) -> None:
         """Advance to the end of a smooth interval, through any reversals."""
-        sign = self.law.side(self.theta, self.speed)
-        while self.theta < end and not self.over:
+        sign = 0.0 if span.locked else self.law.side(self.theta, self.speed)
+        while self.theta < span.end and not self.over:
             at_rest = self.speed <= 0.0
             if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
                 # stall: the drive does not carry the load
                 self.stalled = True
                 if not self.pieces:
-                    self._add(sign, 0.0, FreeTurn(self.theta, 0.0, 0.0))
-            elif self._solve_piece(sign, end, slow) is Ending.REVERSED:
+                    self._add(sign, 0.0 * self.law.losses, Rest(self.theta))
+            elif self._solve_piece(sign, span) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
 
-    def _solve_piece(self, sign: float, end: float, slow: float) -> Ending:
+    def _solve_piece(self, sign: float, span: Span) -> Ending:
         """Advance by one smooth piece."""
+        end = span.end
         # Next to a stop of a mesh all of the friction loss is rounding. A table's pieces are
         # short and may lie there, so that the whole engagement says how much is usual.
         breaks = self.mechanism.breaks
         first, last = (breaks[0], breaks[-1]) if self.law.is_table else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
-        task = Task(self.theta, self.speed, sign, end, slow, typical, time_left)
+        task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left)
         solved = solve_piece(self.law, task, self.options)
-        theta, speed, loss = (float(value) for value in solved.state(solved.length))
+        theta, speed, losses = solved.state(solved.length)
         self._note_extrema(solved)
-        self._add(sign, loss, solved)
+        self._add(sign, losses, solved)
         time_up = solved.ending is Ending.TIME_UP
         self.time = self.end_time if time_up else self.time + solved.length
-        self.theta = end if solved.ending is Ending.ARRIVED else theta
-        self.speed = speed
+        self.theta = end if solved.ending is Ending.ARRIVED else float(theta)
+        self.speed = float(speed)
         self.stalled = solved.ending is Ending.STOPPED
         return solved.ending
 
-    def _dwell(self, end: float) -> None:
-        """Let the driver turn free to the end of the cell, while the follower is locked."""
-        scene, angle = self.law.scene, end - self.theta
-        rate = drive(scene) / scene.rho
-        self._note_corner(rate)
-        # the time is the angle over the mean speed
-        arrival = np.sqrt(self.speed**2 + free_gain.py_func(angle, scene))
-        length = 2.0 * angle / (self.speed + arrival)
-        self._add(0.0, 0.0, FreeTurn(self.theta, self.speed, rate))
-        if self.time + length > self.end_time:
-            self.time = self.end_time
-        else:
-            self.time, self.speed = self.time + length, float(arrival)
-
-    def _add(self, sign: float, loss: float, solution: Solution | FreeTurn) -> None:
-        self.pieces.append((self.time, self.engagement, sign, loss, solution))
+    def _add(self, sign: float, losses: FloatArray, solution: Solution | Rest) -> None:
+        self.pieces.append((self.time, self.engagement, sign, losses, solution))
 
     def _note_reversal(self) -> None:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""
@@ -217,15 +216,16 @@ def simulate(
 ) -> Motion:
     """Motion by solve_ivp; arguments are validated by `escapement.simulate`."""
     mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque
-    if escapement.friction >= critical_friction(mechanism, escapement.inertia):
+    if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "ivp", rtol)
+    law, end_time = Law.of(escapement), np.inf if duration is None else duration / clock
+    most = _MOST_RTOL_STEEP if least_share(law.scene) < _STEEP else _MOST_RTOL
     options = Options(
-        min(max(rtol * _SHARPER, _LEAST_RTOL), _MOST_RTOL),
+        min(max(rtol * _SHARPER, _LEAST_RTOL), most),
         None if atol is None else (atol, atol * clock, atol / torque),
         method,
         max_step / clock,
     )
-    law, end_time = Law.of(escapement), np.inf if duration is None else duration / clock
     spans = _smooth_spans(law)
     run = _Simulation(mechanism, law, spans, options, end_time, initial_speed * clock)
     status, message = Status.OK, MESSAGES[Status.OK]
@@ -244,14 +244,15 @@ def simulate(
     )
 
 
-def _smooth_spans(law: Law) -> list[tuple[float, float]]:
-    """End of each smooth interval, and the one of its two ends where the follower is slow."""
-    edges = law.scene.edges
-    ratio = [abs(law.transmission(angle)[0]) for angle in edges]
-    return [
-        (edges[i + 1], edges[i] if ratio[i] < ratio[i + 1] else edges[i + 1])
+def _smooth_spans(law: Law) -> list[Span]:
+    """The smooth intervals of a cell, and its dwell."""
+    edges, dwell = law.scene.edges, law.scene.dwell
+    ratio = [abs(transmission_at(law.scene.path, angle)[0]) for angle in edges]
+    spans = [
+        Span(edges[i + 1], edges[i] if ratio[i] < ratio[i + 1] else edges[i + 1], False)
         for i in range(edges.size - 1)
     ]
+    return [*spans, Span(edges[-1] + dwell, edges[-1], True)] if dwell > 0.0 else spans
 
 
 def _in_si(run: _Simulation, clock: float, torque: float, cell: float) -> SolvedTrajectory:
@@ -264,8 +265,10 @@ def _in_si(run: _Simulation, clock: float, torque: float, cell: float) -> Solved
         return numbers, time * clock, theta + numbers * cell, speed / clock, maximum.astype(bool)
 
     solutions = [piece[4] for piece in run.pieces]
-    rows = np.array([piece[:4] for piece in run.pieces], dtype=float).reshape(-1, 4)
-    start, engagement, sign, loss = np.ascontiguousarray(rows.T)
+    rows = np.array([piece[:3] for piece in run.pieces], dtype=float).reshape(-1, 3)
+    start, engagement, sign = np.ascontiguousarray(rows.T)
+    losses = np.zeros((len(LOSSES), len(rows)))
+    losses[run.law.losses] = np.array([piece[3] for piece in run.pieces]).T
     reversals, extrema = Events(*events(run.reversals)[:4]), Extrema(*events(run.extrema))
-    numbers = (start * clock, engagement.astype(int), sign, loss * torque)
+    numbers = (start * clock, engagement.astype(int), sign, losses * torque)
     return SolvedTrajectory(clock, solutions, *numbers, reversals, extrema)

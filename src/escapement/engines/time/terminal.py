@@ -1,6 +1,6 @@
 """Terminal cycle of the reference engine: the fixed point of one engagement.
 
-An engagement maps the squared driver speed w at entry to that at exit (PHYSICS.md 2).
+An engagement maps the squared driver speed w at entry to that at exit.
 The terminal cycle is where the two agree. A bracketing root finder gets there in
 about ten engagements, however slowly the motion itself converges. Its function is
 not the difference of the two but the energy by which they differ, work less load and
@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import toms748
 
-from escapement.dynamics import drive
 from escapement.engines.time.law import Law
 from escapement.engines.time.simulate import simulate
+from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import BOUNDLESS, Figures, read_cycle, read_transient
 from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
@@ -113,21 +113,21 @@ def bracketed_cycle(
 def _gain(motion: Motion, w: float) -> float:
     """What a complete engagement adds to the squared speed, by its energy.
 
-    (I_d + I_f g_out^2) w_out - (I_d + I_f g_in^2) w_in = 2 (work - load - loss), and the
-    dwell adds 2 tau/I_d times its angle.
+    (I_d + I_f g_out^2) w_out - (I_d + I_f g_in^2) w_in = 2 (work - load - losses), where
+    g_out is 0 behind a dwell.
     """
     escapement, mechanism = motion.escapement, motion.escapement.mechanism
-    law = Law.of(escapement)
-    # Meyer's published cells end with another g than they begin with (PHYSICS.md 3)
+    # Meyer's published cells end with another g than they begin with
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
-    at_entry, at_exit = (law.transmission(angle)[0] ** 2 for angle in (entry, exit_))
+    path = mechanism.path
+    at_entry, at_exit = (transmission_at(path, angle)[0] ** 2 for angle in (entry, exit_))
     driver, follower = escapement.inertia.driver, escapement.inertia.follower
     turned = mechanism.follower_angle(np.array([entry, exit_]))
-    torque = drive(escapement.scene) * escapement.torque
-    work = torque * (exit_ - entry) - escapement.load_work(turned[1] - turned[0])
-    work -= motion.trajectory.friction_loss.sum()
-    engaged = (2.0 * work + follower * (at_entry - at_exit) * w) / (driver + follower * at_exit)
-    return float(engaged + 2.0 * dwell_angle(mechanism) * torque / driver)
+    work = escapement.torque * mechanism.cell_angle
+    work -= escapement.load_work(turned[1] - turned[0]) + motion.trajectory.losses.sum()
+    if dwell_angle(mechanism) > 0.0:
+        at_exit = 0.0
+    return float((2.0 * work + follower * (at_entry - at_exit) * w) / (driver + follower * at_exit))
 
 
 def _bracket_above(

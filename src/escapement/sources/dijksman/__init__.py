@@ -1,42 +1,40 @@
-"""Dijksman (1974): the gear-driven wheels of figures 6 to 9, printed against computed.
+"""Dijksman (1974): the gear-driven wheels of figures 6 to 9 and every slip, against computed.
 
 A printed number that is not right to its last digit was computed from a rounded ratio of
-times: which one is found by trying.
+times: which one is found by trying. A formula is evaluated as printed and as corrected over
+the mechanisms of the design charts, so that a correction proves itself.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator
+from functools import cache, partial
+from operator import attrgetter
 from typing import Any
 
-from escapement.mechanisms import GearDriven
+import numpy as np
+
+from escapement.mechanisms import GearDriven, Geneva
+from escapement.model import FloatArray
 from escapement.sources import report
-from escapement.sources.dijksman.slips import equations, start_ratios
-from escapement.sources.printed import UNEXPLAINED, Cell, Digits, judge, read_table
+from escapement.sources.report import Cell, Slip, gives, judge
+from escapement.synthesis import motion_peaks
 from escapement.text import words
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and what a table calls them; alpha in degrees."""
 _LENGTHS = {"V": "motion_ratio", "MC": "arm_over_fixed", "M0C": "entry_radius_over_fixed"}
-_HEADS = {
-    **{name: name for name in ("figure", "curve")},
-    **{"n": "stations", "m": "lobes", "k": "gear_ratio", "slots": "slots_printed"},
-}
+_HEADS = {"figure": "figure", "curve": "curve", "n": "stations", "m": "lobes"}
+_HEADS |= {"k": "gear_ratio", "slots": "slots_printed"}
 
 
 def captions() -> list[dict[str, str]]:
     """The captions of figures 6 to 9, as printed."""
-    return read_table("dijksman", "figures.csv")
+    return report.read_table("dijksman", "figures.csv")
 
 
 def mechanism(caption: dict[str, str]) -> GearDriven:
     """The mechanism that a caption names."""
     return GearDriven(int(caption["stations"]), int(caption["lobes"]), caption["curve"])
-
-
-def proportions() -> list[Cell]:
-    """Every printed proportion, figure after figure."""
-    return [_compare(caption, column) for caption in captions() for column in COLUMNS]
 
 
 def right_values(wheel: GearDriven) -> dict[str, float]:
@@ -45,22 +43,99 @@ def right_values(wheel: GearDriven) -> dict[str, float]:
     return {"alpha": math.degrees(wheel.alpha), **lengths}
 
 
+def proportions() -> list[Cell]:
+    """Every printed proportion, figure after figure."""
+    cells = []
+    for caption in captions():
+        wheel, number = mechanism(caption), int(caption["figure"])
+        for column, value in right_values(wheel).items():
+            text = caption[column]
+            if text == "M0M":  # the caption gives the name of a length, not its value
+                agrees = math.isclose(value, wheel.carrier_over_fixed, rel_tol=1e-14)
+                why = "" if agrees else report.UNEXPLAINED
+                cells.append(Cell(number, column, text, f"{value:g}", value, why))
+            else:
+                rules = partial(_why, wheel, caption["V"], column)
+                cells.append(judge(number, column, text, value, rules))
+    return cells
+
+
+@cache
+def chart_mechanisms() -> tuple[GearDriven, ...]:
+    """Hypocycloids and epicycloids of 3 to 24 stations and up to 12 lobes, with V < 1."""
+    return tuple(
+        GearDriven(stations, lobes, curve)
+        for curve in ("hypocycloid", "epicycloid")
+        for stations in range(3, 25)
+        for lobes in np.arange(0.0, 12.5, 0.5).tolist()
+        # a hypocycloid of so many lobes leaves the pin no dwell
+        if curve == "epicycloid" or 2 * (lobes + 2) < stations
+    )
+
+
+def equations() -> list[Slip]:
+    """Every slip of equations and text, the formulas tried out over the charts."""
+    names = ("stations", "gear_ratio", "cognate.gear_ratio", "alpha", "motion_ratio")
+    read = attrgetter(*names, "carrier_over_fixed", "entry_radius_over_fixed")
+    # one row a mechanism, one array a quantity
+    rows = [read(wheel) for wheel in chart_mechanisms()]
+    n, k, cognate_k, alpha, ratio, carrier, entry = np.array(rows, dtype=float).T
+    gamma, factor, turn = 2.0 * np.pi / n, 2.0 / k - 1.0, alpha / (2.0 * np.pi)
+    # pi V0 in (10) and (14), with the sign of k and, as (14) has it, without
+    signed, positive = np.pi * k * turn, np.pi * ratio
+
+    def left(x: FloatArray) -> Any:
+        return factor * np.sin(x) - np.sin(factor * x + gamma)
+
+    # each is what the formula, all of it brought to one side, leaves over
+    deviations = {
+        "(9)": (k * turn / ratio - 1.0, np.abs(k) * turn / ratio - 1.0),
+        "(10)": (factor * np.sin(signed) - np.sin(factor * signed) + gamma, left(signed)),
+        "(14)": (left(positive), left(np.sign(k) * positive)),
+        "cognate": (entry * cognate_k - 1.0, carrier * cognate_k - 1.0),
+    }
+    return report.read_slips("dijksman", deviations)
+
+
+def start_ratios(per_cycle: bool) -> tuple[float, float]:
+    """Least and greatest acceleration at the start, over an ordinary wheel's [-].
+
+    Parameters
+    ----------
+    per_cycle : bool
+        Whether the cycles take the same time, else the motions. Epicycloids are held
+        against external wheels, hypocycloids against internal ones.
+    """
+    ratios = []
+    for wheel in chart_mechanisms():
+        plain = Geneva(wheel.stations, pins=1, internal=wheel.curve == "hypocycloid")
+        own, other = motion_peaks(wheel), motion_peaks(plain)
+        if per_cycle:
+            own, other = own.per_cycle(), other.per_cycle()
+        ratios.append(own.acceleration_start / other.acceleration_start)
+    return min(ratios), max(ratios)
+
+
 def reproduce(units: str) -> report.Reproduction:
     """The captions recomputed: pure numbers and angles, whatever the units."""
     cells, slips = proportions(), equations()
+    heads = {}
+    for caption in captions():
+        wheel, number = mechanism(caption), int(caption["figure"])
+        heads[number] = {
+            "figure": number, "curve": wheel.curve, "stations": wheel.stations,
+            "lobes": int(caption["lobes"]), "gear_ratio": float(wheel.gear_ratio),
+            "slots": wheel.slots, "slots_printed": int(caption["slots"]),
+        }  # fmt: skip
+    record = report.compare(cells, slips, heads, {"alpha": "alpha_deg", **_LENGTHS})
     ratios = {name: start_ratios(name == "per_cycle") for name in ("per_cycle", "per_motion")}
-    rows = [_as_row(caption, cells) for caption in captions()]
-    record = {"rows": rows, **report.counts(cells, slips), "start_ratios": ratios}
+    record["start_ratios"] = ratios
 
     def show() -> None:
         print("Dijksman (1974), figures 6 to 9: printed, and below it computed; * differs\n")
-        beside = [
-            ([row[key] for key in _HEADS.values()], _of_figure(row["figure"], cells))
-            for row in rows
-        ]
-        report.print_side_by_side([*_HEADS], COLUMNS.values(), beside)
-        report.print_errata(cells, "numbers", lambda it: f"figure {it.place}, {COLUMNS[it.column]}")
-        report.print_slips(slips, "all wheels of the design charts")
+        report.print_side_by_side(_HEADS, COLUMNS, record["rows"], cells)
+        tried = "all wheels of the design charts"
+        report.print_errata(cells, "numbers", "figure {}, {}", COLUMNS, slips, tried)
         print("\nAcceleration at the start over an ordinary wheel's of as many stations, extremes:")
         for name, (least, greatest) in ratios.items():
             text = f"{words(name).removeprefix('per ')}s of the same time"
@@ -70,7 +145,7 @@ def reproduce(units: str) -> report.Reproduction:
     return report.Reproduction("dijksman_figures", record, lines, show, _panels)
 
 
-def _panels() -> "report.Panels":
+def _panels() -> report.Panels:
     """Figure 2, figures 6 to 9, the design charts, and motions beside the ordinary wheel's."""
     from escapement.plots import gear_driven
     from escapement.sources.dijksman import figures
@@ -83,37 +158,7 @@ def _panels() -> "report.Panels":
     }
 
 
-def _of_figure(number: int, cells: Sequence[Cell]) -> list[Cell]:
-    return [cell for cell in cells if cell.place == number]
-
-
-def _as_row(caption: dict[str, str], cells: Sequence[Cell]) -> dict[str, Any]:
-    """A figure for JSON."""
-    wheel, number = mechanism(caption), int(caption["figure"])
-    return {
-        "figure": number,
-        "curve": caption["curve"],
-        "stations": wheel.stations,
-        "lobes": int(caption["lobes"]),
-        "gear_ratio": float(wheel.gear_ratio),
-        "slots": wheel.slots,
-        "slots_printed": int(caption["slots"]),
-        **report.side_by_side(_of_figure(number, cells), {"alpha": "alpha_deg", **_LENGTHS}),
-    }
-
-
-def _compare(caption: dict[str, str], column: str) -> Cell:
-    wheel, number, text = mechanism(caption), int(caption["figure"]), caption[column]
-    value = right_values(wheel)[column]
-    if text == "M0M":  # the caption gives the name of a length, not its value
-        agrees = math.isclose(value, wheel.carrier_over_fixed, rel_tol=1e-14)
-        return Cell(number, column, text, f"{value:g}", value, "" if agrees else UNEXPLAINED)
-    return judge(number, column, text, value, partial(_why, wheel, caption["V"], column))
-
-
-def _why(
-    wheel: GearDriven, ratio: str, column: str, printed: Digits, right: Digits
-) -> Iterator[str]:
+def _why(wheel: GearDriven, ratio: str, column: str, printed: str, value: float) -> Iterator[str]:
     """Rounded ratios of times that give the printed number."""
     # the ratio with as many places as are printed, or with four
     for places in (len(ratio.partition(".")[2]), 4):
@@ -121,7 +166,7 @@ def _why(
         # a ratio may itself be a unit of its last digit too great
         for off in (0.0, 10.0**-places):
             made = _from_ratio(wheel, rounded + off)[column]
-            if printed.like(made).value == printed.value:
+            if gives(printed, made):
                 how = f"a unit in the last digit above {rounded:g}" if off else "rounded"
                 yield f"computed from V = {rounded + off:.{places}f}, {how}: {made:.6g}"
 
@@ -132,9 +177,5 @@ def _from_ratio(wheel: GearDriven, ratio: float) -> dict[str, float]:
     k = float(wheel.gear_ratio)
     alpha = 2.0 * math.pi * ratio / abs(k)
     end = alpha + 2.0 * math.pi / wheel.stations
-    return {
-        "alpha": math.degrees(alpha),
-        "V": ratio,
-        "MC": abs(math.sin(end) / (2.0 * math.sin(0.5 * k * alpha))),
-        "M0C": math.cos(0.5 * end),
-    }
+    arm = abs(math.sin(end) / (2.0 * math.sin(0.5 * k * alpha)))
+    return dict(zip(COLUMNS, (math.degrees(alpha), ratio, arm, math.cos(0.5 * end)), strict=True))

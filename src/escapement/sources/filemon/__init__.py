@@ -1,9 +1,10 @@
-"""Filemon (1960): the 48 cells of Table I, printed against computed.
+"""Filemon (1960): the 48 cells of Table I and every slip, printed against computed.
 
 Every cell follows from the closed forms of `constant_speed.geneva`. Why one is wrong is
 decided by recomputing it, and no list of cells is kept: a rule is named where it gives the
 printed digits and the right value does not. The rules of four places say only that the
-printed value is within their reach.
+printed value is within their reach. An equation is evaluated as printed and as corrected,
+and held against what both should give, from the pin's path: so a correction proves itself.
 """
 
 import math
@@ -11,36 +12,37 @@ from collections.abc import Iterator, Sequence
 from functools import cache, partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from escapement.constant_speed import geneva
+from escapement.constant_speed import geneva, reversal_study
+from escapement.constant_speed.geneva import derivatives_at
 from escapement.mechanisms import Geneva
+from escapement.model import FloatArray
 from escapement.sources import report
-from escapement.sources.filemon.slips import equations
-from escapement.sources.printed import Cell, Digits, cut_off, digits, judge, read_table
+from escapement.sources.report import Cell, Slip, cut_off, digits, finer, gives, judge, like
 
 COLUMNS = {
-    "ratio_max": "i_omega max",
-    "beta_max": "beta_max",
-    "acceleration_start": "i_epsilon start",
-    "acceleration_max": "i_epsilon max",
-    "F12": "F12",
-    "F23": "F23",
-}
+    "ratio_max": "i_omega max", "beta_max": "beta_max", "acceleration_start": "i_epsilon start",
+    "acceleration_max": "i_epsilon max", "F12": "F12", "F23": "F23",
+}  # fmt: skip
 """Columns of Table I and what the paper calls them."""
-QUADRATURE_NODES = 400
-_RECIPROCALS = {"F12": "acceleration_max", "F23": "acceleration_start"}
 _SINE, _LENGTH = 1e-4, 5e-5  # errors of a sine and of L in arithmetic of four decimals
+_SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # places as shares of beta_0
 
 
 @cache
 def printed_rows() -> dict[int, dict[str, str]]:
     """Table I by number of slots, 3 to 10, as text: beta in degrees and minutes."""
-    return {int(row["slots"]): row for row in read_table("filemon", "table_1.csv")}
+    return {int(row["slots"]): row for row in report.read_table("filemon", "table_1.csv")}
 
 
 def table_1() -> list[Cell]:
     """All 48 cells, row after row."""
-    return [cell for slots in printed_rows() for cell in _row(slots)]
+    cells = []
+    for slots, row in printed_rows().items():
+        for column, value in right_values(slots).items():
+            cells.append(judge(slots, column, row[column], value, partial(_why, slots, column)))
+    return cells
 
 
 def right_values(slots: int, sine: float | None = None) -> dict[str, float]:
@@ -53,18 +55,12 @@ def right_values(slots: int, sine: float | None = None) -> dict[str, float]:
     sine : float, optional
         Another c in place of sin(pi/n), as tables of few digits give it.
     """
-    start = float(geneva.acceleration_start(slots))
     # a wheel with as many slots, not a whole number, has just this sine
     turned = slots if sine is None else math.pi / math.asin(sine)
-    top = float(geneva.acceleration_max(turned))
-    return {
-        "ratio_max": float(geneva.ratio_max(turned)),
-        "beta_max": math.degrees(float(geneva.acceleration_max_angle(turned))),
-        "acceleration_start": start,
-        "acceleration_max": top,
-        "F12": 1.0 / top,
-        "F23": 1.0 / start,
-    }
+    start, top = geneva.acceleration_start(slots), geneva.acceleration_max(turned)
+    steepest = math.degrees(geneva.acceleration_max_angle(turned))
+    values = [geneva.ratio_max(turned), steepest, start, top, 1.0 / top, 1.0 / start]
+    return dict(zip(COLUMNS, np.array(values).tolist(), strict=True))
 
 
 def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) -> float:
@@ -82,38 +78,88 @@ def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) 
     Gauss-Legendre over the first half of the engagement, of g (1 + F g') from the
     pin's path: nothing of the closed form enters.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE_NODES)
-    worst = 0.0
     # the torque is smooth over half an engagement, where the sum converges at once
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    errors = []
     for n in slots:
         wheel = Geneva(n, pins=1)
         table = wheel.transmission(0.5 * wheel.breaks[0] * (1.0 - nodes))
         mean = 0.5 * float(weights @ (table.g * (1.0 + ratio * table.dg)))
         d, a = geneva.mean_factors(n)
-        worst = max(worst, abs(mean / float(d * (1.0 + ratio * a)) - 1.0))
-    return worst
+        errors.append(abs(mean / float(d * (1.0 + ratio * a)) - 1.0))
+    return max(errors)
+
+
+def equations() -> list[Slip]:
+    """Every slip of the equations, each tried out: relative errors for 3 to 10 slots."""
+    n = np.repeat(np.arange(3, 11), _SHARES.size)
+    c, half = geneva.crank_ratio(n), geneva.engagement_half(n)
+    # the places keep clear of dead centre, where some of the functions are zero
+    b = np.resize(_SHARES, n.size) * half
+    rows = [derivatives_at(Geneva(int(k), pins=1).path, at) for k, at in zip(n, b, strict=True)]
+    g, dg, ddg, _ = np.array(rows).T
+    x = np.cos(b)
+    length = 1.0 + c * c - 2.0 * c * x
+    ratio, swing = c * (x - c) / length, c * (1.0 - c * c)
+    # the acceleration function, from which (7) and the slope of the torque follow
+    rate = -swing * np.sin(b) / length**2
+    quarters = ((1.0 + sign * c * c) / (4.0 * c) for sign in (-1.0, 1.0))
+    bends = (2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c for sign in (-1.0, 1.0))
+    top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
+    # the second term of dM_2/d beta at F = 1, M_e = eta = 1, without its denominator
+    term = c * swing * top
+    # the formula as printed, as corrected, and the truth
+    tried = {
+        "acceleration": (ratio**2 * rate, rate, dg),
+        "jerk": (*(-swing * bend / length**3 for bend in bends), ddg),
+        "reversal ratio": (
+            length**2 / (c * (1.0 - c * c * np.sin(b))), length**2 / (swing * np.sin(b)), -1.0 / dg
+        ),
+        "steepest": (
+            *(np.sqrt(k * k + 2.0) - k for k in quarters), np.cos(geneva.acceleration_max_angle(n))
+        ),
+        "limit F23": (-1.0 / np.tan(np.arcsin(c)), 1.0 / np.tan(np.arcsin(c)), np.tan(half)),
+        "torque slope": (
+            rate - term / length**3, rate - term / length**4, dg + dg**2 + g * ddg
+        ),
+        "cubic": (_cubic(n, 0.0, -1.0, 0.333, 0.074), _cubic(n, 1 / 3, 1.0, 1 / 3, 2 / 27), 1.0),
+    }  # fmt: skip
+    deviations = {
+        name: (printed / truth - 1.0, corrected / truth - 1.0)
+        for name, (printed, corrected, truth) in tried.items()
+    }
+    return report.read_slips("filemon", deviations)
+
+
+def _cubic(n: ArrayLike, shift: float, sign: float, third: float, cube: float) -> FloatArray:
+    """1 + the reduced cubic (12) over y^3, y = cos(beta*) + shift a, at its root."""
+    c = geneva.crank_ratio(n)
+    a, q, d = (1.0 - c * c) / c, 0.5 * (5.0 + c * c), (5.0 * c * c - 1.0) / (2.0 * c)
+    # F is as good as infinite
+    y = np.cos(reversal_study(n, 1e15).torque_max_angle) + shift * a
+    rest = y * (-third * a * a - q) + cube * a**3 + sign * third * q * a + d
+    return 1.0 + (y**3 + rest) / y**3
 
 
 def reproduce(units: str) -> report.Reproduction:
     """All 48 cells recomputed: pure numbers and angles, whatever the units."""
-    rows = {slots: _row(slots) for slots in printed_rows()}
     cells, slips, error = table_1(), equations(), mean_torque_error()
-    keys = {"beta_max": "beta_max_deg"}
-    compared = [{"slots": n, **report.side_by_side(row, keys)} for n, row in rows.items()]
-    record = {"rows": compared, **report.counts(cells, slips), "mean_torque_error": error}
+    heads = {n: {"slots": n} for n in printed_rows()}
+    record = report.compare(cells, slips, heads, {"beta_max": "beta_max_deg"})
+    record["mean_torque_error"] = error
 
     def show() -> None:
         print("Filemon (1960), Table I: printed, and below it computed; * differs\n")
-        report.print_side_by_side("n", COLUMNS.values(), [([n], row) for n, row in rows.items()])
-        report.print_errata(cells, "cells", lambda it: f"n = {it.place}, {COLUMNS[it.column]}")
-        report.print_slips(slips, "3 to 10 slots, relative")
+        report.print_side_by_side({"n": "slots"}, COLUMNS, record["rows"], cells)
+        tried = "3 to 10 slots, relative"
+        report.print_errata(cells, "cells", "n = {}, {}", COLUMNS, slips, tried)
         print(f"\nMean torque (10) against quadrature, n = 3 to 100: relative error {error:.1e}")
 
     lines = report.as_table(cells, "slots")
     return report.Reproduction("filemon_table_1", record, lines, show, _panels)
 
 
-def _panels() -> "report.Panels":
+def _panels() -> report.Panels:
     """Figures 3 to 12 and 15; the nomograms 13 and 16, to be printed, as PDF."""
     from escapement.sources.filemon.figures import FIGURES
     from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
@@ -123,56 +169,39 @@ def _panels() -> "report.Panels":
     return {f"filemon_figure_{name}": plot for name, plot in panels.items()}
 
 
-def _row(slots: int) -> list[Cell]:
-    """The cells of a row of Table I."""
-    row, values = printed_rows()[slots], right_values(slots)
-    return [
-        judge(slots, column, row[column], values[column], partial(_why, slots, column))
-        for column in COLUMNS
-    ]
-
-
-def _why(slots: int, column: str, printed: Digits, right: Digits) -> Iterator[str]:
+def _why(slots: int, column: str, printed: str, value: float) -> Iterator[str]:
     """Rules that give the printed digits, from the strictest to the loosest."""
-    if column in _RECIPROCALS:
-        source = _RECIPROCALS[column]
-        other = digits(printed_rows()[slots][source])
-        made = 1.0 / other.value
-        for how, cut in (("rounded", False), ("cut off", True)):
-            if printed.like(made, cut=cut).value == printed.value:
+    source = {"F12": "acceleration_max", "F23": "acceleration_start"}.get(column)
+    if source:
+        other = printed_rows()[slots][source]
+        made = 1.0 / digits(other)[0]
+        for how in ("rounded", "cut off"):
+            if gives(printed, made, cut=how == "cut off"):
                 yield (
-                    f"reciprocal: 1/{other.text}, of the printed {COLUMNS[source]}, is "
-                    f"{made:.6g}, {how} to {printed.text}"
+                    f"reciprocal: 1/{other}, of the printed {COLUMNS[source]}, is "
+                    f"{made:.6g}, {how} to {printed}"
                 )
-        near = printed.like(made).text
-        if sorted(printed.text) == sorted(near):
+        near = like(printed, made)
+        if sorted(printed) == sorted(near):
             yield f"digits transposed: {near}, the reciprocal of the printed {COLUMNS[source]}"
-    yield from cut_off(printed, right_values(slots)[column])
+    yield from cut_off(printed, value)
+    shown, unit = digits(printed)
     sine = round(float(geneva.crank_ratio(slots)), 4)
-    low, high = sorted(right_values(slots, sine + off)[column] for off in (-_SINE, _SINE))
-    # the printed value was itself rounded once more
-    if low - 0.5 * printed.unit <= printed.value <= high + 0.5 * printed.unit:
-        yield (
-            "four-place tables: sin(pi/n) with an error of up to one unit in its fourth decimal "
-            f"gives {printed.finer(low)} to {printed.finer(high)}"
-        )
-    low, high = _with_lengths(slots)
-    if column == "acceleration_max" and low <= printed.value <= high:
-        yield (
-            "four-place arithmetic: L = 1 + c^2 - 2c cos(beta) is a small difference, and half "
-            f"a unit in its fourth decimal gives {printed.finer(low)} to {printed.finer(high)}"
-        )
-    # both texts have as many characters, because `right` was given the digits of `printed`
-    wrong = {(a, b) for a, b in zip(printed.text, right.text, strict=True) if a != b}
+    ends = sorted(right_values(slots, sine + off)[column] for off in (-_SINE, _SINE))
+    reach = {"tables: sin(pi/n) with an error of up to one unit": ends}
+    if column == "acceleration_max":
+        c, b = geneva.crank_ratio(slots), geneva.acceleration_max_angle(slots)
+        length = 1.0 + c * c - 2.0 * c * np.cos(b)
+        # L stands squared in the denominator
+        small = "arithmetic: L = 1 + c^2 - 2c cos(beta) is a small difference, and half a unit"
+        reach[small] = [value * float(length / (length + off)) ** 2 for off in (_LENGTH, -_LENGTH)]
+    for how, (low, high) in reach.items():
+        # the printed value was itself rounded once more
+        if low - 0.5 * unit <= shown <= high + 0.5 * unit:
+            between = f"{finer(printed, low)} to {finer(printed, high)}"
+            yield f"four-place {how} in its fourth decimal gives {between}"
+    # both texts have as many characters, because the right one was given as many digits
+    wrong = {(a, b) for a, b in zip(printed, like(printed, value), strict=True) if a != b}
     # one digit may stand for another more than once
     if len(wrong) == 1:
         yield "digit slip: {} printed for {}".format(*wrong.pop())
-
-
-def _with_lengths(slots: int) -> tuple[float, float]:
-    """i_epsilon max where L, squared in its denominator, is off by half a fourth decimal."""
-    c, b = geneva.crank_ratio(slots), geneva.acceleration_max_angle(slots)
-    length = 1.0 + c * c - 2.0 * c * np.cos(b)
-    top = float(geneva.acceleration_max(slots))
-    low, high = (top * float(length / (length + off)) ** 2 for off in (_LENGTH, -_LENGTH))
-    return low, high

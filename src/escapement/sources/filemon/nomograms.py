@@ -6,31 +6,39 @@ ten; F may not. The paper's own charts do not survive in the text it is known fr
 so these are laid out anew.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-from numpy.typing import ArrayLike
 
 from escapement.constant_speed import reversal_study
 from escapement.model import FloatArray
 from escapement.plots import style
 
-LOADS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+LOADS = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
 SHEET = (11.2, 7.7)
 """Size of a sheet [in]: A4 across."""
-
-_POINTS = 200
 _SCALE_SIZE = 7.0
 # rulings of a decade: steps of 0.1 up to 2, of 0.2 up to 5, of 0.5 up to 10
 _FINE = np.r_[10:20, 20:50:2, 50:100:5] / 10.0
+_TORQUES = {
+    13: (
+        "torque_mean", "Mean torque of the first half, $M_{2av}$",
+        r"$M_{2av}\,\eta/M_e = D\,(1 + FA)$",
+    ),
+    16: (
+        "torque_max", r"Greatest torque, $M_{2\,\mathrm{max}}$",
+        r"$M_{2\,\mathrm{max}}\,\eta/M_e$ = max $i_\omega (1 + F i_\varepsilon)$",
+    ),
+}  # fmt: skip
+_WHEELS: dict[str, Any] = {
+    "a": ((3, 4, 5), (0.01, 4.0), (0.6, 4, 3.0)),
+    "b": ((6, 7, 8, 9, 10), (0.1, 20.0), (3.0, 8, 4.0)),
+}
 
 
-@dataclass(frozen=True)
-class Nomogram:
+class Nomogram(NamedTuple):
     """One nomogram: what it gives, for which wheels, and the range of F.
 
     column : of a `reversal_study`, for a load torque of 1.
@@ -45,29 +53,11 @@ class Nomogram:
     ratios: tuple[float, float]
     example: tuple[float, int, float]
 
-    def read(self, slots: int, ratio: ArrayLike) -> FloatArray:
-        """Torque per load at inertia ratios F [-]."""
-        torque: FloatArray = getattr(reversal_study(slots, ratio), self.column)
-        return torque
 
-
-_MEAN = (
-    "torque_mean",
-    "Mean torque of the first half, $M_{2av}$",
-    r"$M_{2av}\,\eta/M_e = D\,(1 + FA)$",
-)
-_MAX = (
-    "torque_max",
-    r"Greatest torque, $M_{2\,\mathrm{max}}$",
-    r"$M_{2\,\mathrm{max}}\,\eta/M_e$ = max $i_\omega (1 + F i_\varepsilon)$",
-)
-_FEW_SLOTS = ((3, 4, 5), (0.01, 4.0), (0.6, 4, 3.0))
-_MANY_SLOTS = ((6, 7, 8, 9, 10), (0.1, 20.0), (3.0, 8, 4.0))
 NOMOGRAMS = {
-    "13a": Nomogram("13/a", *_MEAN, *_FEW_SLOTS),
-    "13b": Nomogram("13/b", *_MEAN, *_MANY_SLOTS),
-    "16a": Nomogram("16/a", *_MAX, *_FEW_SLOTS),
-    "16b": Nomogram("16/b", *_MAX, *_MANY_SLOTS),
+    f"{figure}{part}": Nomogram(f"{figure}/{part}", *torque, *wheels)
+    for figure, torque in _TORQUES.items()
+    for part, wheels in _WHEELS.items()
 }
 """The four sheets: 13 for the mean, 16 for the greatest torque."""
 
@@ -82,20 +72,24 @@ def plot_nomogram(sheet: Nomogram) -> Figure:
         load. The coloured path is an example.
     """
     figure = style.new_figure(*SHEET)
-    left, right = (
-        style.dress(ax) for ax in figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.15))
-    )
-    ratio = np.geomspace(*sheet.ratios, _POINTS)
-    lines = np.array([sheet.read(n, ratio) for n in sheet.slots])
+    left, right = map(style.dress, figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.15)))
+    ratio = np.geomspace(*sheet.ratios, 200)
+    lines = np.array([getattr(reversal_study(n, ratio), sheet.column) for n in sheet.slots])
     # limits are rulings, so that the outermost can be read too
     rulings = _ticks(0.05 * lines.min(), 20.0 * lines.max(), _FINE)
     low = rulings[rulings <= 0.97 * lines.min()].max()
     high = rulings[rulings >= 1.03 * lines.max()].min()
     for n, line in zip(sheet.slots, lines, strict=True):
         left.plot(ratio, line, color=style.BLUE, lw=1.2)
-        i = int(0.06 * _POINTS)
-        style.annotate(left, f"n = {n}", (float(ratio[i]), float(line[i])))
-    _draw_loads(right, low, high)
+        style.annotate(left, f"n = {n}", (float(ratio[12]), float(line[12])))
+    # on logarithmic scales the product with a load is a straight line
+    right.plot(np.outer([low, high], LOADS), [low, high], color=style.BLUE, lw=1.2)
+    for load in LOADS:
+        style.annotate(right, f"{load:g}", (load * high, high), (0.0, 7.0))
+    right.text(
+        10.0**0.5 * high, 1.0, r"$M_e/\eta$" + "\n", ha="center", va="bottom",
+        transform=right.get_xaxis_transform(), fontsize=style.TICK_SIZE,
+    )  # fmt: skip
     for ax, across in ((left, sheet.ratios), (right, (low, 10.0 * high))):
         _scale(ax, "x", *across)
         _scale(ax, "y", low, high)
@@ -112,30 +106,16 @@ def plot_nomogram(sheet: Nomogram) -> Figure:
     return figure
 
 
-def _draw_loads(ax: Axes, low: float, high: float) -> None:
-    """A line a load: torque over torque per load."""
-    # on logarithmic scales the product with a load is a straight line
-    factor = np.array([low, high])
-    for load in LOADS:
-        ax.plot(load * factor, factor, color=style.BLUE, lw=1.2)
-        style.annotate(ax, f"{load:g}", (load * high, high), (0.0, 7.0))
-    ax.text(
-        10.0**0.5 * high, 1.0, r"$M_e/\eta$" + "\n", ha="center", va="bottom",
-        transform=ax.get_xaxis_transform(), fontsize=style.TICK_SIZE,
-    )  # fmt: skip
-
-
 def _draw_example(left: Axes, right: Axes, sheet: Nomogram) -> float:
     """The path of one reading; returns what it leads to."""
     ratio, n, load = sheet.example
-    factor = float(sheet.read(n, ratio))
+    factor = float(getattr(reversal_study(n, ratio), sheet.column))
     end, bottom = load * factor, left.get_ylim()[0]
-    look: dict[str, Any] = {"color": style.VERMILLION, "zorder": 5}
-    left.plot([ratio, ratio, left.get_xlim()[1]], [bottom, factor, factor], lw=1.4, **look)
-    right.plot([right.get_xlim()[0], end, end], [factor, factor, bottom], lw=1.4, **look)
-    left.plot(ratio, factor, "o", ms=4, **look)
-    right.plot(end, factor, "o", ms=4, **look)
-    right.plot(end, bottom, "v", ms=6, clip_on=False, **look)
+    # a dot where the path turns
+    look: dict[str, Any] = {"color": style.VERMILLION, "zorder": 5, "lw": 1.4, "markevery": [1]}
+    left.plot([ratio, ratio, left.get_xlim()[1]], [bottom, factor, factor], "-o", ms=4, **look)
+    right.plot([right.get_xlim()[0], end, end], [factor, factor, bottom], "-o", ms=4, **look)
+    right.plot(end, bottom, "v", ms=6, color=style.VERMILLION, zorder=5, clip_on=False)
     return end
 
 
@@ -143,13 +123,12 @@ def _scale(ax: Axes, which: str, low: float, high: float) -> None:
     """A logarithmic scale ruled like engineers' paper."""
     axis = getattr(ax, f"{which}axis")
     ax.set(**{f"{which}scale": "log", f"{which}lim": (low, high)})
-    axis.set_major_locator(FixedLocator([*_ticks(low, high, np.array(LOADS[:-1]))]))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
-    turn = 90.0 if which == "x" else 0.0
-    axis.set_tick_params(which="major", labelsize=_SCALE_SIZE, rotation=turn)
-    ax.grid(which="major", axis="both", color=style.GREY, lw=0.45)
+    numbers = _ticks(low, high, LOADS[:-1])
+    axis.set_ticks(numbers, [f"{number:.6g}" for number in numbers])
+    axis.set_tick_params(labelsize=_SCALE_SIZE, rotation=90.0 if which == "x" else 0.0)
     # hundreds of minor ticks would take longer to lay out than all the rest
+    axis.set_ticks([], minor=True)
+    ax.grid(color=style.GREY, lw=0.45)
     draw = ax.vlines if which == "x" else ax.hlines
     draw(
         _ticks(low, high, _FINE), 0.0, 1.0, transform=getattr(ax, f"get_{which}axis_transform")(),

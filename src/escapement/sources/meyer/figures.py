@@ -8,12 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from escapement import validate
 from escapement.plots import style
 from escapement.plots.style import label
 
 Rows = Sequence[Mapping[str, Any]]
-_POINTS = 101
+_MARK: dict[str, Any] = {"marker": "o", "ms": 4.5, "mfc": "white", "ls": ""}
 _THIN = 0.6
 
 
@@ -40,24 +39,25 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
 
     Source: Meyer (1973), figures 9-11 and Appendix E.
     """
-    known = tuple(sorted({row["slots"] for row in rows}))
-    if slots not in known:
-        raise validate.fail("slots", f"one of {known}", slots, "those are Meyer's mechanisms")
     chosen = [row for row in rows if row["slots"] == slots]
     figure = style.new_figure(style.TWO_COLUMN, 3.3)
-    rise, speed = (style.dress(ax) for ax in figure.subplots(1, 2))
+    rise, speed = style.new_panels(figure, 1, 2)
     _draw(rise, chosen, lambda it: 1e3 * it["rise_time"], -0.5)
     _draw(speed, chosen, lambda it: (it["velocity_max"] + it["velocity_min"]) / 2.0, 0.5)
-    rise.set_ylabel(label("rise time", "ms"))
-    speed.set_ylabel(label("average driver velocity", "rad/s"))
-    for ax in (rise, speed):
-        ax.set_xlabel(label("driving torque", "in·lbf"))
-        ax.set_ylim(bottom=0.0)
-    key: dict[str, Any] = {"handles": rise.get_legend_handles_labels()[0]}
-    key["handlelength"] = style.HANDLE
-    style.add_legend(figure, 6, loc="outside upper center", **key)
-    key["handles"] = _styles(chosen)
-    style.add_legend(speed, 1, loc="lower right", **key)
+    for ax, name, unit in ((rise, "rise time", "ms"), (speed, "average driver velocity", "rad/s")):
+        ax.set(xlabel=label("driving torque", "in·lbf"), ylabel=label(name, unit), ylim=(0.0, None))
+    looks = [
+        {"label": "printed", **_MARK},
+        {"label": "as published", "ls": style.LOOKS[1].linestyle, "lw": 1.2},
+        {"label": "real mechanism", "lw": _THIN},
+    ]
+    # the cell of four slots is right
+    looks = looks[:2] if slots == 4 else looks
+    # colours stand for friction; markers, lines and thin lines for where a figure is from
+    named, wide = rise.get_legend_handles_labels()[0], style.HANDLE
+    style.add_legend(figure, 6, loc="outside upper center", handles=named, handlelength=wide)
+    key = [Line2D([], [], color=style.GREY, **look) for look in looks]
+    style.add_legend(speed, 1, loc="lower right", handles=key, handlelength=wide)
     return figure
 
 
@@ -66,26 +66,14 @@ def _draw(ax: Axes, rows: Rows, read: Any, power: float) -> None:
     for look, mu in zip(style.LOOKS, frictions, strict=False):
         series = [row for row in rows if row["friction"] == mu]
         torque = np.array([row["torque_inlbf"] for row in series])
-        grid = np.linspace(0.9 * torque.min(), 1.04 * torque.max(), _POINTS)
+        grid = np.linspace(0.9 * torque.min(), 1.04 * torque.max(), 101)
         # without a load speeds go as the root of torque, times as its inverse
         law = (grid / torque[0]) ** power
         published, true = (read(series[0][name]) * law for name in ("as_published", "true"))
         ax.plot(grid, published, color=look.color, ls=look.linestyle, lw=1.2, label=f"µ = {mu:.2f}")
-        # the cell of four slots is right, and one line would hide the other
-        if not np.allclose(published, true, rtol=1e-6):
+        # one line would hide the other
+        if series[0]["slots"] != 4:
             ax.plot(grid, true, color=look.color, lw=_THIN)
         printed = [read(row["printed"]) for row in series]
-        ax.plot(
-            torque, printed, look.marker, ms=4.5, mfc="white", mec=look.color, mew=1.0, zorder=3
-        )
-
-
-def _styles(rows: Rows) -> list[Line2D]:
-    """What markers, lines and thin lines mean."""
-    looks: list[dict[str, Any]] = [
-        {"label": "printed", "marker": "o", "ms": 4.5, "mfc": "white", "ls": ""},
-        {"label": "as published", "ls": style.LOOKS[1].linestyle, "lw": 1.2},
-    ]
-    if any(row["as_published"] != row["true"] for row in rows):
-        looks.append({"label": "real mechanism", "lw": _THIN})
-    return [Line2D([], [], color=style.GREY, **look) for look in looks]
+        mark = _MARK | {"marker": look.marker, "mec": look.color}
+        ax.plot(torque, printed, mew=1.0, zorder=3, **mark)

@@ -32,35 +32,24 @@ _LINE = 4096  # places of the delay line: more than SHORTEST steps in one DELAY
 
 
 @jit
-def _acceleration(n, mu, rho, e, x0, theta, v, old2dx):
-    """2DX and PHIDOT, cards G to S and LGT; names as in the listing.
+def _acceleration(run, theta, v, old2dx):
+    """2DX and PHIDOT, cards G to S and LGT.
 
-    g = 1/sin(pi/n), h = g cos x - 1, i = g sin x, j = 1 - g^2, l = squared pin
-    distance; a, b, c, d, e = factors of Meyer's eq. 1-19; s = sign of F.
+    With g = 1/sin(pi/n), the squared pin distance l, the transmission h/l and the sliding
+    i/l of the listing, a to e are the factors of Meyer's eq. 1-19: a = rho + (h/l)^2,
+    b = (h/l) slope, c = mu (i/l) slope, d = mu (i/l) (h/l); s is the sign of F.
     """
+    n, mu, rho, e, x0 = run
     # the next pin takes over after 90 degrees, whatever the wheel
     x = np.fmod(theta, CELL) + x0
     g = 1.0 / np.sin(PI / n)
-    h = g * np.cos(x) - 1.0
-    i = g * np.sin(x)
-    j = 1.0 - g * g
-    l = 1.0 + g * g - 2.0 * g * np.cos(x)  # noqa: E741
-    a = rho + (h * h) / (l * l)
-    b = (i * j * h) / (l * l * l)
-    c = (i * i * mu * j) / (l * l * l)
-    d = (i * mu * h) / (l * l)
+    length = 1.0 + g * g - 2.0 * g * np.cos(x)
+    ratio, sliding = (g * np.cos(x) - 1.0) / length, g * np.sin(x) / length
+    slope = sliding * (1.0 - g * g) / length
     # the true sign needs the acceleration that it decides, so an older one stands in
-    s = -1.0 if c * v * v + d * old2dx < 0.0 else 1.0
-    return (e - (b + s * c) * v * v) / (a + s * d), h * v / l
-
-
-@jit
-def _first_acceleration(n, mu, rho, e, x0):
-    """2DX at t = 0, cards SMT: E/(R+V)."""
-    g = 1.0 / np.sin(PI / n)
-    p = 1.0 + g * g - 2.0 * g * np.cos(x0)
-    q = g * np.cos(x0) - 1.0
-    return e / (rho + (q * q) / (p * p) + abs(mu * g * q * np.sin(x0) / (p * p)))
+    force = mu * sliding * (slope * v * v + ratio * old2dx)
+    arm = ratio + (-mu if force < 0.0 else mu) * sliding
+    return (e - arm * slope * v * v) / (rho + arm * ratio), ratio * v
 
 
 @jit
@@ -68,47 +57,46 @@ def _delayed(times, values, last, time):
     """Recorded acceleration at `time`; before the start, the one at the start."""
     if time <= 0.0:
         return values[0]
-    k = last
+    k = last - 1
     # the time asked for is at most a few steps back
     while times[k % _LINE] > time:
         k -= 1
-    if k == last:
-        return values[k % _LINE]
     t0, t1 = times[k % _LINE], times[(k + 1) % _LINE]
     v0, v1 = values[k % _LINE], values[(k + 1) % _LINE]
     return v0 + (v1 - v0) * (time - t0) / (t1 - t0)
 
 
 @jit
-def _step(n, mu, rho, e, x0, line, last, t, theta, v, a1, h):
+def _step(run, line, last, t, theta, v, a1, h):
     """One fourth-order Runge-Kutta step: the two INT cards."""
     times, values = line
     old = _delayed(times, values, last, t + 0.5 * h - DELAY)
     v2 = v + 0.5 * h * a1
-    a2 = _acceleration(n, mu, rho, e, x0, theta + 0.5 * h * v, v2, old)[0]
+    a2 = _acceleration(run, theta + 0.5 * h * v, v2, old)[0]
     v3 = v + 0.5 * h * a2
-    a3 = _acceleration(n, mu, rho, e, x0, theta + 0.5 * h * v2, v3, old)[0]
+    a3 = _acceleration(run, theta + 0.5 * h * v2, v3, old)[0]
     old = _delayed(times, values, last, t + h - DELAY)
     v4 = v + h * a3
-    a4 = _acceleration(n, mu, rho, e, x0, theta + h * v3, v4, old)[0]
+    a4 = _acceleration(run, theta + h * v3, v4, old)[0]
     theta_end = theta + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4)
     v_end = v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-    return theta_end, v_end, _acceleration(n, mu, rho, e, x0, theta_end, v_end, old)[0]
+    return theta_end, v_end, _acceleration(run, theta_end, v_end, old)[0]
 
 
 @jit(allocates=True)
-def run_listing(n, mu, rho, e, x0, interval, out):
-    """Fill out[rows, 4] with theta, theta_dot, theta_ddot and phi_dot.
+def run_listing(run, interval, out):
+    """Fill out[rows, 4], zero at first, with theta, theta_dot, theta_ddot and phi_dot.
 
-    Returns the number of rows filled: fewer than asked for on breakdown.
+    run : number of slots, friction, driver inertia and torque over the follower's inertia,
+        and X0. Returns the number of rows filled: fewer than asked for on breakdown.
     """
     times, values = np.zeros(_LINE), np.zeros(_LINE)
     line = (times, values)
     last = 0
     t = theta = v = 0.0
-    a = _first_acceleration(n, mu, rho, e, x0)
-    values[0] = a
-    out[0, 0], out[0, 1], out[0, 2], out[0, 3] = 0.0, 0.0, a, 0.0
+    # cards SMT: at rest, and about to speed up, friction brakes
+    a = _acceleration(run, 0.0, 0.0, 1.0)[0]
+    values[0] = out[0, 2] = a
     step = DELAY
     for row in range(1, out.shape[0]):
         end = row * interval
@@ -120,10 +108,10 @@ def run_listing(n, mu, rho, e, x0, interval, out):
                 return row
             h = min(step, end - t)
             # one full step against two halves of it
-            _, v_full, _ = _step(n, mu, rho, e, x0, line, last, t, theta, v, a, h)
+            _, v_full, _ = _step(run, line, last, t, theta, v, a, h)
             half = 0.5 * h
-            th, vh, ah = _step(n, mu, rho, e, x0, line, last, t, theta, v, a, half)
-            th, vh, ah = _step(n, mu, rho, e, x0, line, last, t + half, th, vh, ah, half)
+            th, vh, ah = _step(run, line, last, t, theta, v, a, half)
+            th, vh, ah = _step(run, line, last, t + half, th, vh, ah, half)
             error = abs(vh - v_full) / max(abs(vh), 1.0)
             if error > TOLERANCE and h > SHORTEST:
                 step = half
@@ -136,5 +124,5 @@ def run_listing(n, mu, rho, e, x0, interval, out):
             if 32.0 * error < TOLERANCE:  # a doubled step multiplies the error by 32
                 step = min(2.0 * step, DELAY)
         out[row, 0], out[row, 1], out[row, 2] = theta, v, a
-        out[row, 3] = _acceleration(n, mu, rho, e, x0, theta, v, a)[1]
+        out[row, 3] = _acceleration(run, theta, v, a)[1]
     return out.shape[0]

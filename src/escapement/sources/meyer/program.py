@@ -8,14 +8,19 @@ table of one row per 0.5 ms. For the motion itself use `escapement.simulate`;
 this file exists to explain the printed numbers.
 """
 
+import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
+from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
+from escapement.scene import Path
 from escapement.sources.meyer.listing import CELL, PI, ROW, run_listing
 
 # X0 by slots. The data cards are not printed; rounding them to three decimals
@@ -24,7 +29,59 @@ _ENTRY = {3: -PI / 6.0, 4: -PI / 4.0, 6: -PI / 3.0}
 
 
 @dataclass(frozen=True)
-class Printout:
+class PublishedCell:
+    """A Geneva wheel in the 90-degree cell Meyer's listing gives all of them, as a mechanism.
+
+    The pin enters where it should, at -pi/pins, and is replaced by the next one
+    90 degrees later, wherever the follower then is. Only for 4 slots is that a
+    mechanism. With 3 slots the pin stays past its exit and the transmission
+    turns negative; with 6 slots it leaves early; in both the transmission jumps
+    at the handoff while the driver's speed does not, so energy jumps there.
+
+    Parameters
+    ----------
+    slots : int
+        3, 4 or 6.
+
+    Source: Meyer (1973), Appendix B, card X.
+    """
+
+    slots: int
+    cell_angle: ClassVar[float] = math.pi / 2.0
+    """90 degrees [rad]."""
+
+    def __post_init__(self) -> None:
+        if self.slots not in _ENTRY:
+            raise validate.fail("slots", "3, 4 or 6", self.slots, "use Geneva for other wheels")
+
+    @cached_property
+    def geneva(self) -> Geneva:
+        """The real mechanism."""
+        return Geneva(self.slots)
+
+    @property
+    def breaks(self) -> tuple[float, float, float]:
+        """Pin entry, dead centre and end of the cell [rad]."""
+        entry = self.geneva.breaks[0]
+        return entry, 0.0, entry + self.cell_angle
+
+    @property
+    def follower_step(self) -> float:
+        """Net turn of the follower over the cell [rad]."""
+        # the pin neither enters nor leaves where this cell ends, except with 4 slots
+        return float(np.diff(self.follower_angle(self.breaks[::2]))[0])
+
+    @property
+    def path(self) -> Path:
+        """The pin path, as kernels evaluate it."""
+        return self.geneva.path
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Follower angle [rad], zero at dead centre (Meyer 1-6)."""
+        return self.geneva.follower_angle(theta)
+
+
+class Printout(NamedTuple):
     """One run's table, arrays of one shape (rows,).
 
     time : [s].
@@ -103,16 +160,15 @@ def program_1973(
         raise validate.fail("interval", "at least 1e-6 s", interval, "the listing's is 0.0005")
     if length < between:
         raise validate.fail("duration", f"at least {between:g} s", duration, "the listing ran 0.2")
-    out = np.empty((round(length / between) + 1, 4))
-    rows = run_listing(float(slots), mu, rho, e, _ENTRY[slots], between, out)
+    out = np.zeros((round(length / between) + 1, 4))
+    rows = run_listing((float(slots), mu, rho, e, _ENTRY[slots]), between, out)
     if rows < out.shape[0]:
         raise InvalidValue(
             "friction must be below the Painleve limit of the inertias and the motion slow "
             f"enough for steps of 50 us, got {mu!r}; the listing breaks down after "
             f"{rows * between:.4f} s, give less friction or torque"
         )
-    time = between * np.arange(rows)
-    return Printout(time, *(np.ascontiguousarray(column) for column in out.T))
+    return Printout(between * np.arange(rows), *out.T)
 
 
 def read_printout(printout: Printout) -> Reading:

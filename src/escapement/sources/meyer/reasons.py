@@ -34,10 +34,8 @@ def why(
     run : what the listing was run with.
     """
     # rise times do not count, because they were read by eye
-    with_heading, with_used = (
-        max(distance(printed, other, name) for name in _SHOWN) for other in (headed, exact)
-    )
-    if with_heading > max(1.0, with_used):
+    heading, used = (max(distance(printed, it, name) for name in _SHOWN) for it in (headed, exact))
+    if heading > max(1.0, used):
         yield (
             f"the heading swaps the inertias: the table is met with driver {run[3]:g} and "
             f"follower {run[4]:g} in-lbf-s^2, while the heading's give {_list(headed, _SHOWN)}"
@@ -57,42 +55,7 @@ def why(
     for name in ("velocity_max", "velocity_min"):
         if distance(printed, exact, name) > 1.0:
             yield _why_extreme(name, printed[name], exact[name], run)
-    yield from _why_times(printed, exact)
-
-
-def distance(first: RunFigures, second: RunFigures, name: str) -> float:
-    """Difference of one figure in half digits."""
-    return abs(first[name] - second[name]) / HALF_DIGIT[name]
-
-
-def _why_extreme(name: str, shown: float, value: float, run: RunArguments) -> str:
-    lowest, highest = _row_range(name, run)
-    rows = f"rows of the listing show it as {lowest:.2f} to {highest:.2f}"
-    # the printed number was itself rounded
-    if not lowest - HALF_DIGIT[name] <= shown <= highest + HALF_DIGIT[name]:
-        return f"unexplained: {name} is {value:.2f} rad/s, and {rows}"
-    if (shown < value) is (name == "velocity_max"):
-        return f"the 0.5 ms print step misses the {name} of {value:.2f} rad/s: {rows}"
-    return (
-        "the friction sign is that of the acceleration 50 us earlier, which moves the "
-        f"{name} of {value:.2f} rad/s: {rows}"
-    )
-
-
-def _row_range(name: str, run: RunArguments) -> tuple[float, float]:
-    """Least and greatest value an extreme row can have, over all phases of the rows."""
-    fine = program_1973(*run, interval=ROW / _FINE)
-    reading = read_printout(fine)
-    # a trough is the peak of the speed turned over
-    sign = 1.0 if name == "velocity_max" else -1.0
-    level = 0.5 * (reading.velocity_max + reading.velocity_min)
-    peak = stretches(sign * fine.theta_dot, sign * level)[-1]
-    rows = [sign * float(peak[phase::_FINE].max()) for phase in range(_FINE)]
-    return min(rows), max(rows)
-
-
-def _why_times(printed: RunFigures, exact: RunFigures) -> Iterator[str]:
-    """Times read off the table by hand."""
+    # times were read off the table by hand
     rise, period = exact["rise_time"], exact["period"]
     off = distance(printed, exact, "period")
     if off > 2.0:
@@ -103,6 +66,33 @@ def _why_times(printed: RunFigures, exact: RunFigures) -> Iterator[str]:
         near = abs(printed["rise_time"] - rise) <= period / 2.0
         reach = "within half a period" if near else "another extremum"
         yield f"the rise time was read by eye ({reach}): the 2 % rule gives {rise:.4f} s"
+
+
+def distance(first: RunFigures, second: RunFigures, name: str) -> float:
+    """Difference of one figure in half digits."""
+    return abs(first[name] - second[name]) / HALF_DIGIT[name]
+
+
+def _why_extreme(name: str, shown: float, value: float, run: RunArguments) -> str:
+    """Why a printed extreme differs, by the values that its row can have."""
+    fine = program_1973(*run, interval=ROW / _FINE)
+    reading = read_printout(fine)
+    # a trough is the peak of the speed turned over
+    sign = 1.0 if name == "velocity_max" else -1.0
+    level = 0.5 * (reading.velocity_max + reading.velocity_min)
+    peak = stretches(sign * fine.theta_dot, sign * level)[-1]
+    # over all phases of the rows
+    found = [sign * float(peak[phase::_FINE].max()) for phase in range(_FINE)]
+    rows = f"rows of the listing show it as {min(found):.2f} to {max(found):.2f}"
+    # the printed number was itself rounded
+    if not min(found) - HALF_DIGIT[name] <= shown <= max(found) + HALF_DIGIT[name]:
+        return f"unexplained: {name} is {value:.2f} rad/s, and {rows}"
+    if (shown < value) is (name == "velocity_max"):
+        return f"the 0.5 ms print step misses the {name} of {value:.2f} rad/s: {rows}"
+    return (
+        "the friction sign is that of the acceleration 50 us earlier, which moves the "
+        f"{name} of {value:.2f} rad/s: {rows}"
+    )
 
 
 def _list(figures: RunFigures, names: Iterable[str]) -> str:

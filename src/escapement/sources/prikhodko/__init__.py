@@ -14,13 +14,12 @@ import numpy as np
 from escapement.measurement import Encoder, Measurement, measure, sturges, synthetic_readings
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.sources import report
-from escapement.sources.printed import Cell, Digits, Slip, cut_off, judge, read_slips, read_table
+from escapement.sources.report import Cell, Slip, cut_off, digits, judge, read_slips, read_table
 from escapement.text import plain, print_columns, words
 from escapement.units import degrees
 
 ENCODER_STEPS = 4096
 CONFIDENCE = 0.99
-_NODES = 60
 
 
 @cache
@@ -42,14 +41,10 @@ def drive() -> EllipticalPlanetary:
 def table() -> list[Cell]:
     """Every printed number that can be judged, and those it is judged by."""
     values = _recomputed()
-    cells = []
-    for name, row in printed_rows().items():
-        place, text = row["place"], row["printed"]
-        if name in values:
-            cells.append(judge(place, name, text, values[name], partial(_why, values[name])))
-        else:
-            cells.append(Cell(place, name, text, None, math.nan))
-    return cells
+    return [
+        judge(row["place"], name, row["printed"], values.get(name, math.nan), _why)
+        for name, row in printed_rows().items()
+    ]
 
 
 def synthetic_measurement() -> Measurement:
@@ -58,26 +53,23 @@ def synthetic_measurement() -> Measurement:
     148 readings over two cells, whose errors are normal with the printed deviation.
     """
     mechanism = drive()
+    samples, noise = int(_given("sample_size")), math.radians(_given("error_deviation"))
+    # two stops, as in the figures of the paper
+    turns, encoder = 2.0 * mechanism.cell_angle / (2.0 * math.pi), Encoder(ENCODER_STEPS)
     readings = synthetic_readings(
-        mechanism,
-        seed=2020,
-        samples=int(_given("sample_size")),
-        # two stops, as in the figures of the paper
-        turns=2.0 * mechanism.cell_angle / (2.0 * math.pi),
-        encoder=Encoder(ENCODER_STEPS),
-        noise=math.radians(_given("error_deviation")),
+        mechanism, seed=2020, samples=samples, turns=turns, encoder=encoder, noise=noise
     )
     return measure(readings, mechanism, bins=int(_given("intervals")))
 
 
-def position_function_error(nodes: int = _NODES) -> float:
+def position_function_error() -> float:
     """Greatest deviation of the closed position function from quadrature of (9) [rad].
 
     Gauss-Legendre over each of three quarters of a cell, of the printed equation in
     R1, R2 and rho: nothing of the closed form enters.
     """
     mechanism = drive()
-    places, weights = np.polynomial.legendre.leggauss(nodes)
+    places, weights = np.polynomial.legendre.leggauss(60)
     sun, planet = mechanism.sun_radius, mechanism.planet_radius
     a, e = mechanism.semi_major_axis, mechanism.eccentricity
     edges = np.linspace(0.0, 0.75 * mechanism.cell_angle, 13)
@@ -121,9 +113,9 @@ def reproduce(units: str) -> report.Reproduction:
 
     def show() -> None:
         print("Prikhodko (2020): printed and computed; * differs, - follows from nothing printed\n")
-        print_columns([], [_as_line(cell) for cell in cells])
-        report.print_errata(cells, "numbers", lambda it: words(it.column))
-        report.print_slips(slips)
+        names = {cell.column: words(cell.column) for cell in cells}
+        print_columns([], map(_as_line, record["rows"]))
+        report.print_errata(cells, "numbers", "{1}", names, slips)
         print(
             f"\nOutput per stop {record['output_per_stop_deg']:g} degrees; greatest output speed "
             f"{mechanism.ratio_max:.6g} times the input's, backwards\n"
@@ -133,28 +125,27 @@ def reproduce(units: str) -> report.Reproduction:
         )
 
     header = ["quantity", "place", "unit", "printed", "right", "computed", "reason"]
-    names = ["name", *header[1:5], "value", "reason"]
-    rows = [[plain(row[name]) for name in names] for row in record["rows"]]
+    keys = ["name", *header[1:5], "value", "reason"]
+    rows = [[plain(row[key]) for key in keys] for row in record["rows"]]
     return report.Reproduction("prikhodko", record, [header, *rows], show, _panels)
 
 
-def _panels() -> "report.Panels":
+def _panels() -> report.Panels:
     """Figures 2, 3 and 6, the velocity analogue, and 7 to 9 of readings that are made up."""
     from escapement.plots import measurement as errors
     from escapement.plots.planetary import plot_planetary
     from escapement.sources.prikhodko import figures
 
     mechanism, made_up = drive(), synthetic_measurement()
-    panels: report.Panels = {
-        "figure_2": partial(plot_planetary, mechanism, math.radians(30.0)),
-        "figure_3": partial(figures.plot_velocity_plans, mechanism),
-        "figure_6": partial(figures.plot_position_function, mechanism),
-        "equation_9": partial(figures.plot_velocity_analogue, mechanism),
-        "figure_7_synthetic": partial(errors.plot_errors, made_up),
-        "figure_8_synthetic": partial(errors.plot_error_histogram, made_up),
-        "figure_9_synthetic": partial(errors.plot_frequencies, made_up),
+    return {
+        "prikhodko_figure_2.png": partial(plot_planetary, mechanism, math.radians(30.0)),
+        "prikhodko_figure_3.png": partial(figures.plot_velocity_plans, mechanism),
+        "prikhodko_figure_6.png": partial(figures.plot_position_function, mechanism),
+        "prikhodko_equation_9.png": partial(figures.plot_velocity_analogue, mechanism),
+        "prikhodko_figure_7_synthetic.png": partial(errors.plot_errors, made_up),
+        "prikhodko_figure_8_synthetic.png": partial(errors.plot_error_histogram, made_up),
+        "prikhodko_figure_9_synthetic.png": partial(errors.plot_frequencies, made_up),
     }
-    return {f"prikhodko_{name}.png": plot for name, plot in panels.items()}
 
 
 def _given(name: str) -> float:
@@ -167,7 +158,6 @@ def _recomputed() -> dict[str, float]:
 
     mechanism = drive()
     lengths = ("semi_major_axis", "semi_minor_axis", "focal_distance")
-    freedom = _given("degrees_of_freedom")
     return {
         **{name: 1e3 * getattr(mechanism, name) for name in lengths},
         "eccentricity": mechanism.eccentricity,
@@ -176,17 +166,17 @@ def _recomputed() -> dict[str, float]:
         "intervals": sturges(int(_given("sample_size"))),
         # two degrees are lost, because mean and deviation were estimated from the sample
         "degrees_of_freedom": _given("intervals") - 1.0 - 2.0,
-        "significance": 100.0 * float(chi2.sf(_given("chi_squared"), freedom)),
+        "significance": 100.0 * float(chi2.sf(_given("chi_squared"), _given("degrees_of_freedom"))),
         "quantile": float(norm.ppf(0.5 * (1.0 + CONFIDENCE))),
         # the printed quantile, so that its own erratum does not count twice
         "half_width": _given("quantile") * _given("error_deviation"),
     }
 
 
-def _why(value: float, printed: Digits, right: Digits) -> Iterator[str]:
+def _why(printed: str, value: float) -> Iterator[str]:
     """Rules that give the printed number."""
     yield from cut_off(printed, value)
-    if printed.value == math.ceil(value):
+    if digits(printed)[0] == math.ceil(value):
         yield f"the next greater whole number: {value:.4g}"
 
 
@@ -196,8 +186,7 @@ def _as_row(cell: Cell) -> dict[str, Any]:
     return {"name": row.pop("column"), **row}
 
 
-def _as_line(cell: Cell) -> list[str]:
+def _as_line(row: report.Record) -> list[str]:
     """A printed number for people."""
-    value = "- " if cell.right is None else f"{cell.value:.6g}{' ' if cell.agrees else '*'}"
-    unit = printed_rows()[cell.column]["unit"]
-    return [words(cell.column), cell.place, cell.printed, value, unit]
+    value = "- " if row["right"] is None else f"{row['value']:.6g}{' ' if row['agrees'] else '*'}"
+    return [words(row["name"]), row["place"], row["printed"], value, row["unit"]]

@@ -1,11 +1,29 @@
-"""The gears of a gear-driven wheel: whole numbers of teeth, sizes, and the planet's inertia."""
+"""A wheel: how its follower moves at constant driver speed, and the gears that drive it.
 
-from dataclasses import dataclass
+On a path of two vectors (g, u) runs along a circle through (g1, 0) and (g2, 0), and
+with s the sum of the two rates g' = u (s - 2 g), so that over an engagement
+
+    g'^2 = (g1 - g)(g - g2)(s - 2 g)^2
+    g''  = (s - 2 g) [(s - 2 g)(g1 + g2 - 2 g)/2 - 2 (g1 - g)(g - g2)]
+
+are polynomials in g, which runs from 0 to its value at dead centre: every peak is at
+an end or at a root of a polynomial. Gears have whole numbers of teeth, in the ratio exactly.
+"""
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.mechanisms import GearDriven
+from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import COGNATES
+from escapement.mechanisms.kind import Wheel
+from escapement.mechanisms.slotted import circle
+from escapement.model import FloatArray
 
 STANDARD_MODULES = (
     *(0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0),
@@ -16,6 +34,128 @@ LEAST_TEETH = 17
 """A full-depth 20 degree pinion with fewer teeth is undercut."""
 LEAST_DIFFERENCE = 10
 """Teeth of an internal gear above its pinion's, or the tips foul (full depth, 20 degrees)."""
+_SLOTTED = Wheel, "a slotted wheel", "give a Geneva or a GearDriven"
+_GEARED = GearDriven, "gear-driven", "give for example GearDriven(12, 3)"
+_POWERS = dict(velocity_max=1, acceleration_start=2, acceleration_max=2, jerk_start=3, jerk_max=3)
+
+
+@dataclass(frozen=True)
+class FollowerMotion:
+    """Motion of the follower: arrays of one shape.
+
+    time : in cycles, from the entry of a pin.
+    angle : in steps, 0 at that entry.
+    velocity, acceleration, jerk : in steps per cycle, its square and its cube. The
+        impulses of jerk where the wheel starts and stops are not in it.
+    """
+
+    time: FloatArray
+    angle: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    jerk: FloatArray
+
+
+def follower_motion(mechanism: GearDriven | Geneva, time: ArrayLike) -> FollowerMotion:
+    """Follower angle, velocity, acceleration and jerk at constant driver speed.
+
+    Parameters
+    ----------
+    mechanism : GearDriven or Geneva
+        What moves. In a dwell the follower rests.
+    time : array_like
+        In cycles from the entry of a pin, of any sign and size.
+
+    Raises
+    ------
+    InvalidValue
+        For another mechanism, or a time that is not finite.
+
+    Notes
+    -----
+    A wheel in uniform motion has neither acceleration nor jerk.
+    """
+    _check(mechanism, *_SLOTTED)
+    at = validate.numbers("time", time, "give times in cycles")
+    cell, half = mechanism.cell_angle, mechanism.breaks[-1]
+    step, whole = mechanism.follower_step, np.floor(at)
+    # a cell begins when a pin enters, half an engagement before dead centre
+    theta = (at - whole) * cell - half
+    moving = theta <= half
+    theta = np.minimum(theta, half)
+    found = mechanism.transmission(theta)
+    # at a speed of one cell a cycle each derivative by the angle brings one more cell
+    rates = (found.g, found.dg, mechanism.jerk(theta))
+    angle = whole + 0.5 + mechanism.follower_angle(theta) / step
+    scaled = (np.where(moving, x, 0.0) * cell ** (i + 1) / step for i, x in enumerate(rates))
+    return FollowerMotion(at, angle, *scaled)
+
+
+@dataclass(frozen=True)
+class MotionPeaks:
+    """Peaks of the follower's motion at constant driver speed.
+
+    In steps per motion time, its square and its cube, as `motion_peaks` gives them;
+    `per_cycle` changes to the time of a whole cycle.
+
+    motion_ratio : moving share of the cycle [-].
+    velocity_max : greatest velocity.
+    acceleration_start : acceleration with which the motion begins. It comes at once:
+        the jerk at the start and at the end is an impulse of this size.
+    acceleration_max : greatest acceleration.
+    jerk_start : jerk right after the start. jerk_max : greatest size of the jerk.
+    """
+
+    motion_ratio: float
+    velocity_max: float
+    acceleration_start: float
+    acceleration_max: float
+    jerk_start: float
+    jerk_max: float
+
+    def per_cycle(self) -> "MotionPeaks":
+        """The same in steps per cycle time, its square and its cube."""
+        shares = {name: self.motion_ratio**power for name, power in _POWERS.items()}
+        return replace(self, **{name: getattr(self, name) / shares[name] for name in shares})
+
+
+def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
+    """Peaks of velocity, acceleration and jerk of one engagement.
+
+    Raises
+    ------
+    InvalidValue
+        For a mechanism without a slotted wheel, or a path through its centre.
+    """
+    _check(mechanism, *_SLOTTED)
+    path, g = mechanism.path, Polynomial([0.0, 1.0])
+    first, second = circle(path)  # u vanishes at these g, the first of which is dead centre
+    slope, product = path.numbers[6] - 2.0 * g, (first - g) * (g - second)
+    squared = product * slope**2
+    jerk = slope * (slope * (first + second - 2.0 * g) / 2.0 - 2.0 * product)
+    angle, step = mechanism.engagement_angle, mechanism.follower_step
+    speed, rate, change = (angle**power / step for power in (1, 2, 3))
+    return MotionPeaks(
+        motion_ratio=mechanism.motion_ratio,
+        velocity_max=first * speed,
+        acceleration_start=float(np.sqrt(squared(0.0))) * rate,
+        acceleration_max=float(np.sqrt(_largest(squared, first))) * rate,
+        jerk_start=float(jerk(0.0)) * change,
+        jerk_max=_largest(jerk, first) * change,
+    )
+
+
+def _check(mechanism: object, kind: type, rule: str, remedy: str) -> None:
+    if not isinstance(mechanism, kind):
+        raise validate.fail("mechanism", rule, mechanism, remedy)
+
+
+def _largest(function: Polynomial, end: float) -> float:
+    """Greatest size of a polynomial between 0 and `end`."""
+    # rounding may give a real root a small imaginary part
+    roots = function.deriv().roots()
+    inside = roots[(np.abs(roots.imag) < 1e-9 * end) & (roots.real > 0.0) & (roots.real < end)]
+    return float(np.abs(function(np.array([0.0, end, *inside.real]))).max())
 
 
 @dataclass(frozen=True)
@@ -43,7 +183,7 @@ class GearPair:
     module: float
 
     def __post_init__(self) -> None:
-        _checked(self.mechanism)
+        _check(self.mechanism, *_GEARED)
         for name in ("fixed_teeth", "planet_teeth"):
             remedy = "a full-depth 20 degree gear with fewer is undercut"
             validate.integer(name, getattr(self, name), LEAST_TEETH, remedy)
@@ -93,14 +233,6 @@ class GearPair:
         return self.mechanism.reach_over_fixed * self.fixed_radius
 
 
-def _checked(mechanism: GearDriven) -> GearDriven:
-    """`mechanism`, or the error that it is not gear-driven."""
-    if not isinstance(mechanism, GearDriven):
-        remedy = "give for example GearDriven(12, 3)"
-        raise validate.fail("mechanism", "gear-driven", mechanism, remedy)
-    return mechanism
-
-
 def gear_pairs(
     mechanism: GearDriven, largest_radius: float, most_teeth: int = 250
 ) -> list[GearPair]:
@@ -121,9 +253,10 @@ def gear_pairs(
         For each number of teeth the largest standard module; empty where no pair
         of at least `LEAST_TEETH` fits.
     """
+    _check(mechanism, *_GEARED)
     limit = validate.positive("largest_radius", largest_radius, "give the radius in m")
     most = validate.integer("most_teeth", most_teeth, LEAST_TEETH, "give the most teeth")
-    ratio, found = abs(_checked(mechanism).gear_ratio), []
+    ratio, found = abs(mechanism.gear_ratio), []
     # teeth that have the exact ratio are multiples of the reduced fraction
     for times in range(1, most // max(ratio.numerator, ratio.denominator) + 1):
         teeth = times * ratio.numerator, times * ratio.denominator
@@ -131,10 +264,8 @@ def gear_pairs(
         modules = [m * 1e-3 for m in STANDARD_MODULES if m * 1e-3 <= largest * (1.0 + 1e-12)]
         if not modules:  # then none fits with more teeth either
             break
-        try:
+        with suppress(InvalidValue):  # too few teeth, or their tips would foul
             found.append(GearPair(mechanism, *teeth, module=modules[-1]))
-        except InvalidValue:
-            continue
     return sorted(found, key=lambda pair: (-pair.module, -pair.fixed_teeth))
 
 
@@ -173,12 +304,13 @@ def planet_inertia(
     part given here; that is neglected. A counterweight opposite the pin removes it.
     The carrier's own inertia, losses of the mesh and gravity are not in it.
     """
+    _check(mechanism, *_GEARED)
     radius = validate.positive("fixed_radius", fixed_radius, "give the radius R0 in m")
     mass = validate.non_negative("planet_mass", planet_mass, "give the mass in kg")
     own = validate.non_negative("planet_inertia", planet_inertia, "give the inertia in kg m^2")
     pin = validate.non_negative("pin_mass", pin_mass, "give the mass in kg")
     count = validate.integer("planets", planets, 1, "give the number of planets")
     # with equally spaced pins the cross terms of both vectors cancel
-    first, _, second, rate = _checked(mechanism).arms
+    first, _, second, rate = mechanism.arms
     pins = mechanism.pins * pin * (first**2 + (rate * second) ** 2)
     return count * (radius * radius * (mass * first**2 + pins) + own * rate**2)

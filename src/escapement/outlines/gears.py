@@ -1,0 +1,163 @@
+"""Bodies of the drives with gears: a Geneva wheel that gears drive, and elliptical gears."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from escapement.mechanisms import EllipticalPlanetary, GearDriven
+from escapement.model import FloatArray
+from escapement.outlines import Body, ComplexArray, Disc, arc, locked_angle, slotted_edge
+
+_TURN = 2.0 * np.pi
+
+
+class GearDrivenOutline:
+    """Proportions and bodies of a gear-driven wheel.
+
+    All lengths are in radii of the fixed gear. The common axis is the origin, and slot 0
+    lies along the positive real axis when carrier and wheel are at zero. As for the ordinary
+    wheel, widths are chosen so that nothing collides.
+
+    Attributes
+    ----------
+    planet_radius : float
+        Pitch radius of the planet.
+    mouth, slot_end : float
+        Distance of a pin from the axis where it enters, and at dead centre.
+    inward : bool
+        Whether the slots open at the rim of a disc, else inside a ring.
+    pin_radius : float
+        Small beside the path, and slots must not meet.
+    half_slot : float
+        Half the slot width: the pin with a little play.
+    rim_radius, reach : float
+        Outer radius of the wheel, and radius of the whole drawing.
+    """
+
+    def __init__(self, mechanism: GearDriven) -> None:
+        self.mechanism = mechanism
+        self.planet_radius = abs(1.0 / float(mechanism.gear_ratio))
+        self.mouth = mechanism.entry_radius_over_fixed
+        self.slot_end = abs(mechanism.arms.first + mechanism.arms.second)
+        self.inward = self.slot_end < self.mouth
+        narrow = min(self.mouth or self.slot_end, self.slot_end)
+        self.pin_radius = min(0.05, 0.35 * narrow * math.pi / max(mechanism.slots, 3))
+        self.half_slot = 1.1 * self.pin_radius
+        ring = self.slot_end + 4.0 * self.half_slot
+        self.rim_radius = math.hypot(self.mouth, self.half_slot) if self.inward else ring
+        self.reach = max(self.rim_radius, mechanism.reach_over_fixed + self.pin_radius)
+
+    def bodies(self, theta: float) -> tuple[Body, Disc, Disc, *tuple[Disc, ...]]:
+        """Everything where it stands at a carrier angle: wheel, pitch circles and pins.
+
+        "follower", "fixed-gear", "planet", and "pin-k" with k counted from 0.
+        """
+        carrier = complex(self.mechanism.arms.first * np.exp(1j * theta))
+        pins = range(self.mechanism.pins)
+        return (
+            Body("follower", tuple(self.wheel_edges())).turned(self.wheel_at(theta)),
+            Disc("fixed-gear", 0.0, 1.0),
+            Disc("planet", carrier, self.planet_radius),
+            *(Disc(f"pin-{k}", complex(self.pin_at(theta, k)), self.pin_radius) for k in pins),
+        )
+
+    def reliefs(self, theta: float) -> list[Body]:
+        """Every "relief" at a carrier angle: the room of unused lobes in the locked wheel."""
+        mechanism, turn = self.mechanism, self.wheel_at(theta)
+        along = self.pin_at(np.linspace(-0.6, 0.6, 61) * mechanism.alpha, 0)
+        outside = np.gradient(along)
+        outside *= 1j * self.half_slot / np.abs(outside)
+        deeper = outside[30].real < 0.0  # the middle point is dead centre, on the real axis
+        lobe = along + (outside if deeper == self.inward else -outside)
+        beyond = self.mouth * (1.1 if self.inward else 0.9)
+        back = arc(beyond, float(np.angle(lobe[-1])), float(np.angle(lobe[0])), 31)
+        band = np.concatenate([lobe, back, lobe[:1]])
+        # the wheel is locked half a step beyond dead centre while a lobe passes
+        locked = 0.5 * mechanism.follower_step * (1.0 if mechanism.turns_with_driver else -1.0)
+        lobe_turn = _TURN / (mechanism.pins * abs(float(mechanism.gear_ratio)))
+        passing = lobe_turn * np.arange(1, mechanism.unused_lobes + 1) - locked
+        slots = _TURN * np.arange(mechanism.slots) / mechanism.slots
+        places = np.add.outer(passing, slots).ravel()
+        return [Body("relief", (band,)).turned(turn + place) for place in places]
+
+    def wheel_edges(self) -> list[ComplexArray]:
+        """Closed edges of the wheel at zero: its body with the slots cut out."""
+        slots, half, whole = self.mechanism.slots, self.half_slot, arc(self.rim_radius, _TURN, 0.0)
+        if self.mouth == 0.0:
+            # the slots run right across the wheel, through its centre
+            cap = self.slot_end + arc(half, -0.5 * np.pi, 0.5 * np.pi, 19)
+            slot = np.concatenate([cap, -cap, cap[:1]])
+            turns = np.exp(1j * _TURN * np.arange(max(1, slots // 2)) / slots)
+            return [whole, *(slot * turn for turn in turns)]
+        edge = self.rim_radius if self.inward else math.sqrt(self.mouth**2 - half**2)
+        aside = math.asin(half / edge)
+        land = arc(edge, aside, _TURN / slots - aside, 31)[1:-1]
+        body = slotted_edge(edge, self.slot_end, half, 19, land, slots)
+        return [body] if self.inward else [body, whole]
+
+    def path(self) -> ComplexArray:
+        """The pin path until it closes."""
+        ratio = self.mechanism.gear_ratio
+        points = 181 * max(abs(ratio.numerator), ratio.denominator)
+        return self.pin_at(np.linspace(0.0, _TURN * ratio.denominator, points), 0)
+
+    def pin_at(self, theta: FloatArray | float, number: int) -> ComplexArray:
+        """Where a pin of the planet stands at carrier angles."""
+        first, _, second, rate = self.mechanism.arms
+        phase = _TURN * number / self.mechanism.pins * np.sign(1.0 - rate)
+        turn = 1j * np.asarray(theta, dtype=float)
+        return np.asarray(first * np.exp(turn) + second * np.exp(rate * turn + 1j * phase))
+
+    def wheel_at(self, theta: float) -> float:
+        """Angle of the wheel at a carrier angle [rad]: locked between engagements."""
+        turned = locked_angle(self.mechanism, theta)
+        return turned if self.mechanism.turns_with_driver else -turned
+
+
+@dataclass(frozen=True)
+class EllipticalOutline:
+    """Pitch curves of the planetary drive [mm]; the carrier's axis is the origin."""
+
+    mechanism: EllipticalPlanetary
+
+    def bodies(self, theta: float, carrier: float | None = None) -> tuple[Disc, Disc, Body, Body]:
+        """The two spur gears and the two ellipses.
+
+        Parameters
+        ----------
+        theta : float
+            Driver angle from greatest output speed [rad].
+        carrier : float, optional
+            Direction in which the carrier is to point [rad]. Default: `theta`, its true one.
+
+        Returns
+        -------
+        tuple
+            "sun" and "planet", then "driven" and "driving", whose edges start and have their
+            middle at the ends of the long axis.
+        """
+        along = theta if carrier is None else carrier
+        shaft = complex(self.line_of_centres(theta)[1] * np.exp(1j * along))
+        driving, driven = self.mechanism.pitch_ellipses
+        sweep = np.linspace(0.0, _TURN, 241)
+        # the ellipses about their own pivots while the carrier lies along the real axis
+        turned = theta + float(self.mechanism.follower_angle(theta))
+        inner = 1e3 * driven.radius(sweep) * np.exp(1j * (sweep - turned))
+        outer = -1e3 * driving.radius(sweep) * np.exp(1j * (sweep + self.mechanism.ratio * theta))
+        return (
+            Disc("sun", 0.0, 1e3 * self.mechanism.sun_radius),
+            Disc("planet", shaft, 1e3 * self.mechanism.planet_radius),
+            Body("driven", (inner,)).turned(along),
+            Body("driving", (outer,)).turned(along, shaft),
+        )
+
+    def line_of_centres(self, theta: float) -> tuple[float, float, float]:
+        """Points B, C and D on the carrier, by their distances from its axis A [mm].
+
+        The spur gears touch at B, C is the planet's axis, and the ellipses touch at D.
+        """
+        sun, planet = 1e3 * self.mechanism.sun_radius, 1e3 * self.mechanism.planet_radius
+        turned = self.mechanism.ratio * theta
+        rho = 1e3 * float(self.mechanism.pitch_ellipses[0].radius(turned))
+        return sun, sun + planet, sun + planet - rho

@@ -1,0 +1,282 @@
+"""Pins with width, rollers, bearings and drag in studies, files and commands."""
+
+import json
+import math
+from dataclasses import dataclass, replace
+
+import h5py
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement import simulation
+from escapement.cli.plot import in_units
+from escapement.dynamics import LOSSES
+from escapement.errors import InvalidValue
+from escapement.motion_file import read_motion, write_motion
+from escapement.status import Status
+from escapement.study.parse import parse_plan, plan_from
+from escapement.study.result import RESULTS
+from escapement.study.run import run_plan
+from escapement.units import INCH, INCH_POUND
+from test_real_mechanism import CRANK, DRAG, INERTIA, JOURNALS, OIL, TORQUE, VISCOUS, everything
+
+IDEAL = esc.Escapement(esc.Geneva(4, crank_radius=CRANK), INERTIA, TORQUE, 0.2)
+WHEELS = {
+    "external": IDEAL.mechanism,
+    "internal": esc.Geneva(6, internal=True, crank_radius=CRANK),
+    "gear-driven": esc.GearDriven(6, "1/2", fixed_radius=CRANK),
+}
+MODEL = ["--torque", ".1", "--driver-inertia", "3e-6", "--follower-inertia", "50e-6"]
+RUN = ["run", *MODEL, "--friction", ".3", "--units", "in-lbf-s"]
+PINS = """
+units = "in-lbf-s"
+torque = 0.1
+friction = 0.3
+driver_bearing_friction = 0.1
+driver_bearing_radius = 0.02
+[mechanism]
+slots = 4
+crank_radius = 0.4
+[inertia]
+driver = 3e-6
+follower = 50e-6
+[sweep]
+pin_radius = [0.0, 0.04, 0.2]
+driver_drag = [0.0, 1e-6]
+driver_viscous = [1e-5]
+"""
+
+
+def random_numbers(wheel, cases, seed):
+    """Columns of numbers of real parts; some pins are too wide, and some rollers too small."""
+    rng, widest = np.random.default_rng(seed), wheel.widest_pin * CRANK
+
+    def some(greatest, share=1.0):
+        return rng.uniform(0.0, greatest, cases) * (rng.random(cases) < share)
+
+    greatest = {"friction": 0.4, "driver_bearing_torque": 0.1 * TORQUE}
+    greatest |= {name: 2.0 * value for name, value in (DRAG | OIL).items()}
+    greatest |= {name: 2.0 * JOURNALS[name] for name in JOURNALS if "follower" in name}
+    if wheel.plain_crank:
+        greatest |= {name: 2.0 * JOURNALS[name] for name in JOURNALS}
+    pin, inertia = some(0.5 * widest, 0.9), 10.0 ** rng.uniform(-7.5, -5.5, cases)
+    drawn = {"pin_radius": pin, "roller_radius": some(1.2 * widest, 0.4)}
+    drawn |= {"load_torque": some(0.2 * TORQUE, 0.5), "initial_speed": some(30.0, 0.5)}
+    drawn |= {"torque": TORQUE * rng.uniform(0.5, 2.0, cases), "driver_inertia": inertia}
+    return drawn | {name: some(value, 0.8) for name, value in greatest.items()}
+
+
+def agree(plan, found, case, rel):
+    """A case of a study is what `terminal` says of it alone."""
+    outcome = {name: found[name][case] for name in RESULTS}
+    try:
+        speed = plan.values(case)["initial_speed"]
+        alone = simulation.terminal(plan.escapement(case), initial_speed=speed)
+    except InvalidValue:
+        assert outcome.pop("status") == Status.INVALID
+        assert np.isnan([*outcome.values()]).all()
+        return
+    expected = {name: getattr(alone, name) for name in RESULTS}
+    assert outcome == pytest.approx(expected, rel=rel, nan_ok=True)
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_every_case_with_all_effects_is_what_it_is_alone(name):
+    sample = {"method": "list"} | random_numbers(WHEELS[name], 60, seed=2)
+    plan = plan_from(replace(IDEAL, mechanism=WHEELS[name]), {}, sample=sample)
+    found = run_plan(plan).results
+    for case in range(plan.cases):
+        agree(plan, found, case, 1e-12)
+    assert {Status.OK, Status.INVALID} <= set(found["status"].tolist())
+
+
+def test_the_other_engine_finds_the_same():
+    axes = {"pin_radius": [0.03 * CRANK, 0.1 * CRANK], "friction": [0.25]}
+    plan = plan_from(everything(), axes, engine="ivp")
+    found = {name: values.reshape(-1) for name, values in run_plan(plan).results.items()}
+    for case in range(2):
+        agree(plan, found, case, 1e-8)
+
+
+@pytest.mark.parametrize(
+    ("varied", "count"),
+    [
+        ({"driver_drag": DRAG["driver_drag"]}, 2),
+        ({"driver_bearing_radius": 1e-4}, 2),
+        ({"load_torque": 1e-4}, 6),
+        ({"driver_bearing_torque": 1e-4}, 6),
+        ({"follower_viscous": 0.1 * VISCOUS}, 6),
+        ({"initial_speed": 3.0}, 6),
+    ],
+)
+def test_the_torque_shares_a_scene_where_nothing_is_compared_with_it(varied, count, solves):
+    timer = replace(IDEAL, driver_bearing_friction=0.1)
+    axes = {"torque": [0.01, 0.02, 0.03], "pin_radius": [0.0, 1e-4]}
+    run_plan(plan_from(timer, axes | {name: [value] for name, value in varied.items()}))
+    assert sum(solves) == count
+
+
+def test_python_sweeps_pins_and_mechanisms_of_the_users_own():
+    widest = IDEAL.mechanism.widest_pin * CRANK
+    grid = esc.sweep(IDEAL, pin_radius=[0.0, 5e-4, widest], driver_drag=[0.0, 1e-8])
+    assert grid.results["status"].tolist() == [[0, 0], [0, 0], [Status.INVALID] * 2]
+    assert grid.units["driver_drag"] == "N m s2"
+
+    @dataclass(frozen=True)
+    class Own(esc.Geneva):
+        pass
+
+    own = replace(IDEAL, mechanism=Own(4, crank_radius=CRANK, pin_radius=5e-4))
+    alone = esc.sweep(own, driver_drag=[0.0, 1e-8]).results["period"]
+    np.testing.assert_allclose(alone, grid.results["period"][1], rtol=1e-13)
+
+
+def test_the_limit_of_a_wheel_is_that_of_its_pins():
+    found = [esc.critical_friction(esc.Geneva(4, crank_radius=CRANK, pin_radius=r * CRANK), INERTIA)
+             for r in (0.0, 0.05)]  # fmt: skip
+    assert found == pytest.approx([0.4060788, 0.4231149], abs=5e-8)
+
+
+def test_a_thinner_light_drivers_limit_is_the_same_alone_and_in_a_study():
+    wheel = replace(
+        WHEELS["gear-driven"], pin_radius=0.4 * CRANK * WHEELS["gear-driven"].widest_pin
+    )
+    timer = replace(IDEAL, mechanism=wheel, inertia=esc.Inertia(1.2e-8, 5.65e-6))
+    limit = esc.critical_friction(timer.mechanism, timer.inertia)
+    grid = esc.sweep(timer, friction=limit * np.array([0.9999, 1.0001, 1.2, 1.5]))
+    assert grid.results["status"].tolist() == [0] + 3 * [Status.PAINLEVE]
+
+
+def test_a_study_file_has_units_and_converts_drag_by_its_kind(command, tmp_path):
+    (tmp_path / "pins.toml").write_text(PINS)
+    code, out, _ = command("sweep", "pins.toml", "--json", "--units", "SI")
+    assert code == 3
+    cases = json.loads(out)["some_cases"]
+    assert [case["status"] for case in cases] == ["ok"] * 4 + ["invalid"] * 2
+    assert cases[3]["pin_radius"] == pytest.approx(0.04 * INCH)
+    assert cases[3]["driver_drag"] == pytest.approx(1e-6 * INCH_POUND)
+    study = esc.read_study("pins.h5")
+    assert study.long_names["pin_radius"] == "radius of the pins"
+    shown = {"pin_radius": "in", "driver_drag": "in lbf s2", "driver_viscous": "in lbf s"}
+    assert {name: study.units[name] for name in shown} == shown
+    metric = in_units(study, "SI")
+    assert [metric.units[name] for name in shown] == ["m", "N m s2", "N m s"]
+    assert metric.axes["driver_viscous"][0] == pytest.approx(1e-5 * INCH_POUND)
+    (panel, *_) = esc.plots.plot_study(study).axes[-1:]
+    assert panel.get_xlabel() == "Radius of the pins (in)"
+    chosen = ["--select", "pin_radius=0.04,driver_drag=1e-6"]
+    record = json.loads(command("run", "--from", "pins.h5", *chosen, "--json")[1])
+    assert record["period"] == pytest.approx(study.results["period"][1, 1, 0], rel=1e-12)
+    assert record["inputs"]["driver_drag"]["in-lbf-s"] == pytest.approx(1e-6)
+
+
+def test_lengths_and_drag_are_drawn_in_a_sample():
+    spread = {"pin_radius": {"low": 0.0, "high": 1e-3}, "driver_drag": {"relative_tolerance": 0.5}}
+    plan = plan_from(everything(), {}, sample={"method": "sobol", "size": 8} | spread)
+    again = parse_plan(json.loads(json.dumps(plan.configuration)))
+    np.testing.assert_array_equal(plan.sampled["driver_drag"], again.sampled["driver_drag"])
+    assert run_plan(plan).failed == 0
+
+
+def test_run_tells_what_is_there_and_nothing_that_is_absent(command):
+    options = ["--crank-radius", ".4", "--pin-radius", ".02", "--driver-viscous", "1e-5"]
+    code, out, err = command(*RUN, *options, "--friction", ".395", "--json")
+    record = json.loads(out)
+    assert code == 0
+    assert "another motion exists beside this one" in record["message"]
+    assert "another motion exists beside this one" in err
+    assert record["uniqueness_friction"] == pytest.approx(0.3902965, abs=5e-8)
+    assert record["critical_friction"] == pytest.approx(0.4231149, abs=5e-8)
+    assert record["inputs"]["driver_viscous"]["SI"] == pytest.approx(1e-5 * INCH_POUND)
+    assert {"load_torque", "friction"} < set(record["inputs"])
+    assert record["inputs"].keys().isdisjoint({"roller_radius", "follower_drag", *JOURNALS})
+    table = command(*RUN, *options)[1]
+    assert "uniqueness friction" in table
+    assert "in lbf s = 1.12985e-06 N m s" in table
+    assert "uniqueness friction" not in command(*RUN)[1]
+
+
+GEARS = ["gear-driven", "--stations", "6", "--lobes", "1/2", "--curve", "hypocycloid"]
+MESH = ["elliptical-planetary", "--sun-radius", "2", "--planet-radius", "1"]
+GEARED = 'kind = "gear-driven"\nstations = 6\nlobes = "1/2"\ncurve = "hypocycloid"'
+REFUSED = {
+    "--pin-radius .02": "pin_radius must be left out for a mechanism without a length",
+    "--follower-bearing-radius .02": "follower_bearing_radius must be left out for a mechanism",
+    "--crank-radius .4 --pin-radius .2": "pin_radius must be less than 0.0029758 m, where",
+    "--crank-radius .4 --pin-radius .03 --roller-radius .02": "roller_radius must be greater than",
+    "--crank-radius .4 --pin-radius -1": "--pin-radius must be at least 0, got -1",
+    " ".join([*GEARS, "--driver-bearing-friction .1"]): "must be 0 for a gear-driven wheel",
+    " ".join([*MESH, "--pin-radius .1"]): "--pin-radius must not come with",
+    " ".join([*MESH, "--follower-bearing-radius .1"]): "0 for a mechanism without a slot",
+}
+
+
+@pytest.mark.parametrize("options", REFUSED)
+def test_what_cannot_be_is_refused_in_one_line(options, refusal):
+    told = refusal(2, "run", *options.split(), *MODEL, "--units", "in-lbf-s")
+    assert REFUSED[options] in told
+    assert ", got " in told
+    assert "; " in told
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("crank_radius = 0.4", "", "pin_radius must be left out for a mechanism without a length"),
+        ("torque = 0.1", "torque = 0.1\npin_radius = 0.1", "it belongs in [mechanism]"),
+        ("slots = 4\ncrank", f"{GEARED}\nfixed", "driver_bearing_friction must be 0"),
+        ("[sweep]", "[sweep]\nefficiency = [0.9]", "a study of a mechanism without a slot"),
+    ],
+)
+def test_a_study_that_no_case_could_have_is_refused(old, new, words, refusal, tmp_path):
+    (tmp_path / "pins.toml").write_text(PINS.replace(old, new, 1))
+    assert words in refusal(2, "sweep", "pins.toml")
+
+
+def test_torque_at_constant_speed_is_that_of_thin_pins():
+    wheel = esc.Geneva(4, crank_radius=CRANK, pin_radius=1e-4)
+    assert esc.drive_torque(wheel, 10.0, 0.1, 1e-6).torque_max > 0.0
+    with pytest.raises(InvalidValue, match="pin_radius must be 0 at constant speed"):
+        esc.drive_torque(wheel, 10.0, 0.1, 1e-6, friction=0.1)
+
+
+@pytest.mark.parametrize("slots", [4, 5])
+def test_a_motion_file_keeps_reactions_and_losses(slots, tmp_path):
+    motion = esc.simulate(everything(slots=slots, friction=0.2), 3)
+    write_motion(motion, tmp_path / "motion.h5")
+    again = read_motion(tmp_path / "motion.h5")
+    assert again.escapement == motion.escapement
+    for name in LOSSES:
+        assert getattr(again.ledger, name) == pytest.approx(getattr(motion.ledger, name), rel=1e-13)
+    grid = np.linspace(0.0, motion.end_time, 999)
+    found, written = again.at(grid), motion.at(grid)
+    for body in ("driver", "follower"):
+        name = f"{body}_bearing_reaction"
+        scale = 1e-9 * getattr(written, name).max()
+        np.testing.assert_allclose(getattr(found, name), getattr(written, name), atol=scale)
+    with h5py.File(tmp_path / "motion.h5", "r+") as hdf5:
+        assert hdf5["driver_bearing_reaction"].attrs["units"] == "N"
+        for name in [name for name in hdf5 if name.endswith(("_loss", "_reaction"))]:
+            if name != "piece_friction_loss":
+                del hdf5[name]
+    old = read_motion(tmp_path / "motion.h5")
+    assert old.ledger.friction == again.ledger.friction
+    assert math.isfinite(old.ledger.residual)
+    np.testing.assert_array_equal(old.at(grid).theta, found.theta)
+
+
+def test_drag_holds_a_light_driver_at_its_final_speed_in_the_dwell():
+    light = esc.Inertia(1.3e-8, 5.65e-6)
+    timer = replace(everything(slots=5, friction=0.05), inertia=light)
+    fast, slow = (esc.terminal(timer, engine=name) for name in ("energy", "ivp"))
+    assert fast.period == pytest.approx(slow.period, rel=1e-8)
+    assert fast.contraction == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_stop_in_oil_is_found_where_the_other_engine_finds_it():
+    timer = everything(friction=0.1, load_torque=0.7 * TORQUE)
+    fast, slow = (esc.simulate(timer, engine=name) for name in ("energy", "ivp"))
+    assert fast.status is slow.status is esc.terminal(timer).status is Status.STALL
+    assert fast.message == slow.message
+    assert fast.end_time == pytest.approx(slow.end_time, rel=1e-6)
