@@ -193,8 +193,8 @@ def dimensionless():
 
 def scene(rho, mu_plus, mu_minus, load, *, table=False):
     nothing, numbers = np.empty(0), (rho, mu_plus, mu_minus, load)
-    absent = (0.0,) * (len(Scene._fields) - 3 - len(numbers))
-    return Scene(Path(table, nothing, nothing), nothing, 0.0, *numbers, *absent)
+    absent = (0.0,) * (len(Scene._fields) - 5 - len(numbers))
+    return Scene(Path(table, nothing), nothing, 0.0, np.array([0.0, 0.0, 1.0]), 0.0, *numbers, *absent)
 
 
 def test_kernels_follow_the_lagrangian(dimensionless):

@@ -168,8 +168,9 @@ class Escapement(Declared):
         Geometry, for example `Geneva(slots=4)`.
     inertia : Inertia
         Moments of inertia [kg m^2].
-    torque : float
-        Constant torque on the driver [N m], > 0. Meyer's "spring rate" K.
+    torque : float or TorqueCurve
+        Torque on the driver [N m], > 0, at the start of the motion; constant unless there is a
+        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned.
     friction : float
         Coefficient of friction between pin and slot [-], >= 0.
     load_torque : float
@@ -188,6 +189,9 @@ class Escapement(Declared):
         Drag torque over the square of the speed, as of air [N m s^2/rad^2].
     driver_viscous, follower_viscous : float
         Drag torque over the speed, as of oil [N m s/rad].
+    spring_rate : float
+        Torque that a spring loses per driver angle turned since the start of the motion
+        [N m/rad], >= 0, down to none: a spent spring pulls no more.
 
     Lengths need the length of the mechanism, `crank_radius` or `fixed_radius`.
 
@@ -223,6 +227,10 @@ class Escapement(Declared):
     follower_drag: float = field(default=0.0, metadata=_drag("follower"))
     driver_viscous: float = field(default=0.0, metadata=_viscous("driver"))
     follower_viscous: float = field(default=0.0, metadata=_viscous("follower"))
+    spring_rate: float = field(default=0.0, metadata=quantity(
+        "torque that the spring loses per driver angle", "rate", metavar="K",
+        remedy="give the loss of torque over the angle, 0 for a constant torque"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         checked(self.mechanism)
@@ -248,7 +256,10 @@ class Escapement(Declared):
             values[name] = getattr(mechanism, name, None) or 0.0
         numbers = {name: float(value) for name, value in natural(values, path.table).items()}
         edges = smooth_intervals(path, mechanism.breaks)
-        return Scene(path, edges, dwell_angle(mechanism), **numbers)
+        torque = np.array([0.0, 0.0, 1.0])
+        if self.spring_rate > 0.0:
+            torque = np.array([0.0, 0.0, self.torque / self.spring_rate, 1.0, 0.0])
+        return Scene(path, edges, dwell_angle(mechanism), torque, 0.0, **numbers)
 
     @cached_property
     def too_unequal(self) -> bool:
@@ -274,7 +285,22 @@ class Escapement(Declared):
         In it the motion depends on the mechanism, friction and the ratios of inertias,
         lengths, torques and drag alone: torque is a pure change of clock.
         """
-        return math.sqrt(self.inertia.follower / self.torque)
+        return math.sqrt(self.inertia.follower / self.torque_unit)
+
+    @property
+    def torque_unit(self) -> float:
+        """Natural unit of torque, the greatest torque of the drive [N m]."""
+        return self.torque
+
+    def turned_before(self, engagement: Any) -> Any:
+        """Driver angle turned before an engagement [rad]; 0 where the torque is constant."""
+        return engagement * self.mechanism.cell_angle if self.spring_rate > 0.0 else 0.0
+
+    def drive_work(self, turned: Any) -> Any:
+        """Work of the drive from the start of the motion over a driver angle [J]."""
+        if self.spring_rate > 0.0:
+            turned = np.minimum(turned, self.torque / self.spring_rate)
+        return (self.torque - 0.5 * self.spring_rate * turned) * turned
 
     def load_work(self, turned: Any) -> Any:
         """Work that the load takes while the follower turns by angles [rad] on its way [J]."""

@@ -77,12 +77,12 @@ class Ledger(Shown):
     residual: float
 
 
-def stall_message(angle: float, engagement: int) -> str:
+def stall_message(angle: float, engagement: int, status: Status = Status.STALL) -> str:
     """Message of a motion that stops at `angle` [rad] of an engagement, counted from 0."""
-    return (
-        f"the mechanism stalls {np.degrees(angle):.3f} degrees from dead centre of engagement "
-        f"{engagement + 1}: the drive cannot carry the load torque"
-    )
+    spent = status is Status.SPENT
+    place = f"{np.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
+    reason = "the spring is spent" if spent else "the drive cannot carry the load torque"
+    return f"the mechanism {'stops' if spent else 'stalls'} {place}: {reason}"
 
 
 def _on_grid(name: str, meaning: str) -> cached_property[FloatArray]:
@@ -222,18 +222,19 @@ class Motion(Shown):
         mechanism, owners = escapement.mechanism, pieces.reshape(-1)
         theta, speed = self._driver(owners, times.reshape(-1))
         engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
+        turned = theta - mechanism.breaks[0] + engagement * mechanism.cell_angle
         g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
         losses = np.zeros((1 + len(LOSSES), theta.size))
         for side in (1.0, 0.0, -1.0):
             held = sign == side
             angles, w = theta[held], (speed[held] * clock) ** 2
             part, lost = np.empty((len(table), angles.size)), np.empty((len(losses), angles.size))
-            tabulate(escapement.scene, angles, w, side, part)
-            tabulate_losses(escapement.scene, angles, w, side, lost)
+            tabulate(escapement.scene, angles, turned[held], w, side, part)
+            tabulate_losses(escapement.scene, angles, turned[held], w, side, lost)
             table[:, held], losses[:, held] = part, lost
-        moment *= escapement.torque
+        moment *= escapement.torque_unit
         rate /= clock**2
-        losses *= escapement.torque
+        losses *= escapement.torque_unit
         engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)
         crank = getattr(mechanism, "crank_radius", None)
         columns: dict[str, FloatArray | None] = {
@@ -312,7 +313,7 @@ class Motion(Shown):
         ends = self.at([0.0, self.end_time])
         driver, follower = escapement.inertia.driver, escapement.inertia.follower
         energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
-        work = escapement.torque * (ends.theta[1] - ends.theta[0])
+        work = escapement.drive_work(ends.theta[1] - ends.theta[0])
         load = escapement.load_work(ends.phi[1] - ends.phi[0])
         losses = dict(zip(LOSSES, self.trajectory.losses.sum(axis=1).tolist(), strict=True))
         kinetic = float(energies[1] - energies[0])

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from escapement import validate
-from escapement.dynamics import constant_drive, ends_alike, is_lossless
+from escapement.dynamics import ends_alike, is_lossless
 from escapement.errors import InvalidValue
 from escapement.jit import as_python
 from escapement.mechanisms.slotted import transmission_at
@@ -171,7 +171,8 @@ def terminal(
         status, message = first.status, first.message
         if status is Status.OK:
             mechanism = escapement.mechanism
-            gain = constant_drive(escapement.scene) * escapement.torque * mechanism.cell_angle
+            pull = escapement.torque - escapement.driver_bearing_torque
+            gain = pull * mechanism.cell_angle
             carries = gain > escapement.load_work(mechanism.follower_step)
             status = Status.NO_TERMINAL if carries else Status.STALL
             message = MESSAGES[status]

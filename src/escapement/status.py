@@ -12,6 +12,7 @@ class Status(IntEnum):
     PAINLEVE = 3
     NOT_CONVERGED = 4
     INVALID = 5
+    SPENT = 6
 
     @property
     def label(self) -> str:
@@ -36,5 +37,6 @@ MESSAGES = {
     Status.NOT_CONVERGED: (
         "the iteration did not converge within its limit; try the other engine, or a larger rtol"
     ),
+    Status.SPENT: "the spring is spent and nothing moves any more",
     Status.INVALID: "the parameters of this case break a rule",
 }

@@ -28,6 +28,7 @@ _UNITS = {
     "power": ("W", "in lbf s-1", INCH_POUND),
     "drag": ("N m s2", "in lbf s2", INCH_POUND),
     "viscous": ("N m s", "in lbf s", INCH_POUND),
+    "rate": ("N m rad-1", "in lbf rad-1", INCH_POUND),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",

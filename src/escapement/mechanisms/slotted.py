@@ -217,7 +217,7 @@ def two_vector_path(
     slide, second = -2.0 * product * (a - b), forward * (a + b)
     centre, turn = 0.0 if rest else ratio[0], forward * b
     numbers = np.array([(a - b) / 2.0, *length, *ratio, slide, second, rest, centre, turn])
-    return Path(False, numbers, np.empty(0))
+    return Path(False, numbers)
 
 
 def transmission(path: Path, theta: ArrayLike) -> Transmission:

@@ -42,11 +42,12 @@ def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, table, status
     store, events = workspace(shared.edges)
     for i in range(status.size):
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        scene, known = Scene(shared.path, shared.edges, shared.dwell, *own), cells
+        drive = (shared.torque, shared.turned)
+        scene, known = Scene(shared.path, shared.edges, shared.dwell, *drive, *own), cells
         if scene.pin > 0.0:
             # a pin with width has breaks of its own, between which nothing is tabulated
             edges = slide_edges(shared.path, scene.pin, shared.edges)
-            scene, known = Scene(shared.path, edges, shared.dwell, *own), none
+            scene, known = Scene(shared.path, edges, shared.dwell, *drive, *own), none
         # at the Painleve limit J_s reaches zero, and the march would divide by it
         if beyond_painleve(scene):
             status[i] = PAINLEVE
@@ -83,7 +84,8 @@ def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[Float
     status = np.empty(len(rows), dtype=np.uint8)
     path = writeable(mechanism.path)
     edges = smooth_intervals(path, mechanism.breaks)
-    scene_tuple = tuple(path), edges, dwell_angle(mechanism), *(0.0,) * _NUMBERS
+    constant = np.array([0.0, 0.0, 1.0]), 0.0
+    scene_tuple = tuple(path), edges, dwell_angle(mechanism), *constant, *(0.0,) * _NUMBERS
     cells = cells_of(path, edges)
     solve_rows(kernel_addresses(), scene_tuple, cells, NO_CELLS, rows, rtol, table, status)
     # of a stall the table holds its angle and engagement, which are no figures of merit

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from escapement.dynamics import constant_drive, ends_alike, is_lossless
+from escapement.drive import torque_at
+from escapement.dynamics import ends_alike, is_lossless
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import march_case, refine
 from escapement.engines.energy.events import (
@@ -50,7 +51,8 @@ def figures(case, w, rtol, out):
     ends = cycle.Ends(transmission_at(scene.path, entry)[0], transmission_at(scene.path, exit_)[0])
     constant_gain = is_lossless(scene) and ends_alike(ends.entry, ends.exit, scene.rho)
     # without losses and load every engagement adds the drive's work, which is positive
-    if constant_gain and scene.load == 0.0 and constant_drive(scene) > 0.0:
+    pull = torque_at(entry, scene)[0] - scene.bearing
+    if constant_gain and scene.load == 0.0 and pull > 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.EXTREMA), loose, strict)

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from escapement.drive import cell_after, cell_of, is_constant, is_spent
 from escapement.dynamics import is_lossless, scene_of
 from escapement.engines.energy.calls import march
 from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
-from escapement.engines.energy.march import OK, PAINLEVE
+from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit, jit
@@ -37,7 +38,9 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         [rad], and times[done] the time. A plain tuple is returned, because Python makes it in
         a third of the time that a named one takes.
     """
-    scene = scene_of(scene_tuple)
+    scene, cell = scene_of(scene_tuple), 0.0
+    if not is_constant(scene):
+        cell = cell_of(scene)
     if beyond_painleve(scene):
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
@@ -49,15 +52,17 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
     rho, edges = scene.rho, scene.edges
     inertia = transmission_at(scene.path, edges[0])[0] ** 2 + rho
     ends_equal = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
-    start, lossless = w, is_lossless(scene)
+    start, steady_gain = w, is_constant(scene) and is_lossless(scene)
     for k in range(times.size):
+        scene = cell_after(k * cell, scene)
         found = march(addresses, scene, cells, store, count, request, w, 0.0, events, NO_EVENTS)
         count = found.panels
         if found.status != OK:
             times[k] = (time + found.time) * clock
-            return found.status, k, found.angle
+            spent = found.status == STALL and is_spent(found.angle, scene)
+            return SPENT if spent else found.status, k, found.angle
         out = found.w
-        if lossless and ends_equal:
+        if steady_gain and ends_equal:
             # without friction every engagement adds the same energy, so that a product takes the
             # place of a sum, whose rounding errors would add up
             out = start + (k + 1) * found.source / inertia
@@ -79,7 +84,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         # the changes of w still to come add up to (out - w)/gap, and their effect on the sum of
         # times to about (out - w)/gap^2: where that is negligible, later engagements repeat this
         gap = -np.expm1(-found.exponent)
-        if abs(out - w) <= 0.05 * rtol * gap * gap * w:
+        if cell == 0.0 and abs(out - w) <= 0.05 * rtol * gap * gap * w:
             return OK, _repeat(k, time, length, limit, clock, times, speeds), 0.0
         w = out
     return OK, times.size, 0.0

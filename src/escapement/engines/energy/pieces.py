@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.drive import cell_after, cell_of, is_constant, next_knot
 from escapement.dynamics import LOSSES, losses_per_angle, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
@@ -61,10 +62,10 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
+def events_of(addresses, scene_tuple, cells, first, starts, squares, rtol):
     """All events of the engagements that start at the times `starts` with the w of `squares`.
 
-    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them.
+    `first` is the number of the first of these engagements; `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them.
 
     Returns
     -------
@@ -75,11 +76,13 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
     loose, strict = panels.tolerances(rtol)
     request = Request(np.int64(Detail.EVERYTHING), loose, strict)
     store = panels.new_store(panels.MAX_PANELS)
-    events = np.empty(_ROOM + 4 * scene.edges.size, EVENT)
+    events = np.empty(_ROOM + 4 * scene.edges.size + scene.torque.size, EVENT)
     table = np.empty(8 * starts.size + 64, MOTION_EVENT)
     count, filled, rising = panels.NO_PANELS, NO_EVENTS, 0.0
     for k in range(starts.size):
         w, start = squares[k], starts[k]
+        if not is_constant(scene):
+            scene = cell_after((first + k) * cell_of(scene), scene)
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
         count, rising, used = found.panels, found.rising, found.used
         if filled + used + 1 > table.shape[0]:
@@ -138,7 +141,7 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
     panel.locked = side == 0.0
     ends = np.empty(_HALVINGS)
     waiting = 0
-    part = Stretch(left, _next(scene.edges, left, end), 0.0, w)
+    part = Stretch(left, _next(scene, left, end), 0.0, w)
     losses[:] = 0.0
     for j in range(times.size):
         theta[j], squares[j] = left, w
@@ -178,7 +181,7 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
                 if times[j] >= now:
                     theta[j], squares[j] = part.right, 0.0
             break
-        right = _next(scene.edges, part.right, end)
+        right = _next(scene, part.right, end)
         if waiting > 0:
             waiting -= 1
             right = ends[waiting]
@@ -258,12 +261,12 @@ def follow(
 
 
 @inner_jit
-def _next(edges, left, end):
-    """The first edge behind `left`, or the end where that comes before it."""
-    for i in range(edges.size):
-        if edges[i] > left:
-            return min(edges[i], end)
-    return end
+def _next(scene, left, end):
+    """The first edge or knot of the torque behind `left`, or the end where that comes before."""
+    for i in range(scene.edges.size):
+        if scene.edges[i] > left:
+            return next_knot(left, min(scene.edges[i], end), scene)
+    return next_knot(left, end, scene)
 
 
 @inner_jit
@@ -271,7 +274,7 @@ def _add_losses(scene, work, panel, side, losses):
     """Add the work lost over a panel to each of `losses`."""
     for i in range(N):
         g, u, radius, k = panel.g[i], panel.u[i], panel.radius[i], panel.dg[i]
-        rates = losses_per_angle(g, u, radius, k, work.w[i], side, scene)
+        rates = losses_per_angle(g, u, radius, k, panel.pull[i], work.w[i], side, scene)
         weight = panel.half * WEIGHTS[i]
         for j in range(losses.size):
             losses[j] += weight * rates[j + 1]

@@ -13,7 +13,7 @@ from escapement.dynamics import LOSSES
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.handoffs import handoffs
-from escapement.engines.energy.march import OK, PAINLEVE, STALL
+from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.pieces import events_of, follow, states_in
 from escapement.model import Escapement, FloatArray, dwell_angle
 from escapement.motion import Motion, no_motion, stall_message
@@ -58,7 +58,7 @@ class EnergyTrajectory:
             # begin one engagement earlier: a handoff is an extremum if theta_ddot changes its
             # sign there, which needs the sign before it
             some = slice(max(first - 1, 0), first + _AT_ONCE)
-            table = events_of(*kernel_inputs, starts[some], squares[some], self.rtol)
+            table = events_of(*kernel_inputs, some.start, starts[some], squares[some], self.rtol)
             table["engagement"] += some.start
             within = table["time"] * clock <= self.end_time
             tables.append(table[(table["engagement"] >= first) & within])
@@ -66,7 +66,7 @@ class EnergyTrajectory:
 
     @cached_property
     def _pieces(self) -> FloatArray:
-        """Start time, engagement, s, start angle, end angle and w of all pieces; shape (6, n).
+        """Start time, engagement, s, angles of start and end, w and `Scene.turned`; shape (7, n).
 
         They are in natural units, and s is 0 in a dwell.
         """
@@ -87,8 +87,9 @@ class EnergyTrajectory:
             # a piece ends where the next one of its engagement begins, or at the end of the cell
             if rows and rows[-1][1] == engagement:
                 rows[-1][4] = angle
-            rows.append([time, engagement, side, angle, end, w])
-        return np.array(rows).reshape(-1, 6).T
+            turned = self.escapement.turned_before(engagement)
+            rows.append([time, engagement, side, angle, end, w, turned])
+        return np.array(rows).reshape(-1, 7).T
 
     @property
     def start(self) -> FloatArray:
@@ -120,9 +121,10 @@ class EnergyTrajectory:
         # a motion that has settled repeats its pieces, of which each is solved once
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
         lost = np.zeros((len(distinct), len(LOSSES)))
-        for (side, angle, end, w), row in zip(distinct, lost, strict=True):
-            states_in(scene, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row)
-        return lost.T[:, which.reshape(-1)] * self.escapement.torque
+        for (side, angle, end, w, turned), row in zip(distinct, lost, strict=True):
+            here = scene._replace(turned=turned)
+            states_in(here, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row)
+        return lost.T[:, which.reshape(-1)] * self.escapement.torque_unit
 
     @cached_property
     def reversals(self) -> Events:
@@ -144,8 +146,9 @@ class EnergyTrajectory:
 
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angles and w at times since the start of a piece, in natural units."""
-        _start, _engagement, sign, angle, end, w = self._pieces[:, piece]
-        return follow(self.escapement.scene, (angle, w, sign), end, times, self.rtol)
+        _start, _engagement, sign, angle, end, w, turned = self._pieces[:, piece]
+        scene = self.escapement.scene._replace(turned=turned)
+        return follow(scene, (angle, w, sign), end, times, self.rtol)
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
@@ -190,7 +193,8 @@ def simulate(
     status, message = Status.OK, _DONE
     if code != OK:
         status = Status(code)
-        message = stall_message(angle, done) if code == STALL else MESSAGES[status]
+        stopped = code in (STALL, SPENT)
+        message = stall_message(angle, done, status) if stopped else MESSAGES[status]
     if duration is not None and (code == OK or end >= duration):
         done = done if end <= duration else last
         end, status, message = duration, Status.OK, _DONE

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from escapement import dynamics
+from escapement.drive import torque_at
 from escapement.dynamics import scene_of
 from escapement.jit import jit
 from escapement.mechanisms.slotted import pose_at, transmission_at
@@ -53,13 +54,18 @@ class Law:
     def loss_rates(self, theta: float, w: float, side: float) -> FloatArray:
         """The losses that there are, per driver angle."""
         table = np.empty((1 + len(dynamics.LOSSES), 1))
-        dynamics.tabulate_losses(self.scene, np.array([theta]), np.array([w]), side, table)
+        angle, turned = np.array([theta]), np.array([self.turned(theta)])
+        dynamics.tabulate_losses(self.scene, angle, turned, np.array([w]), side, table)
         rates: FloatArray = table[1 + self.losses, 0]
         return rates
 
     def acceleration(self, theta: float, speed: float, side: float) -> float:
         """Driver acceleration while the given side of the slot carries the force."""
         return float(self.tabulate(np.array([theta]), np.array([speed**2]), side)[0][0])
+
+    def turned(self, theta: Any) -> Any:
+        """Driver angle turned since the start of the motion, at one in the cell."""
+        return self.scene.turned + (theta - self.scene.edges[0])
 
     def force(self, theta: float, w: float, side: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal.
@@ -82,7 +88,7 @@ class Law:
     ) -> tuple[FloatArray, FloatArray]:
         """Acceleration, and `force`, at many driver angles."""
         table = np.empty((5, theta.size))
-        dynamics.tabulate(self.scene, theta, w, side, table)
+        dynamics.tabulate(self.scene, theta, self.turned(theta), w, side, table)
         return table[2], table[4] if side else np.ones(theta.size)
 
 
@@ -103,7 +109,8 @@ def contact_at(theta, w, plain):
     """X at a driver angle; solve_ivp asks for it at every step."""
     scene = scene_of(plain)
     g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
-    return dynamics.contact(g, k, w, dynamics.root_of(w, scene), scene)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    return dynamics.contact(g, k, pull, w, dynamics.root_of(w, scene), scene)
 
 
 @jit(allocates=True)
@@ -111,7 +118,8 @@ def side_from(theta, w, plain):
     """Side of the slot that carries the force from a driver angle on."""
     scene = scene_of(plain)
     g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
-    return dynamics.side_at(g, k, w, scene)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    return dynamics.side_at(g, k, pull, w, scene)
 
 
 @jit(allocates=True)
@@ -135,9 +143,10 @@ def slope(x, y, anchor, unit, side, sense, losses, plain):
         k, c = dynamics.dragged_slope(g, dg, scene), dynamics.bend(g, u, radius, side, scene)
     root = dynamics.root_of(w, scene)
     out[0] = y[1]
-    net = dynamics.net_torque(g, c, k, w, root, scene)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    net = dynamics.net_torque(g, c, k, pull, w, root, scene)
     out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
-    rates = dynamics.losses_per_angle(g, u, radius, k, w, side, scene)
+    rates = dynamics.losses_per_angle(g, u, radius, k, pull, w, side, scene)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out
