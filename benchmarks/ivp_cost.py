@@ -115,7 +115,7 @@ def plain_loop(escapement, rtol):
         events = (arrive, extreme, reverse) if side else (arrive, extreme)
         solved = solve_ivp(
             slope, (x, np.inf), (theta, speed), "DOP853", events=events, rtol=rtol,
-            atol=1e-2 * rtol, args=(0.0, 1.0, side, 0.0, none, plain),
+            atol=1e-2 * rtol, args=(0.0, 1.0, side, 0.0, 0.0, none, plain),
         )  # fmt: skip
         if solved.status != 1:
             raise ArithmeticError(solved.message)
