@@ -28,7 +28,7 @@ _SHARPER = 0.05
 is to close within a tenth of the tolerance."""
 _LEAST_RTOL = 2.3e-14
 """A smaller rtol makes solve_ivp warn and take this one."""
-_MOST_RTOL, _MOST_RTOL_STEEP = 1e-7, 1e-9
+_MOST_RTOL, _MOST_RTOL_STEEP = 5e-6, 1e-9
 """Greatest local tolerances. With a greater one the speed carries errors that change the sign
 of a small acceleration, and extrema are found that are none; the steeper the law the more."""
 _STEEP = 0.1
