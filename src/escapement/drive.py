@@ -13,6 +13,8 @@ import numpy as np
 from escapement.jit import inner_jit, jit
 from escapement.scene import Scene
 
+# Behind a spent spring a driver of this squared speed, in units of torque/I_f, is at rest.
+REST = 1e-6
 # A knot so close to the end of a stretch [rad] is taken for that end.
 KNOT_GAP = 1e-9
 
@@ -61,7 +63,7 @@ def _first_behind(turned, scene):
     return low
 
 
-@inner_jit
+@jit
 def torque_after(turned, scene):
     """Torque after an angle turned since the start, and its slope by the angle."""
     if is_constant(scene):
@@ -82,7 +84,7 @@ def torque_at(theta, scene):
     return torque_after(scene.turned + (theta - scene.edges[0]), scene)
 
 
-@inner_jit
+@jit
 def next_knot(theta, end, scene):
     """Driver angle of the first knot behind `theta` in the cell, or the end before it."""
     if is_constant(scene):

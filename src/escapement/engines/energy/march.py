@@ -12,7 +12,7 @@ and so may `_choose` for a start, by the tail it sets.
 
 import numpy as np
 
-from escapement.drive import has_knot, is_spent
+from escapement.drive import REST, has_knot, is_spent
 from escapement.dynamics import drive_sign, is_drag_free, is_viscous, side_at
 from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.events import (
@@ -43,8 +43,6 @@ SPENT = int(Status.SPENT)
 START_SHARE = 1e-8
 # In a panel of at most this half width [rad] the deceleration before a stop is constant.
 SHORTEST_STOP = 4e-13
-# Behind a spent spring a driver of this squared speed, in units of torque/I_f, is at rest.
-REST = 1e-6
 # Times get this share of the tolerance, because near a stop the errors of all panels have the
 # same sign and add up.
 TIME_SHARE = 0.1

@@ -119,7 +119,7 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     kept = times < end
     last_rate = problem.rate(dense(end))
     times, rates = np.append(times[kept], end), np.append(rates[kept], last_rate)
-    if not task.sign:
+    if not task.sign and law.is_steady:
         # A locked follower leaves a law of the speed alone: the acceleration keeps its sign, though
         # at the speed where drag balances the drive rounding changes it.
         rates[:] = last_rate = rates[0]
@@ -141,8 +141,9 @@ class _Problem:
     def arguments(self) -> tuple[Any, ...]:
         """What `slope` takes beside x and y."""
         task, law = self.task, self.law
-        sense = law.sense(0.5 * (task.theta + task.end)) if task.sign else 0.0
-        return (task.anchor, self.unit, task.sign, sense, law.losses, law.plain)
+        middle = 0.5 * (task.theta + task.end)
+        signs = law.signs(middle, task.sign) if task.sign else (0.0, 0.0)
+        return (task.anchor, self.unit, task.sign, *signs, law.losses, law.plain)
 
     def rate(self, y: FloatArray) -> float:
         """Acceleration."""

@@ -6,13 +6,15 @@ reversal before it. The state carries the friction loss, so that the energy
 ledger is an independent check.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.drive import REST, is_spent, next_knot
 from escapement.dynamics import LOSSES
+from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
 from escapement.mechanisms.slotted import transmission_at
@@ -27,7 +29,7 @@ _SHARPER = 0.05
 is to close within a tenth of the tolerance."""
 _LEAST_RTOL = 2.3e-14
 """A smaller rtol makes solve_ivp warn and take this one."""
-_MOST_RTOL, _MOST_RTOL_STEEP = 1e-7, 1e-9
+_MOST_RTOL, _MOST_RTOL_STEEP = 5e-6, 1e-9
 """Greatest local tolerances. With a greater one the speed carries errors that change the sign
 of a small acceleration, and extrema are found that are none; the steeper the law the more."""
 _STEEP = 0.1
@@ -49,18 +51,6 @@ class Span(NamedTuple):
     locked: bool
 
 
-class Rest(NamedTuple):
-    """A driver that stands still at an angle."""
-
-    theta: float
-    length: float = np.inf
-
-    def state(self, time: Any) -> tuple[Any, Any, Any]:
-        """Driver angle [rad], speed and losses in natural units."""
-        none = 0.0 * time
-        return self.theta + none, none, none
-
-
 class Event(NamedTuple):
     """A pin reversal or an extremum of the driver speed in natural units."""
 
@@ -76,7 +66,7 @@ class SolvedTrajectory:
     """The pieces and events of a motion in SI; see `escapement.trajectory.Trajectory`."""
 
     clock: float
-    solution: list[Solution | Rest]
+    solution: list[Solution | FreeTurn]
     start: FloatArray
     engagement: np.ndarray
     sign: FloatArray
@@ -99,12 +89,14 @@ class SolvedTrajectory:
 class _Simulation:
     """A motion in natural units that is continued piece by piece.
 
+    drive, law : the law of this cell, and that between two knots of the torque.
     spans : the smooth intervals of a cell.
     pieces : start, engagement, sign (0 in a dwell), losses and solution of each.
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
     mechanism: Mechanism
+    drive: Law
     law: Law
     spans: list[Span]
     options: Options
@@ -128,12 +120,24 @@ class _Simulation:
         """Continue to the end of the time, to a stop, or for a number of engagements."""
         while self.engagement != engagements:
             self.theta = self.mechanism.breaks[0]
-            for span in self.spans:
+            for span in self.spans if self.drive.is_steady else self._between_knots():
                 self._pass(span)
             if self.over:
                 return
             self.handoffs.append((self.time, self.speed))
             self.engagement += 1
+
+    def _between_knots(self) -> Iterator[Span]:
+        """The spans of this cell, cut at knots of the torque; each comes with its own law."""
+        self.drive = self.drive.after(self.engagement * self.mechanism.cell_angle)
+        start, scene = self.theta, self.drive.scene
+        self.stalled = bool(self.speed**2 <= REST and is_spent(start, scene))
+        for span in self.spans:
+            while start < span.end:
+                end = next_knot(start, span.end, scene)
+                self.law = self.drive.along(0.5 * (start + end))
+                yield span._replace(end=end)
+                start = end
 
     def _pass(self, span: Span) -> None:
         """Advance to the end of a smooth interval, through any reversals."""
@@ -144,7 +148,7 @@ class _Simulation:
                 # stall: the drive does not carry the load
                 self.stalled = True
                 if not self.pieces:
-                    self._add(sign, 0.0 * self.law.losses, Rest(self.theta))
+                    self._add(sign, 0.0 * self.law.losses, stand_still(self.law, self.theta))
             elif self._solve_piece(sign, span) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
@@ -158,7 +162,10 @@ class _Simulation:
         first, last = (breaks[0], breaks[-1]) if self.law.is_table else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
         task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left)
-        solved = solve_piece(self.law, task, self.options)
+        if is_free(self.law, task):
+            solved: Solution | FreeTurn = turn_free(self.law, task)
+        else:
+            solved = solve_piece(self.law, task, self.options)
         theta, speed, losses = solved.state(solved.length)
         self._note_extrema(solved)
         self._add(sign, losses, solved)
@@ -169,7 +176,7 @@ class _Simulation:
         self.stalled = solved.ending is Ending.STOPPED
         return solved.ending
 
-    def _add(self, sign: float, losses: FloatArray, solution: Solution | Rest) -> None:
+    def _add(self, sign: float, losses: FloatArray, solution: Solution | FreeTurn) -> None:
         self.pieces.append((self.time, self.engagement, sign, losses, solution))
 
     def _note_reversal(self) -> None:
@@ -181,7 +188,7 @@ class _Simulation:
         else:
             self.reversals.append(found)
 
-    def _note_extrema(self, solved: Solution) -> None:
+    def _note_extrema(self, solved: Solution | FreeTurn) -> None:
         """Note the extrema of the speed within a piece and on the corner at its start."""
         self._note_corner(solved.first_rate)
         for since in solved.extrema:
@@ -215,7 +222,7 @@ def simulate(
     max_step: float,
 ) -> Motion:
     """Motion by solve_ivp; arguments are validated by `escapement.simulate`."""
-    mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque
+    mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque_unit
     if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "ivp", rtol)
     law, end_time = Law.of(escapement), np.inf if duration is None else duration / clock
@@ -227,14 +234,15 @@ def simulate(
         max_step / clock,
     )
     spans = _smooth_spans(law)
-    run = _Simulation(mechanism, law, spans, options, end_time, initial_speed * clock)
+    run = _Simulation(mechanism, law, law, spans, options, end_time, initial_speed * clock)
     status, message = Status.OK, MESSAGES[Status.OK]
     try:
         run.run(engagements)
     except NotConverged as reason:
         status, message = Status.NOT_CONVERGED, str(reason)
     if run.stalled:
-        status, message = Status.STALL, stall_message(run.theta, run.engagement)
+        status = Status.SPENT if is_spent(run.theta, run.drive.scene) else Status.STALL
+        message = stall_message(run.theta, run.engagement, status)
     # a duration is returned as it was given, without the rounding of the conversion
     end = float(run.time * clock) if duration is None or run.time < run.end_time else duration
     times, speeds = np.array(run.handoffs, dtype=float).reshape(-1, 2).T
