@@ -146,7 +146,7 @@ def drive(pull, w, root, scene):
 @inner_jit
 def drive_sign(pull, w, scene):
     """Whether the driver gains speed, 1, or loses it, -1, where there is no contact force."""
-    return 1.0 if drive(pull, w, root_of(w, scene), scene) > 0.0 else -1.0
+    return np.sign(drive(pull, w, root_of(w, scene), scene))
 
 
 @inner_jit

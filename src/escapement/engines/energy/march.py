@@ -328,6 +328,10 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         time = state.time + instant.elapsed
         kind = np.int64(EventKind.REVERSAL)
         used = note(events, used, kind, instant.angle, time, instant.w)
+        if extremum.final == 0.0:
+            # behind a spent spring nothing acts on the driver here, which is an extremum too
+            kind = extremum_kind(state.rising)
+            used = note(events, used, kind, instant.angle, time, instant.w)
         trend = extremum.final if request.detail > Detail.TIME else 0.0
         after_reversal = locate.pass_reversal(
             scene, work, panel, state.side, reversal, request.strict, trend, state.source
@@ -338,12 +342,13 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """MarchState at the right end of a panel, which is the left end of the one at `following`."""
-    # behind a reversal theta_ddot keeps its sign, see `_check`
+    # behind a reversal theta_ddot keeps its sign, see `_check`, unless it vanishes there
     if passage.reversal >= 0:
         after = inside.after_reversal
+        rising = extremum.final if extremum.final != 0.0 else -state.rising
         w = after.energy / (scene.rho + panel.exit.g**2)
         return MarchState(
-            following, w, after.energy, -state.side, extremum.final, state.time + after.length,
+            following, w, after.energy, -state.side, rising, state.time + after.length,
             state.exponent + after.exponent, after.source, inside.used, False,
         )  # fmt: skip
     solution = panels.solution_of(panel, state.side)

@@ -124,7 +124,8 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
         # at the speed where drag balances the drive rounding changes it.
         rates[:] = last_rate = rates[0]
     roots = [x / unit for x in find_roots(problem.rate, dense, times, rates)]
-    return Solution(dense, task.anchor, unit, end / unit, ending, roots, float(rates[0]), last_rate)
+    first = float(rates[0] or rates[1])
+    return Solution(dense, task.anchor, unit, end / unit, ending, roots, first, last_rate)
 
 
 @dataclass(frozen=True)

@@ -92,6 +92,7 @@ class _Simulation:
     drive, law : the law of this cell, and that between two knots of the torque.
     spans : the smooth intervals of a cell.
     pieces : start, engagement, sign (0 in a dwell), losses and solution of each.
+    side : that of the slot that carries the force, 0 before it is known.
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
@@ -105,6 +106,7 @@ class _Simulation:
     theta: float = 0.0
     time: float = 0.0
     engagement: int = 0
+    side: float = 0.0
     trend: float = 0.0
     stalled: bool = False
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
@@ -119,7 +121,7 @@ class _Simulation:
     def run(self, engagements: int | None) -> None:
         """Continue to the end of the time, to a stop, or for a number of engagements."""
         while self.engagement != engagements:
-            self.theta = self.mechanism.breaks[0]
+            self.theta, self.side = self.mechanism.breaks[0], 0.0
             for span in self.spans if self.drive.is_steady else self._between_knots():
                 self._pass(span)
             if self.over:
@@ -142,6 +144,9 @@ class _Simulation:
     def _pass(self, span: Span) -> None:
         """Advance to the end of a smooth interval, through any reversals."""
         sign = 0.0 if span.locked else self.law.side(self.theta, self.speed)
+        if sign * self.side < 0.0:
+            # the force vanishes on the break before, as behind a spent spring at dead centre
+            self._note_reversal()
         while self.theta < span.end and not self.over:
             at_rest = self.speed <= 0.0
             if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
@@ -152,6 +157,7 @@ class _Simulation:
             elif self._solve_piece(sign, span) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
+        self.side = sign
 
     def _solve_piece(self, sign: float, span: Span) -> Ending:
         """Advance by one smooth piece."""
