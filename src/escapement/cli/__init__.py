@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 COMMANDS = {
     "run": "one motion and its figures of merit",
+    "rundown": "a timer whose spring runs down: rate, turns and stop",
     "sweep": "a study on a grid or a sample, to an HDF5 file",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",

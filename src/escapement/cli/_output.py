@@ -82,7 +82,8 @@ def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> 
             # a single row repeats what stands above
             if len(shown[key]) > 1:
                 print(f"\n{words(key)}")
-                header = [words(name) + " (deg)" * name.endswith("_deg") for name in shown[key][0]]
+                columns = rows(dict.fromkeys(shown[key][0]), kinds, args.units)
+                header = [f"{name} ({unit})" if unit != "1" else name for name, _, unit in columns]
                 print_columns([header], [line.values() for line in shown[key]])
 
     tell(args, shown | ({"message": message} if message else {}), table, message)
