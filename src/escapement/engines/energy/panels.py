@@ -299,7 +299,9 @@ def lay_out(scene, cells, store, loose):
             panel, knot = store.panels[count], next_knot(left, right, scene)
             panel.locked = k == moving
             # at a break of a slotted path |u| has a kink; at the corner of a table it has none
-            panel.kink = left > edges[0] and (left > edges[k] or panel.locked or not scene.path.table)
+            panel.kink = left > edges[0] and (
+                left > edges[k] or panel.locked or not scene.path.table
+            )
             panel.interval = k
             panel.cell = 1 if left == edges[k] and knot == right else cells.shape[1]
             fill_geometry(store.workspace[0], panel, scene, cells, left, knot)
