@@ -17,6 +17,8 @@ import os
 import re
 import tempfile
 import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,6 +28,7 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from escapement import files, validate
@@ -45,7 +48,7 @@ _MOST_DRAWN = 200  # more slots or lobes could not be told apart
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
 # The same figure gives the same bytes only without the date and without random ids.
-_RANDOM: Any = {"svg.hashsalt": "escapement", "pdf.fonttype": 42}
+_RANDOM: Any = {"svg.hashsalt": "escapement", "pdf.fonttype": 42, "svg.fonttype": "none"}
 _SETTINGS: dict[str, dict[str, Any]] = {
     ".png": {"dpi": 300, "metadata": {"Software": None}},
     ".pdf": {"dpi": 300, "metadata": {"CreationDate": None, "Creator": None, "Producer": None}},
@@ -81,6 +84,7 @@ Named = tuple[str, str]
 """Name and unit of an axis."""
 HALO: Any = [withStroke(linewidth=2.2, foreground="white")]
 """What keeps a number on a curve readable."""
+_BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.8}
 ZERO: dict[str, Any] = {"color": BLACK, "lw": 0.6}
 """How the line of zero is drawn."""
 SHADE: dict[str, Any] = {"color": SKY, "alpha": 0.3, "lw": 0}
@@ -101,7 +105,8 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
         nothing in the file tells the time.
     path : path
         Its suffix decides the format: .png, .pdf or .svg; a film's is .gif. An existing
-        file is replaced, unless it is read-only.
+        file is replaced, unless it is read-only. Text in an .svg is text, to be edited and
+        searched.
 
     Raises
     ------
@@ -123,9 +128,23 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
         tempfile.TemporaryDirectory() as folder,
     ):
         made = Path(folder) / f"picture{suffix}"
-        (figure.save if moving else figure.savefig)(made, **_SETTINGS[suffix])
+        with _as_letters([figure] if suffix == ".svg" else []):
+            (figure.save if moving else figure.savefig)(made, **_SETTINGS[suffix])
         content = made.read_bytes()
     files.replace_file(path, [content])
+
+
+@contextmanager
+def _as_letters(figures: list[Figure]) -> Iterator[None]:
+    """Boxes instead of halos for a while: a halo turns the letters in it into curves."""
+    found = [it for figure in figures for it in figure.findobj(Text) if it.get_path_effects()]
+    for text in found:
+        text.set(path_effects=None, bbox=_BOX)
+    try:
+        yield
+    finally:
+        for text in found:
+            text.set(path_effects=HALO, bbox=None)
 
 
 def check_drawn(name: str, count: int) -> None:
