@@ -213,7 +213,9 @@ def _print_reasons(rows: Sequence[Mapping[str, Any]]) -> None:
     print("\nWhy printed figures differ, each with one row's numbers (all are in the JSON):")
     for found in kinds.values():
         first, reason = next(iter(found.items()))
-        report.say(f"  row{'s' if len(found) > 1 else ''} {ranges(found)}; in row {first}, {reason}")
+        report.say(
+            f"  row{'s' if len(found) > 1 else ''} {ranges(found)}; in row {first}, {reason}"
+        )
 
 
 def ranges(numbers: Iterable[int]) -> str:

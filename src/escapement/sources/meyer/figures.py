@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -47,24 +48,24 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     chosen = [row for row in rows if row["slots"] == slots]
     figure = style.new_figure(style.TWO_COLUMN, 3.3)
     rise, speed = style.new_panels(figure, 1, 2)
-    _draw(rise, chosen, lambda it: 1e3 * it["rise_time"], -0.5)
-    _draw(speed, chosen, lambda it: (it["velocity_max"] + it["velocity_min"]) / 2.0, 0.5)
+    # the cell of four slots is the true one, so that one line would hide the other
+    lines = ("as_published",) if slots == 4 else ("as_published", "true")
+    _draw(rise, chosen, lines, lambda it: 1e3 * it["rise_time"], -0.5)
+    _draw(speed, chosen, lines, lambda it: (it["velocity_max"] + it["velocity_min"]) / 2.0, 0.5)
     for ax, name, unit in ((rise, "rise time", "ms"), (speed, "average driver velocity", "rad/s")):
         ax.set(xlabel=label("driving torque", "in·lbf"), ylabel=label(name, unit), ylim=(0.0, None))
-    origins = {name: COLUMNS[name][0] for name in _LOOKS}
-    # the cell of four slots is the true one
-    if slots == 4:
-        origins = {"printed": "printed", "as_published": f"{origins['as_published']}, and true"}
-    key = [
-        Line2D([], [], color=style.BLACK, label=text, **_LOOKS[name])
-        for name, text in origins.items()
+    key: list[Artist] = [
+        Line2D([], [], color=style.BLACK, label=COLUMNS[name][0], **_LOOKS[name])
+        for name in ("printed", *lines)
     ]
+    if slots == 4:
+        key[1].set_label("as published, and true")
     key += rise.get_legend_handles_labels()[0]
     style.add_legend(figure, len(key), loc="outside upper center", handles=key)
     return figure
 
 
-def _draw(ax: Axes, rows: Rows, read: Any, power: float) -> None:
+def _draw(ax: Axes, rows: Rows, lines: Sequence[str], read: Any, power: float) -> None:
     frictions = sorted({row["friction"] for row in rows})
     for look, mu in zip(style.LOOKS, frictions, strict=False):
         series = [row for row in rows if row["friction"] == mu]
@@ -74,8 +75,7 @@ def _draw(ax: Axes, rows: Rows, read: Any, power: float) -> None:
         law = (grid / torque[0]) ** power
         own: dict[str, Any] = {"color": look.color, "marker": look.marker, "ms": 4.5}
         ax.plot([], [], ls="", label=f"µ = {mu:.2f}", **own)
-        # with four slots one line would hide the other
-        for name in ("as_published",) if series[0]["slots"] == 4 else ("as_published", "true"):
+        for name in lines:
             ax.plot(grid, read(series[0][name]) * law, **own, **_LOOKS[name])
         printed = [read(row["printed"]) for row in series]
         ax.plot(torque, printed, mew=1.0, zorder=3, **_LOOKS["printed"] | own)
