@@ -32,12 +32,12 @@ def four_pins_tolerances() -> Figure:
 
 @drawn
 def published_cell() -> Figure:
-    """Transmission over driver angle, true and in the program of 1973."""
+    """Transmission over driver angle, true and in the 90-degree cell."""
     figure, axes = panels(3, 2.5)
     for ax, slots in zip(axes, (3, 4, 6), strict=True):
         wheel = esc.Geneva(slots)
         cells = (wheel, meyer.PublishedCell(slots))
-        for cell, name, look in zip(cells, ("true", "program of 1973"), LINES[:2], strict=True):
+        for cell, name, look in zip(cells, ("true", "as published"), LINES[:2], strict=True):
             theta = np.linspace(cell.breaks[0], cell.breaks[-1], 200)
             starts = np.arange(3)[:, None] * cell.cell_angle
             turned = np.degrees(np.pad(theta - theta[0] + starts, ((0, 0), (0, 1)))).ravel()
