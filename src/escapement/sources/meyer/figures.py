@@ -53,7 +53,7 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     _draw(rise, chosen, lines, lambda it: 1e3 * it["rise_time"], -0.5)
     _draw(speed, chosen, lines, lambda it: (it["velocity_max"] + it["velocity_min"]) / 2.0, 0.5)
     for ax, name, unit in ((rise, "rise time", "ms"), (speed, "average driver velocity", "rad/s")):
-        ax.set(xlabel=label("driving torque", "in·lbf"), ylabel=label(name, unit), ylim=(0.0, None))
+        ax.set(xlabel=label("driving torque", "in-lbf"), ylabel=label(name, unit), ylim=(0.0, None))
     key: list[Artist] = [
         Line2D([], [], color=style.BLACK, label=COLUMNS[name][0], **_LOOKS[name])
         for name in ("printed", *lines)
