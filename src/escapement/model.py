@@ -267,8 +267,10 @@ class Escapement(Declared):
         """The torque over the driver angle turned, None where it is constant."""
         if isinstance(self.torque, TorqueCurve):
             return self.torque
-        if self.spring_rate > 0.0:
-            return TorqueCurve((0.0, self.torque / self.spring_rate), (self.torque, 0.0))
+        # a rate that takes nothing within any motion is none
+        if self.spring_rate > self.torque / MOST_UNEQUAL:
+            spent = max(self.torque / self.spring_rate, 1.0 / MOST_UNEQUAL)
+            return TorqueCurve((0.0, spent), (self.torque, 0.0))
         return None
 
     @cached_property
