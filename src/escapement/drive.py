@@ -108,6 +108,6 @@ def has_knot(scene):
 
 @jit
 def is_spent(theta, scene):
-    """Whether there is no torque left at a driver angle of the cell, as of a spent spring."""
-    torque, slope = torque_at(theta, scene)
+    """Whether there is no torque left behind a driver angle of the cell, as of a spent spring."""
+    torque, slope = torque_at(theta + KNOT_GAP, scene)
     return torque <= 0.0 and slope == 0.0

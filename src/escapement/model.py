@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from escapement import validate
 from escapement.lazy import Lazy
-from escapement.quantity import Declared, quantities, quantity
+from escapement.quantity import Declared, quantities, quantity, setting
 from escapement.scene import Path, Scene, smooth_intervals, writeable
+from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 
 if TYPE_CHECKING:
     import numpy as np
@@ -200,9 +201,10 @@ class Escapement(Declared):
 
     mechanism: Mechanism
     inertia: Inertia
-    torque: float = field(metadata=quantity(
-        "driving torque", "torque", exclusive=True, remedy="give the constant driving torque"
-    ))  # fmt: skip
+    torque: float | TorqueCurve = field(metadata=setting(Torque(
+        long_name="driving torque", unit="torque", exclusive=True, metavar="M",
+        remedy="give the constant driving torque"
+    )))  # fmt: skip
     friction: float = field(default=0.0, metadata=quantity(
         "coefficient of friction between pin and slot", metavar="MU", slotted=True,
         instead="efficiency", remedy="give a coefficient of friction, 0 for none"
@@ -243,8 +245,33 @@ class Escapement(Declared):
             remedy = "make it with two_vector_path or chebyshev_table"
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
+        self._check_curve()
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
+
+    def _check_curve(self) -> None:
+        """Refuse a curve beside a spring rate, and one with too many points for a cell."""
+        if isinstance(self.torque, TorqueCurve):
+            if self.spring_rate > 0.0:
+                remedy = "let its torque fall by itself"
+                raise validate.fail(
+                    "spring_rate", "0 with a torque curve", self.spring_rate, remedy
+                )
+            most = self.torque.most_within(self.mechanism.cell_angle)
+            if most > MOST_KNOTS:
+                rule = f"a torque curve with at most {MOST_KNOTS} points in a cell"
+                raise validate.fail("torque", rule, most, "leave out points")
+
+    @cached_property
+    def curve(self) -> TorqueCurve | None:
+        """The torque over the driver angle turned, None where it is constant."""
+        if isinstance(self.torque, TorqueCurve):
+            return self.torque
+        # a rate that takes nothing within any motion is none
+        if self.spring_rate > self.torque / MOST_UNEQUAL:
+            spent = max(self.torque / self.spring_rate, 1.0 / MOST_UNEQUAL)
+            return TorqueCurve((0.0, spent), (self.torque, 0.0))
+        return None
 
     @cached_property
     def scene(self) -> Scene:
@@ -252,13 +279,12 @@ class Escapement(Declared):
         mechanism = self.mechanism
         path, own = writeable(mechanism.path), self.inertia
         values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
+        values["torque"] = self.torque_unit
         for name in LENGTHS:
             values[name] = getattr(mechanism, name, None) or 0.0
         numbers = {name: float(value) for name, value in natural(values, path.table).items()}
         edges = smooth_intervals(path, mechanism.breaks)
-        torque = np.array([0.0, 0.0, 1.0])
-        if self.spring_rate > 0.0:
-            torque = np.array([0.0, 0.0, self.torque / self.spring_rate, 1.0, 0.0])
+        torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
         return Scene(path, edges, dwell_angle(mechanism), torque, 0.0, **numbers)
 
     @cached_property
@@ -290,17 +316,15 @@ class Escapement(Declared):
     @property
     def torque_unit(self) -> float:
         """Natural unit of torque, the greatest torque of the drive [N m]."""
-        return self.torque
+        return self.torque.greatest if isinstance(self.torque, TorqueCurve) else self.torque
 
     def turned_before(self, engagement: Any) -> Any:
         """Driver angle turned before an engagement [rad]; 0 where the torque is constant."""
-        return engagement * self.mechanism.cell_angle if self.spring_rate > 0.0 else 0.0
+        return 0.0 if self.curve is None else engagement * self.mechanism.cell_angle
 
     def drive_work(self, turned: Any) -> Any:
         """Work of the drive from the start of the motion over a driver angle [J]."""
-        if self.spring_rate > 0.0:
-            turned = np.minimum(turned, self.torque / self.spring_rate)
-        return (self.torque - 0.5 * self.spring_rate * turned) * turned
+        return self.torque * turned if self.curve is None else self.curve.work(turned)
 
     def load_work(self, turned: Any) -> Any:
         """Work that the load takes while the follower turns by angles [rad] on its way [J]."""

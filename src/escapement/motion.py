@@ -59,7 +59,8 @@ class State:
 class Ledger(Shown):
     """Where the work of the drive went over a motion [J].
 
-    work = kinetic + load + all that is lost, up to `residual`, which is a share of the work or
+    work is that of the drive, which a spring gives of the energy that it holds. It is
+    kinetic + load + all that is lost, up to `residual`, which is a share of the work or
     of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
     the slot or the mesh, into either bearing and into drag on either body.
     """

@@ -21,8 +21,8 @@ class Status(IntEnum):
 
     @property
     def failed(self) -> bool:
-        """Whether the case has no answer (no terminal speed *is* an answer)."""
-        return self not in (Status.OK, Status.NO_TERMINAL)
+        """Whether the case has no answer; no terminal speed and a spent spring *are* answers."""
+        return self not in (Status.OK, Status.NO_TERMINAL, Status.SPENT)
 
 
 MESSAGES = {

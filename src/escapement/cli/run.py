@@ -15,6 +15,7 @@ from escapement.quantity import Numbers, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
+from escapement.torque_curve import TorqueCurve
 from escapement.units import SYSTEMS, unit_name
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
@@ -134,11 +135,13 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     }
     if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
         del found["contact_force_max"]
-    outcome = motion if motion.status.failed else figures
+    outcome = motion if motion.status is not Status.OK else figures
     meshed = motion.escapement.mechanism.path.table
     reasons = _output.not_given({"critical_friction": figures.critical_friction} if meshed else {})
     if not reasons or outcome.message != MESSAGES[Status.OK]:
         reasons.insert(0, outcome.message)
+    if motion.status is Status.SPENT:
+        reasons.insert(1, figures.message)
     return found | {
         "handoff_times": motion.handoff_times,
         "handoff_velocities": motion.handoff_velocities,
@@ -164,7 +167,8 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
             told = value is not None and not isinstance(entry, Numbers)
             told = told and not (optional and value == entry.default == 0.0)
             if told and entry.fits(mechanism.meshed):
-                yield name, str(value) if isinstance(value, Fraction) else value, entry.unit
+                told = isinstance(value, Fraction | TorqueCurve)
+                yield name, str(value) if told else value, "ratio" if told else entry.unit
 
 
 def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> None:

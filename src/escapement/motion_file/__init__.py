@@ -151,7 +151,8 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
     scene = motion.escapement
     run: dict[str, Any] = {"initial_speed": float(motion.at(0.0).theta_dot), "rtol": motion.rtol}
     # so written, the file says all that it takes to simulate the motion again
-    study = plan_from(scene, {"torque": [scene.torque]}, engine=motion.engine, **run)
+    axis = "torque" if scene.torque == scene.torque_unit else "load_torque"
+    study = plan_from(scene, {axis: [getattr(scene, axis)]}, engine=motion.engine, **run)
     text = json.dumps(study.configuration, allow_nan=False)
     configuration = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
     configuration.attrs.update(units="1", long_name="the escapement as a study of one case, JSON")

@@ -40,7 +40,9 @@ class SampledTrajectory:
         since = np.maximum(np.ascontiguousarray(t) - self.start[piece], 0.0) / clock
         angle, end, speed = (values[piece] for values in self._pieces)
         start = (angle, (speed * clock) ** 2, self.sign[piece])
-        theta, squares = follow(self.escapement.scene, start, end, since, _RTOL)
+        turned = self.escapement.turned_before(int(self.engagement[piece]))
+        scene = self.escapement.scene._replace(turned=turned)
+        theta, squares = follow(scene, start, end, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
     @cached_property
@@ -53,7 +55,8 @@ class SampledTrajectory:
         # a piece of no length may end the motion
         sample = np.minimum(np.searchsorted(self.t, self.start), self.t.size - 1)
         angle = self.theta[sample] - self.engagement * mechanism.cell_angle
-        angle[self.sign == 0.0] = exit_
+        locked = self.sign == 0.0
+        angle[locked & ~np.append(False, locked[:-1])] = exit_
         angle[first] = mechanism.breaks[0]
         end = np.where(first, cell_end, angle)[1:].tolist()
         return angle.tolist(), [*end, cell_end], self.theta_dot[sample].tolist()

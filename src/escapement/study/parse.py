@@ -21,6 +21,7 @@ from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
+from escapement.torque_curve import TorqueCurve
 from escapement.validate import known_keys
 
 MOST_CASES = 10**12
@@ -53,6 +54,11 @@ def load_plan(path: AnyPath) -> StudyPlan:
             f"study file {path} must be valid TOML, got: {error}; correct it there"
         ) from None
     try:
+        if isinstance(torque := content.get("torque"), dict) and isinstance(
+            torque.get("file"), str
+        ):
+            # its name is meant from where the study lies
+            torque["file"] = Path(path).parent / torque["file"]
         return parse_plan(content)
     except InvalidValue as error:
         raise InvalidValue(f"{path}: {error}") from None
@@ -74,6 +80,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     InvalidValue
         For an unknown key, a missing parameter or a value that breaks its rule.
     """
+    configuration, curve = _with_first_torque(configuration)
     machine = {"kind": DEFAULT_KIND, **_table(configuration, "mechanism")}
     build: Any = mechanism
     if mechanism is None:
@@ -98,10 +105,14 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     for name, value in fixed.items():
         section = settings[name].section
         (plain.setdefault(section, {}) if section else plain)[settings[name].key] = value
+    if curve is not None:
+        plain["torque"] = curve.as_table()
+        curve = settings["torque"].to_si(curve, system)
     si = {name: settings[name].to_si(value, system) for name, value in fixed.items()}
     fixed_si = dict.fromkeys(settings) | si
     plain |= forms | {"solver": solver.given}
-    plan = StudyPlan(plain, build, meshed, parameters, fixed_si, varied, solver, fingerprint)
+    drawn = varied, solver, fingerprint
+    plan = StudyPlan(plain, build, meshed, parameters, fixed_si, *drawn, curve)
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
     greatest = {name: float(np.max(values[name])) for name in parameters if name in values}
     check_lengths(greatest, plan.lengths["crank_radius"], getattr(build, "plain_crank", True))
@@ -111,6 +122,25 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
             "shorten an axis"
         )
     return plan
+
+
+def _with_first_torque(
+    configuration: Mapping[str, Any],
+) -> tuple[Mapping[str, Any], TorqueCurve | None]:
+    """The configuration with a number for the torque, and the curve that it begins, if any.
+
+    The results of a study are those of the torque at the start of the motion.
+    """
+    given = configuration.get("torque")
+    if not isinstance(given, Mapping | TorqueCurve):
+        return configuration, None
+    for name in ("sweep", "sample"):
+        if "torque" in _table(configuration, name):
+            raise InvalidValue(
+                f"torque must be a curve or in [{name}], got both; leave one of them out"
+            )
+    curve = given if isinstance(given, TorqueCurve) else TorqueCurve.from_table(given)
+    return {**configuration, "torque": curve.torque[0]}, curve
 
 
 def plan_from(

@@ -14,6 +14,7 @@ from escapement.model import LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.varied import CASE
+from escapement.torque_curve import TorqueCurve
 
 
 def model_numbers() -> dict[str, Quantity]:
@@ -72,6 +73,8 @@ class StudyPlan:
         Engine and tolerances.
     fingerprint : str
         Of the numbers drawn for a sample; "" where nothing was drawn.
+    curve : TorqueCurve, optional
+        The torque over the driver angle in SI, of which `fixed_si` has the first.
     """
 
     configuration: dict[str, Any]
@@ -82,6 +85,7 @@ class StudyPlan:
     varied: dict[str, dict[str, NDArray[Any]]]
     solver: Solver
     fingerprint: str = ""
+    curve: TorqueCurve | None = None
 
     @property
     def title(self) -> str:
@@ -167,6 +171,7 @@ class StudyPlan:
             more pins than the slots allow.
         """
         values = self.values(case)
+        values["torque"] = self.curve or values["torque"]
         inertias = {entry.key: values[name] for name, entry in declared(Inertia).items()}
         return Escapement(
             mechanism=self.mechanism(case),

@@ -8,8 +8,8 @@ from enum import IntEnum
 
 import numpy as np
 
-from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.drive import torque_at
+from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.gauss import POINTS, N, cumulate, dot
 from escapement.engines.energy.locate import locate, weights_to

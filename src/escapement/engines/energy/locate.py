@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.drive import torque_at
 from escapement.dynamics import (
     contact,
     dragged_slope,
@@ -17,7 +18,6 @@ from escapement.dynamics import (
     net_torque,
     root_of,
 )
-from escapement.drive import torque_at
 from escapement.engines.energy import sampling
 from escapement.engines.energy.gauss import (
     BARYCENTRIC,

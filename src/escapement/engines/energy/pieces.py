@@ -25,6 +25,7 @@ from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
+from escapement.torque_curve import MOST_KNOTS
 
 MOTION_EVENT = record_dtype(
     {
@@ -65,7 +66,8 @@ def _copy(table, to, filled):
 def events_of(addresses, scene_tuple, cells, first, starts, squares, rtol):
     """All events of the engagements that start at the times `starts` with the w of `squares`.
 
-    `first` is the number of the first of these engagements; `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them.
+    `first` is the number of the first of these engagements; `addresses`, `scene_tuple` and
+    `cells` are as `calls.prepared` gives them.
 
     Returns
     -------
@@ -76,7 +78,7 @@ def events_of(addresses, scene_tuple, cells, first, starts, squares, rtol):
     loose, strict = panels.tolerances(rtol)
     request = Request(np.int64(Detail.EVERYTHING), loose, strict)
     store = panels.new_store(panels.MAX_PANELS)
-    events = np.empty(_ROOM + 4 * scene.edges.size + scene.torque.size, EVENT)
+    events = np.empty(_ROOM + 4 * scene.edges.size + MOST_KNOTS, EVENT)
     table = np.empty(8 * starts.size + 64, MOTION_EVENT)
     count, filled, rising = panels.NO_PANELS, NO_EVENTS, 0.0
     for k in range(starts.size):

@@ -97,9 +97,9 @@ def solve_side(scene, work, panel, side, energy):
     """
     solution = solution_of(panel, side)
     viscous = is_viscous(scene)
-    if not viscous and solution.tail != UNSOLVED:
-        if solution.pull == panel.entry.pull or shift(solution, panel.entry.pull, points_of(work)):
-            return
+    pull, known = panel.entry.pull, not viscous and solution.tail != UNSOLVED
+    if known and (solution.pull == pull or shift(solution, pull, points_of(work))):
+        return
     # the first solution is without viscous drag
     fill_bend(scene, work, panel, solution, side)
     for _ in range(MOST_STEPS):
