@@ -1,5 +1,6 @@
 """`simulate` gives a motion, `terminal` the figures of merit of its terminal cycle."""
 
+import math
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -160,7 +161,8 @@ def terminal(
     if _too_unequal(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=_TOO_UNEQUAL)
     critical, uniqueness = friction_limits(escapement)
-    base = Figures(critical_friction=critical, uniqueness_friction=uniqueness)
+    margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
+    base = Figures(critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin)
     # the limit is decided before anything is integrated
     if message := painleve_message(escapement):
         return replace(base, status=Status.PAINLEVE, message=message)
