@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.study_table import Parameter, StudyTable, check_number
+from escapement.plots.study_table import STEPPED, Parameter, StudyTable, check_number
 from escapement.plots.style import LINE, number_text
 
 _FEW = 15  # a line of at most so many points has each of them marked
@@ -25,34 +25,37 @@ _MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
 _NARROW = 24  # characters of a label that fit below a third of a page
 _EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
 _APART = 0.1  # numbers closer than this share of the map would overlap
-_STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so have no contours
 
 
 def draw_lines(ax: Axes, table: StudyTable) -> list[Line2D]:
     """A line for each value of the second parameter, six at most; returns them.
 
     Points are marked where they are few or stand alone. Over whole numbers each is marked, and
-    none is joined to the next. Of quantiles the second and third are the ends of a band.
+    none is joined to the next. A line breaks where its result jumps. Of quantiles the second and
+    third are the ends of a band.
     """
     check_number(table.results, table.values[0])
     x, drawn = table.x, list[Line2D]()
     for look, column in zip(style.LOOKS, _columns_drawn(table), strict=False):
         value = table.lines.values[column].item()
         name = value if isinstance(value, str) else number_text(value)
-        y, *sides = table.values[:, :, column]
+        # a jump breaks the line, and the band with it, by a point without a value
+        behind = np.flatnonzero(table.jumps[:, :-1, column].any(axis=0)) + 1
+        y, *sides = np.insert(table.values[:, :, column], behind, np.nan, axis=1)
+        along = np.insert(x.values.astype(float), behind, x.values[behind])
         # a point between two gaps would be invisible without a marker
         finite = np.pad(np.isfinite(y), 1)
-        marked = finite[1:-1] & ~finite[:-2] & ~finite[2:] | (x.whole or y.size <= _FEW)
+        marked = finite[1:-1] & ~finite[:-2] & ~finite[2:] | (x.whole or x.values.size <= _FEW)
         drawn += ax.plot(
-            x.values, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
+            along, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
             mfc="white", mew=0.9, label=name, marker=look.marker if marked.any() else "",
             markevery=None if marked.all() else np.flatnonzero(marked).tolist(),
         )  # fmt: skip
         band: dict[str, Any] = {"color": look.color, "alpha": 0.2}
         if sides and x.whole:
-            ax.vlines(x.values, *sides, lw=4.0, **band)
+            ax.vlines(along, *sides, lw=4.0, **band)
         elif sides:
-            ax.fill_between(x.values, *sides, lw=0.0, **band)
+            ax.fill_between(along, *sides, lw=0.0, **band)
     dress_axis(ax, "x", x)
     ax.set_ylabel(style.label(table.name, table.unit))
     return drawn
@@ -95,7 +98,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     x, y = table.x, table.lines
     # contours and cells have the first axis along the columns
     z = np.ma.masked_invalid(table.values[0].T)
-    cells = table.results[0] in _STEPPED or x.whole or y.whole
+    cells = table.results[0] in STEPPED or x.whole or y.whole
     count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black can be read on 0.6
     levels = np.asarray(ticker.MaxNLocator(count).tick_values(float(z.min()), float(z.max())))
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))

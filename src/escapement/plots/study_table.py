@@ -30,6 +30,9 @@ _REASONS = {
 _WIDEST = 56  # so many characters of a note fit over one column
 _HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # a longer name makes no axis label
+STEPPED = ("rise_time", "settling_time")
+"""Times of an extremum of the speed: they jump where another extremum takes its place."""
+_LEAP = 0.25  # of a period: without a jump two neighbours differ by less, with one by more
 _DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
 
 
@@ -62,6 +65,7 @@ class StudyTable(NamedTuple):
     x, lines : parameters along the second and third, ascending; `lines` has one value where
         only one parameter varies.
     values : the results in one unit, not finite where there is none.
+    jumps : of the same shape, whether a value and the next along `x` are not to be joined.
     name, unit : of the first result, as printed.
     note : which axes were fixed, and where, and which cases have no answer; "" for none.
     """
@@ -70,6 +74,7 @@ class StudyTable(NamedTuple):
     x: Parameter
     lines: Parameter
     values: FloatArray
+    jumps: NDArray[np.bool_]
     name: str
     unit: str
     note: str
@@ -93,8 +98,7 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
     InvalidValue
         For an unknown result, or a study that varies nothing.
     """
-    for name in results:
-        validate.choice("result", name, tuple(name for name in study.results if name != "status"))
+    chosen(study, results)
     if study.sampled:
         raise refusal("be a grid to be drawn as lines or a map", "a sample", "use plot_study")
     varied = [name for name, values in study.axes.items() if values.size > 1]
@@ -110,11 +114,17 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
         name: values.argsort() if name in (x, lines) else np.array([values.size // 2])
         for name, values in study.axes.items()
     }
-    # the quantiles of a sample stand in front of its axes
-    values = np.concatenate([study.results[name].reshape(-1, *study.shape) for name in results])
-    values = values[np.ix_(np.arange(len(values)), *kept.values())]
-    values = np.moveaxis(values, 1 + [*kept].index(x), 1)
-    values = values.reshape(len(values), kept[x].size, -1)
+
+    def arranged(name: str) -> FloatArray:
+        # the quantiles of a sample stand in front of its axes
+        found = study.results[name].reshape(-1, *study.shape)
+        found = found[np.ix_(np.arange(len(found)), *kept.values())]
+        found = np.moveaxis(found, 1 + [*kept].index(x), 1)
+        return found.reshape(len(found), kept[x].size, -1)
+
+    values = np.concatenate([arranged(name) for name in results])
+    period = arranged("period") if "period" in study.results else np.full(1, np.nan)
+    jumps = np.concatenate([_jumps(name, arranged(name), period) for name in results])
     factor, unit = scaled(study.units.get(results[0], ""), values)
     shown = {name: parameter(study, name, study.axes[name][index]) for name, index in kept.items()}
     at = (_fixed(shown[name], study.axes[name].size) for name in kept if name not in (x, lines))
@@ -124,7 +134,34 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
     note = "\n".join(textwrap.fill(line, _WIDEST) for line in notes if line).replace(_HARD, " ")
     across = Parameter("", "", np.zeros(1)) if lines is None else shown[lines]
     name = printed_name(study, results[0])
-    return StudyTable(results, shown[x], across, factor * values, name, unit, note)
+    return StudyTable(results, shown[x], across, factor * values, jumps, name, unit, note)
+
+
+def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ()) -> list[str]:
+    """Results to draw: those named, or else the usual ones, or all if the study has none of these.
+
+    Raises
+    ------
+    InvalidValue
+        When a name is none of the study's results.
+    """
+    has = tuple(name for name in study.results if name != "status")
+    if names is None:
+        return [name for name in usual if name in has] or [*has]
+    if isinstance(names, str):
+        raise validate.fail("results", "a list of names", names, f"give [{names!r}]")
+    return [validate.choice("result", name, has) for name in names]
+
+
+def _jumps(name: str, values: FloatArray, period: FloatArray) -> NDArray[np.bool_]:
+    """Where a time jumps to another extremum, told by the periods that it takes.
+
+    A time that may jump is joined nowhere where the study does not tell the period.
+    """
+    if name not in STEPPED:
+        return np.zeros(values.shape, dtype=bool)
+    leaps = np.diff(values / period, axis=1, append=np.nan)
+    return np.asarray(~(np.abs(leaps) < _LEAP))
 
 
 def available(study: Study, names: Iterable[str]) -> list[StudyTable]:

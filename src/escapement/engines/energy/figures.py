@@ -60,10 +60,11 @@ def figures(case, handoffs, w, rtol, extent, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, and its extrema are
-    kept. Newton's method finds the terminal cycle from there. The kept extrema are then
-    compared with that cycle, and so are its handoffs, kept in `handoffs` from the start on. The
-    motion is followed further until all that its `extent` asks for is known. On a stall out[0] is the driver angle and out[1] the engagement; both are NaN where a motion
-    without friction loses energy in every engagement, which `escapement.terminal` tells first.
+    kept, and so are its `handoffs`. Newton's method finds the terminal cycle from there. What
+    was kept is then compared with that cycle, and the motion is followed further until all that
+    `extent` asks for is known. On a stall out[0] is the driver angle and out[1] the engagement;
+    both are NaN where a motion without friction loses energy in every engagement, which
+    `escapement.terminal` tells first.
     """
     scene, events = case.scene, case.events
     start, handoffs[0, 0], handoffs[0, 1] = w, 0.0, w
