@@ -127,7 +127,7 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
 
 def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict[str, Any]:
     """What `run` reports, by JSON key, in the user's units."""
-    from escapement.metrics import FIGURES
+    from escapement.merits import FIGURES
 
     found = {
         name: _output.in_units(getattr(figures, name), figure.kind, units)
@@ -172,7 +172,7 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
 
 def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> None:
     """What was simulated, with units in both systems, and what came of it."""
-    from escapement.metrics import FIGURES
+    from escapement.merits import FIGURES
 
     (other,) = (system for system in SYSTEMS if system != units)
     rows = []

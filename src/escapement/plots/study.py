@@ -10,7 +10,14 @@ from matplotlib.figure import Figure
 
 from escapement.plots import style
 from escapement.plots.sample import QUANTILES, counted, missing, plot_sample, quantile, ran
-from escapement.plots.study_panels import draw_lines, draw_map, explain, head, legend_title
+from escapement.plots.study_panels import (
+    NARROW,
+    draw_lines,
+    draw_map,
+    explain,
+    head,
+    legend_title,
+)
 from escapement.plots.study_table import (
     Parameter,
     StudyTable,
@@ -52,9 +59,10 @@ def plot_lines(
     Returns
     -------
     Axes
-        Computed points are marked where they are few, and not joined over a parameter
-        that is a whole number, nor where a rise or settling time jumps. A note says how many have no answer, and why. Of many lines six are
-        drawn. Axes beyond two stay at their middle value, told in the legend.
+        Computed points are marked where they are few, and not joined over a parameter that
+        is a whole number, nor where a rise or settling time jumps. A note says how many
+        have no answer, and why. Of many lines six are drawn. Axes beyond two stay at their
+        middle value, told in the legend.
 
     Raises
     ------
@@ -132,10 +140,10 @@ def plot_spread(study: Study, results: Sequence[str] | None = None) -> Figure:
     Returns
     -------
     Figure
-        Each result against a swept parameter: the median over the sample, in a band from its 5 % to its 95 % quantile; a line for each value of
-        a second one. A rise time that a case lacks although it has an answer is longer
-        than any: the median is not drawn where half of the cases lack it, nor is the
-        band where one in twenty does.
+        Each result against a swept parameter: the median over the sample, in a band from
+        its 5 % to its 95 % quantile; a line for each value of a second one. A rise time
+        that a case lacks although it has an answer is longer than any: the median is not
+        drawn where half of the cases lack it, nor is the band where one in twenty does.
 
     Raises
     ------
@@ -233,11 +241,11 @@ def _plot_double(tables: Sequence[StudyTable]) -> Figure:
     rows = [tables[i : i + _BESIDE] for i in range(0, len(tables), _BESIDE)]
     figure = style.new_figure(style.TWO_COLUMN, 6.3 * len(rows))
     heights = [1.0, 1.05] * len(rows)
-    parts = figure.subfigures(len(heights), 1, height_ratios=heights)
+    parts: Any = figure.subfigures(len(heights), 1, height_ratios=heights)
     where: dict[str, Any] = {"handlelength": style.HANDLE}
     for row, upper, lower in zip(rows, parts[::2], parts[1::2], strict=True):
         for ax, table in zip(style.new_panels(upper, 1, len(row)), row, strict=True):
-            lines = draw_lines(ax, table)
+            lines = draw_lines(ax, table, NARROW if len(row) == _BESIDE else style.LINE)
         title, above = legend_title(table), "outside upper center"
         style.add_legend(upper, len(lines), title, handles=lines, loc=above, **where)
         holes = []

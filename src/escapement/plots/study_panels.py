@@ -22,17 +22,19 @@ _FEW = 15  # a line of at most so many points has each of them marked
 _LEVELS = 7  # a map has about so many contours
 _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
 _MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
-_NARROW = 24  # characters of a label that fit below a third of a page
+NARROW = 24
+"""Characters of a label that fit below a third of a page."""
 _EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
 _APART = 0.1  # numbers closer than this share of the map would overlap
 
 
-def draw_lines(ax: Axes, table: StudyTable) -> list[Line2D]:
+def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     """A line for each value of the second parameter, six at most; returns them.
 
     Points are marked where they are few or stand alone. Over whole numbers each is marked, and
     none is joined to the next. A line breaks where its result jumps. Of quantiles the second and
     third are the ends of a band.
+    line : characters of a label that fit below the panel.
     """
     check_number(table.results, table.values[0])
     x, drawn = table.x, list[Line2D]()
@@ -56,7 +58,7 @@ def draw_lines(ax: Axes, table: StudyTable) -> list[Line2D]:
             ax.vlines(along, *sides, lw=4.0, **band)
         elif sides:
             ax.fill_between(along, *sides, lw=0.0, **band)
-    dress_axis(ax, "x", x)
+    dress_axis(ax, "x", x, line)
     ax.set_ylabel(style.label(table.name, table.unit))
     return drawn
 
@@ -104,7 +106,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
-    dress_axis(ax, "x", x, _NARROW if bar == "top" else LINE)
+    dress_axis(ax, "x", x, NARROW if bar == "top" else LINE)
     dress_axis(ax, "y", y)
     if cells:
         norm = BoundaryNorm(levels, colours.N)

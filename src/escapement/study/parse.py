@@ -16,7 +16,7 @@ from escapement import units, validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files import AnyPath, check_input
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
-from escapement.metrics import FIGURES
+from escapement.merits import FIGURES
 from escapement.model import Escapement, Mechanism, check_lengths
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from escapement import units
 from escapement.mechanisms import KINDS, kind_of
-from escapement.metrics import FIGURES, Result
+from escapement.merits import FIGURES, Result
 from escapement.model import LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.metrics import FIGURES, Result
+from escapement.merits import FIGURES, Result
 from escapement.status import Status
 from escapement.text import Shown
 

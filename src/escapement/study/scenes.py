@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from escapement import simulation, units
 from escapement.errors import InvalidValue
-from escapement.metrics import FIGURES, TRANSIENT, Figures
+from escapement.merits import FIGURES, TRANSIENT
+from escapement.metrics import Figures
 from escapement.model import (
     LENGTHS,
     MOST_UNEQUAL,
@@ -198,11 +199,8 @@ def evaluate(plan: StudyPlan, start: int, stop: int, shared: SharedScenes | None
         found = solve_scenes(plan, cases) if shared is None else shared.of(plan, cases)
         return _on_their_clocks(plan, cases, *found)
     alone = [_alone(plan, case) for case in cases.tolist()]
-    return {
-        name: np.array([getattr(figures, name) for figures in alone], dtype=result.dtype)
-        / units.factor(result.kind, plan.configuration["units"])
-        for name, result in plan.results.items()
-    }
+    columns = {name: np.array([getattr(it, name) for it in alone], "<f8") for name in plan.results}
+    return _in_its_units(plan, columns)
 
 
 def _on_their_clocks(
@@ -217,12 +215,20 @@ def _on_their_clocks(
         figures[:, bad], status[bad] = np.nan, Status.INVALID
         square = np.where(bad, 1.0, square)
     clock = np.sqrt(square)
-    torque, system = values[TORQUE], plan.configuration["units"]
-    columns = {
-        name: line * (_si_unit(result.kind, clock, torque) / units.factor(result.kind, system))
-        for (name, result), line in zip(plan.results.items(), figures, strict=False)
+    found = {
+        name: line * _si_unit(result.kind, clock, values[TORQUE])
+        for (name, result), line in zip(plan.results.items(), [*figures, status], strict=True)
     }
-    return columns | {"status": status}
+    return _in_its_units(plan, found)
+
+
+def _in_its_units(plan: StudyPlan, found: Columns) -> Columns:
+    """Results in the units and types of the file, from those in SI."""
+    system = plan.configuration["units"]
+    return {
+        name: (found[name] / units.factor(result.kind, system)).astype(result.dtype)
+        for name, result in plan.results.items()
+    }
 
 
 def _alone(plan: StudyPlan, case: int) -> Figures:

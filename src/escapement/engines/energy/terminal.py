@@ -1,6 +1,7 @@
 """Terminal cycle and figures of merit of the fast engine."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,8 @@ from escapement.engines.energy.batch import FIXED, solve_rows
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.figures import Extent
 from escapement.engines.energy.simulate import simulate
-from escapement.metrics import TRANSIENT, Figures
+from escapement.merits import TRANSIENT
+from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.motion import stall_message
 from escapement.status import MESSAGES, Status
@@ -39,7 +41,7 @@ def terminal(
     motion = simulate(escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol)
     # the period of the motion that is returned, so that its end time has the same digits
     period = float(motion.end_time)
-    times = {name: float(out[place] * clock) for name, place in _TIMES.items()}
+    times: dict[str, Any] = {name: float(out[place] * clock) for name, place in _TIMES.items()}
     late = [name for name, time in times.items() if np.isnan(time)]
     message = base.message
     if late:

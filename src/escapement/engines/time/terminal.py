@@ -18,7 +18,8 @@ from scipy.optimize import toms748
 from escapement.engines.time.law import Law
 from escapement.engines.time.simulate import simulate
 from escapement.mechanisms.slotted import transmission_at
-from escapement.metrics import BOUNDLESS, TRANSIENT, Figures, fall_times, read_cycle, read_transient
+from escapement.merits import TRANSIENT
+from escapement.metrics import BOUNDLESS, Figures, fall_times, read_cycle, read_transient
 from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
@@ -51,7 +52,7 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
         motion = simulate(escapement, engagements=count, duration=None, **settings)
         rise, settled = read_transient(motion, figures)
         falls = fall_times(motion, settings["initial_speed"], figures.handoff_velocity)
-        times = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
+        times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
         if not any(map(math.isnan, times.values())):
             return replace(figures, **times)
         count *= 2
