@@ -56,8 +56,8 @@ def execute(args: Arguments) -> int:
             raise UsageError(f"--select, of {args.file}: {error}") from None
         study = in_units(study, args.units)
         wanted = args.result and [name.strip() for name in args.result.split(",")]
-        gaps = _gaps(study, wanted or study.results)
         _output.draw(path, lambda plots: plots.plot_study(study, wanted))
+        gaps = _gaps(study, wanted or study.results)
     record = {"input": str(args.file), "holds": holds, "output": str(path)}
     _output.tell(args, record, lambda: _output.note(f"{holds} drawn in {path}"), gaps)
     return 0

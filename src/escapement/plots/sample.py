@@ -54,7 +54,7 @@ def plot_sample(study: Study, results: Sequence[str] | None = None) -> Figure:
         A sweep's result over a sample.
     results : sequence of str, optional
         Which results, by name, a row each; those without a number are left out. Default:
-        period, maximum velocity and rise time, or all where the study keeps none of these.
+        period, maximum velocity and rise time, but all of a study that chose its own.
 
     Returns
     -------

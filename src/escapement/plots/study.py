@@ -177,7 +177,7 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
         A sweep's result.
     results : sequence of str, optional
         Which results, by name. Default: period, mean velocity and rise time, over one axis
-        also settling time and the other velocities; all where the study keeps none of these.
+        also settling time and the other velocities; all of a study that chose its own.
 
     Returns
     -------

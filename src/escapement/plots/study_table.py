@@ -12,12 +12,14 @@ from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.plots.style import number_text, print_unit, scaled
 from escapement.status import Status
-from escapement.study.result import Study
+from escapement.study.result import DEFAULT, Study
 
 _SHORT = {
     "friction": "coefficient of friction",
     "velocity_max": "maximum driver velocity",
     "velocity_mean": "mean driver velocity",
+    "rise_time_63": "rise time, 63 %",
+    "rise_time_98": "rise time, 98 %",
     "velocity_min": "minimum driver velocity",
 }
 _REASONS = {
@@ -138,7 +140,7 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
 
 
 def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ()) -> list[str]:
-    """Results to draw: those named, or else the usual ones, or all if the study has none of these.
+    """Results to draw: those named; else the usual ones, but all of a study that chose its own.
 
     Raises
     ------
@@ -147,7 +149,7 @@ def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ())
     """
     has = tuple(name for name in study.results if name != "status")
     if names is None:
-        return [name for name in usual if name in has] or [*has]
+        return [*(usual if {*has} == {*DEFAULT} else has)]
     if isinstance(names, str):
         raise validate.fail("results", "a list of names", names, f"give [{names!r}]")
     return [validate.choice("result", name, has) for name in names]
