@@ -114,7 +114,14 @@ class Figures(Shown):
 
     @cached_property
     def _peaks(self) -> list[float]:
-        return [_NAN] * 4 if self.motion is None else _find_peaks(self.motion)
+        if self.motion is None:
+            return [_NAN] * 4
+        peaks = getattr(self.motion.trajectory, "peaks", None)
+        if peaks is None:
+            return _find_peaks(self.motion)
+        *others, force = peaks.max(axis=1).tolist()
+        crank = getattr(self.motion.escapement.mechanism, "crank_radius", None)
+        return [*others, _NAN if crank is None else force / crank]
 
     acceleration_max = _peak(0, "Greatest driver acceleration [rad/s^2].")
     follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
@@ -226,8 +233,8 @@ def _extremes(extrema: Extrema) -> np.ndarray:
 def _find_peaks(motion: Motion) -> list[float]:
     """Greatest accelerations of driver and follower, contact moment and force of a motion.
 
-    These are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
-    without a crank radius.
+    It is for a motion whose engine does not find them itself. They are magnitudes over all
+    pieces, one-sided at their boundaries. The force is NaN without a crank radius.
     """
     names = ["theta_ddot", "phi_ddot", "contact_moment"]
     if getattr(motion.escapement.mechanism, "crank_radius", None) is not None:
