@@ -114,14 +114,7 @@ class Figures(Shown):
 
     @cached_property
     def _peaks(self) -> list[float]:
-        if self.motion is None:
-            return [_NAN] * 4
-        peaks = getattr(self.motion.trajectory, "peaks", None)
-        if peaks is None:
-            return _find_peaks(self.motion)
-        *others, force = peaks.max(axis=1).tolist()
-        crank = getattr(self.motion.escapement.mechanism, "crank_radius", None)
-        return [*others, _NAN if crank is None else force / crank]
+        return [_NAN] * 4 if self.motion is None else find_peaks(self.motion)
 
     acceleration_max = _peak(0, "Greatest driver acceleration [rad/s^2].")
     follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
@@ -230,12 +223,23 @@ def _extremes(extrema: Extrema) -> np.ndarray:
     return np.sort(order[np.unique(kinds, axis=0, return_index=True)[1]])
 
 
-def _find_peaks(motion: Motion) -> list[float]:
+def find_peaks(motion: Motion) -> list[float]:
     """Greatest accelerations of driver and follower, contact moment and force of a motion.
 
-    It is for a motion whose engine does not find them itself. They are magnitudes over all
-    pieces, one-sided at their boundaries. The force is NaN without a crank radius.
+    They are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
+    without a crank radius.
     """
+    # one engine finds them itself, and the motion of the other is sampled
+    found = getattr(motion.trajectory, "peaks", None)
+    if found is None:
+        return _sampled_peaks(motion)
+    *others, force = found.max(axis=1).tolist()
+    crank = getattr(motion.escapement.mechanism, "crank_radius", None)
+    return [*others, _NAN if crank is None else force / crank]
+
+
+def _sampled_peaks(motion: Motion) -> list[float]:
+    """The same from states of the motion."""
     names = ["theta_ddot", "phi_ddot", "contact_moment"]
     if getattr(motion.escapement.mechanism, "crank_radius", None) is not None:
         names.append("contact_force")

@@ -4,7 +4,6 @@ They are looked for on the panels on which `pieces.states_in` solves the piece: 
 Gauss points first, and then between the neighbours of a point that may be next to the greatest.
 """
 
-
 from escapement.dynamics import (
     bend,
     contact,
