@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from escapement.plots import style
 from escapement.plots.sample import QUANTILES, counted, missing, plot_sample, quantile, ran
@@ -211,18 +212,18 @@ def _plot_single(study: Study) -> Figure:
 
 def _plot_double(tables: Sequence[StudyTable], maps: Sequence[StudyTable]) -> Figure:
     """Lines above maps."""
-    figure = style.new_figure(style.TWO_COLUMN, 6.3)
-    upper, lower = figure.subfigures(2, 1, height_ratios=(1.0, 1.05))  # type: ignore[misc]
+    figure = style.new_figure(style.TWO_COLUMN, 6.5)
+    upper, lower = figure.subfigures(2, 1, height_ratios=(1.0, 1.1))  # type: ignore[misc]
     for ax, table in zip(style.new_panels(upper, 1, len(tables)), tables, strict=True):
         lines = draw_lines(ax, table)
     where: dict[str, Any] = {"handlelength": style.HANDLE, "loc": "outside upper center"}
     style.add_legend(upper, len(lines), legend_title(table), handles=lines, **where)
     where["loc"] = "outside lower center"
-    holes = []
+    keys = dict[Any, Patch]()
     for ax, table in zip(style.new_panels(lower, 1, len(maps)), maps, strict=True):
-        holes += draw_map(ax, table, bar="top")
+        keys |= {key.get_label(): key for key in draw_map(ax, table, bar="top")}
         ax.label_outer()
-    if holes:
-        style.add_legend(lower, 1, handles=holes[:1], **where)
+    if keys:
+        style.add_legend(lower, 2, handles=[*keys.values()], **where)
     head(figure, table)
     return figure
