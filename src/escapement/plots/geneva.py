@@ -19,6 +19,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "follower-shaft": {"facecolor": "white", "zorder": 2.1},
     "locking-disc": {"facecolor": "#9cc7e8", "zorder": 2.5},
     "driver-shaft": {"facecolor": "white", "zorder": 2.6},
+    "roller": {"facecolor": "#dcebf7", "edgecolor": "#00466f", "zorder": 2.9},
     "pin": {"facecolor": "#00466f", "edgecolor": "#00466f", "linewidth": 0, "zorder": 3},
 }
 _BROKEN = {"fill": False, "ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5)), "zorder": 2.2}
@@ -35,8 +36,8 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     Parameters
     ----------
     mechanism : Geneva
-        What to draw. Pin and slot widths are the drawing's choice: the model
-        has none.
+        What to draw. The width of pins without a `pin_radius` and of their slots is the
+        drawing's choice.
     theta : float
         Driver angle from dead centre of the reference pin [rad], of any size;
         in a dwell the follower stands locked.
@@ -48,7 +49,7 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     -------
     Axes
         Artists carry ids: "follower", "crank-disc", "locking-disc", and
-        "pin-k" and "slot-k" (its centre line) with k counted from 0.
+        "pin-k", "roller-k" and "slot-k" (its centre line) with k counted from 0.
 
     Raises
     ------
