@@ -1,6 +1,6 @@
 """Drawings to scale: pins, slots and discs are where geometry puts them."""
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -69,9 +69,9 @@ def test_pins_never_touch_the_follower(drive):
             assert abs(dense - pin).min() > 0.99 * outline.pin_radius
 
 
-@pytest.mark.parametrize("share", [0.02, 0.5, 0.999])
+@pytest.mark.parametrize("share", [0.02, 0.999])
 @pytest.mark.parametrize(
-    "kind", [(esc.Geneva, n, pins, internal) for n in (3, 4, 6, 18, 100)
+    "kind", [(esc.Geneva, n, pins, internal) for n in (3, 5, 18)
              for pins, internal in ((None, False), (1, False), (1, True))]
     + [(esc.GearDriven, 12, 3), (esc.GearDriven, 4, 1, "epicycloid")],
 )  # fmt: skip
@@ -145,8 +145,14 @@ def test_configurations_show_the_three_continuous_drives():
     titles = [ax.get_title() for ax in figure.axes]
     assert titles == ["3 slots, 6 pins", "4 slots, 4 pins", "6 slots, 3 pins"]
     figure.draw_without_rendering()
-    scales = [np.diff(ax.transData.transform([(0, 0), (1, 0)]), axis=0)[0, 0] for ax in figure.axes]
-    np.testing.assert_allclose(scales, scales[0], rtol=0.02)
+    for ax in figure.axes:
+        assert ax.get_aspect() == 1.0
+        words = {text.get_text(): text.get_window_extent() for text in ax.texts}
+        assert words.keys() == {"driver", "follower", "pin", "slot", "crank radius"}
+        assert not any(a.overlaps(b) for a, b in combinations(words.values(), 2))
+        assert all(figure.bbox.x0 <= a.x0 <= a.x1 <= figure.bbox.x1 for a in words.values())
+    axes = np.array([ax.transData.transform((0, 0))[1] for ax in figure.axes])
+    assert np.ptp(axes) < 1.0  # lines of centres at one height
 
 
 def test_drawing_refuses_what_it_cannot_draw():

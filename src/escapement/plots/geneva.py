@@ -71,7 +71,7 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
 
 
 def plot_configurations(theta: float = 0.0) -> Figure:
-    """The three continuous Geneva drives side by side, crank radii equal.
+    """The three continuous Geneva drives side by side, equally wide, with their parts named.
 
     Parameters
     ----------
@@ -83,18 +83,36 @@ def plot_configurations(theta: float = 0.0) -> Figure:
     angle = validate.number("theta", theta, "give the driver angle in rad")
     drives = [GenevaOutline(Geneva(slots=n)) for n in _CONTINUOUS]
     boxes = [_extent(drive) for drive in drives]
-    widths = [box[1] - box[0] for box in boxes]
-    half = max(box[3] for box in boxes) + 0.05
+    # heights are shares of the widths, and have room for the highest drive and its bar
+    top = max((box[3] + 0.05) / (box[1] - box[0]) for box in boxes)
+    bottom = -top - 0.06
     wide = style.TWO_COLUMN
-    figure = style.new_figure(wide, 2.0 * wide * half / sum(widths) + 0.3)
-    axes = figure.subplots(1, 3, width_ratios=widths)
-    for ax, outline in zip(axes, drives, strict=True):
+    figure = style.new_figure(wide, wide / 3.0 * (top - bottom) + 0.3)
+    for ax, outline, (left, right, _, _) in zip(figure.subplots(1, 3), drives, boxes, strict=True):
         _draw(ax, outline, angle)
-        ax.set_ylim(-half, half)
-        wheel = outline.mechanism
+        width, wheel = right - left, outline.mechanism
+        ax.set_ylim(bottom * width, top * width)
         ax.set_title(f"{wheel.slots} slots, {wheel.pins} pins", fontsize=style.LABEL_SIZE)
-    _draw_scale(axes[0], drives[0])
+        _name_parts(ax, outline, angle)
+        drawing.length(ax, (left + 0.15, (bottom + 0.03) * width), 1.0, "crank radius")
     return figure
+
+
+def _name_parts(ax: Axes, outline: GenevaOutline, theta: float) -> None:
+    """Names of driver, follower, the highest pin, and a slot on the lower left."""
+    wheel, rim = outline.mechanism, outline.rim_radius
+    pins = [body.centre for body in outline.bodies(theta) if body.name.startswith("pin-")]
+    phi = locked_angle(wheel, theta) + wheel.follower_step * np.arange(wheel.slots)
+    slot = min(np.exp(1j * phi), key=lambda along: abs(along - np.exp(-2.4j)))
+    aside = 13j * slot
+    names = {
+        "driver": (wheel.centre_distance + 0.3 - 0.4j, (0.0, 0.0)),
+        "follower": (rim * np.exp(2.2j), (-8.0, 11.0)),
+        "pin": (max(pins, key=lambda pin: pin.imag), (0.0, -11.0)),
+        "slot": ((0.6 * outline.slot_end + 0.4 * rim) * slot, (aside.real, aside.imag)),
+    }
+    for name, (place, offset) in names.items():
+        style.annotate(ax, name, (place.real, place.imag), offset)
 
 
 def _draw(ax: Axes | None, outline: GenevaOutline, theta: float) -> Axes:
