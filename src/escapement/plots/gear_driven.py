@@ -18,7 +18,6 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "follower": {"facecolor": "#F5D7A9", "linewidth": 0.8, "zorder": 1, "joinstyle": "round"},
     "fixed-gear": {**_PITCH, "edgecolor": style.GREY},
     "planet": {**_PITCH, "edgecolor": style.BLUE},
-    "roller": {"facecolor": "white", "edgecolor": _PIN, "zorder": 2.9},
     "pin": {"color": _PIN, "linewidth": 0, "zorder": 3},
 }
 _PLANET = {"planet": {"facecolor": "#DCE9F7", "alpha": 0.55, "linewidth": 0, "zorder": 2.1}}
@@ -54,7 +53,7 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     -------
     Axes
         Artists carry ids: "follower", "fixed-gear", "planet", "carrier", "path",
-        and "pin-k" and "roller-k" with k counted from 0.
+        and "pin-k" with k counted from 0.
 
     Raises
     ------
@@ -106,6 +105,8 @@ def _draw(ax: Axes | None, outline: GearDrivenOutline, theta: float, *, wheel: b
         for relief in outline.reliefs(theta):  # the wheel is cut away where unused lobes pass
             drawing.bodies(ax, [relief], _EDGE)["relief"].set_clip_path(solid)
             drawing.bodies(ax, [relief], _ROOM)
+    rollers = {"roller": {"facecolor": "white", "edgecolor": _PIN, "zorder": 2.9}}
+    drawing.bodies(ax, pins, rollers, linewidth=0.9)
     # pins of no given radius are drawn large enough to be seen
     least = 0.0 if outline.mechanism.contact_radius else 0.018 * outline.reach
     seen = [pin._replace(radius=max(pin.radius, least)) for pin in pins]
