@@ -126,7 +126,7 @@ class Wheel(Kind):
     def contact_radius(self) -> float:
         """Radius of what touches the slot, a pin or its roller [-]; 0 where none is given."""
         outer = self.roller_radius or self.pin_radius
-        return outer / self.crank_radius if outer else 0.0  # type: ignore[no-any-return]
+        return float(outer / self.crank_radius) if outer else 0.0
 
     @property
     def widest_pin(self) -> float:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from escapement import validate
 from escapement.mechanisms import Geneva
-from escapement.outlines import arc, locked_angle
+from escapement.outlines import Disc, arc, locked_angle
 from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import drawing, style
 
@@ -101,14 +101,15 @@ def plot_configurations(theta: float = 0.0) -> Figure:
 def _name_parts(ax: Axes, outline: GenevaOutline, theta: float) -> None:
     """Names of driver, follower, the highest pin, and a slot on the lower left."""
     wheel, rim = outline.mechanism, outline.rim_radius
-    pins = [body.centre for body in outline.bodies(theta) if body.name.startswith("pin-")]
+    # of all discs a pin has the highest centre
+    centres = [body.centre for body in outline.bodies(theta) if isinstance(body, Disc)]
     phi = locked_angle(wheel, theta) + wheel.follower_step * np.arange(wheel.slots)
     slot = min(np.exp(1j * phi), key=lambda along: abs(along - np.exp(-2.4j)))
     aside = 13j * slot
     names = {
         "driver": (wheel.centre_distance + 0.3 - 0.4j, (0.0, 0.0)),
         "follower": (rim * np.exp(2.2j), (-8.0, 11.0)),
-        "pin": (max(pins, key=lambda pin: pin.imag), (0.0, -11.0)),
+        "pin": (max(centres, key=lambda centre: centre.imag), (0.0, -11.0)),
         "slot": ((0.6 * outline.slot_end + 0.4 * rim) * slot, (aside.real, aside.imag)),
     }
     for name, (place, offset) in names.items():
