@@ -91,7 +91,8 @@ def handoff_map() -> Figure:
     left.plot([least, most], [least, most], color=style.GREY, lw=0.8)
     left.text(
         0.61 * most, 0.61 * most - 4.0, "w unchanged", color=style.GREY, va="top",
-        fontsize=style.SMALL_SIZE, ha="center", rotation=45.0, rotation_mode="anchor", transform_rotates_text=True,
+        fontsize=style.SMALL_SIZE, ha="center", rotation=45.0,
+        rotation_mode="anchor", transform_rotates_text=True,
     )  # fmt: skip
     left.set(xlim=(least, most), ylim=(0, 280))
     left.set_xlabel("w at a handoff (1000 rad²/s²)")
