@@ -41,7 +41,7 @@ def assert_as_alone(plan, results):
     for case in range(plan.cases):
         speed = plan.values(case)["initial_speed"]
         alone = simulation.terminal(plan.escapement(case), initial_speed=speed)
-        for name in RESULTS:
+        for name in plan.results:
             value = results[name].reshape(-1)[case]
             assert value == pytest.approx(getattr(alone, name), rel=1e-11, nan_ok=True), name
 

@@ -27,7 +27,9 @@ MOTIONS = json.loads((Path(__file__).parent / "reference" / "motions.json").read
 (REFERENCE,) = [case for case in MOTIONS if case["name"] == "meyer four pins"]
 RUN_KEYS = {
     *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
-    *("rise_time", "settling_time", "critical_friction", "uniqueness_friction"),
+    *("rise_time", "rise_time_63", "rise_time_98", "settling_time", "handoff_velocity"),
+    *("contraction", "critical_friction", "uniqueness_friction", "jam_margin"),
+    "last_reversal_angle",
     *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
     *("handoff_times", "handoff_velocities", "status", "message", "engine", "inputs"),
 }

@@ -1,5 +1,6 @@
 """`simulate` gives a motion, `terminal` the figures of merit of its terminal cycle."""
 
+import math
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -159,8 +160,7 @@ def terminal(
     engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     if _too_unequal(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=_TOO_UNEQUAL)
-    critical, uniqueness = friction_limits(escapement)
-    base = Figures(critical_friction=critical, uniqueness_friction=uniqueness)
+    base = limits(escapement)
     # the limit is decided before anything is integrated
     if message := painleve_message(escapement):
         return replace(base, status=Status.PAINLEVE, message=message)
@@ -179,6 +179,13 @@ def terminal(
     figures: Figures = _engine(engine, "terminal")(escapement, base, **settings)
     note = uniqueness_note(escapement)
     return replace(figures, message=_joined(figures.message, note)) if note else figures
+
+
+def limits(escapement: Escapement) -> Figures:
+    """The figures that belong to an escapement whether it moves or not."""
+    critical, uniqueness = friction_limits(escapement)
+    margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
+    return Figures(critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin)
 
 
 def _ends_alike(escapement: Escapement) -> bool:

@@ -39,6 +39,7 @@ _REASONS = {
     "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
     "stops in the same direction again",
     "critical_friction": "a mesh has no Painleve limit",
+    "last_reversal_angle": "the pin does not reverse",
     "inertia_ratio": "there is no F without a load",
     "reversal_limits": "the follower's deceleration ends at zero, so no inertia ratio lets it "
     "drive up to the end",

@@ -127,16 +127,19 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
 
 def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict[str, Any]:
     """What `run` reports, by JSON key, in the user's units."""
-    from escapement.metrics import FIGURES
+    from escapement.merits import FIGURES
 
     found = {
-        key: _output.in_units(getattr(figures, key), unit, units) for key, unit in FIGURES.items()
+        name: _output.in_units(getattr(figures, name), figure.kind, units)
+        for name, figure in FIGURES.items()
     }
     if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
         del found["contact_force_max"]
     outcome = motion if motion.status.failed else figures
     meshed = motion.escapement.mechanism.path.table
-    reasons = _output.not_given({"critical_friction": figures.critical_friction} if meshed else {})
+    may_lack = {"critical_friction"} if meshed else set()
+    may_lack |= {"last_reversal_angle"} if figures.motion is not None else set()
+    reasons = _output.not_given({name: found[name] for name in FIGURES if name in may_lack})
     if not reasons or outcome.message != MESSAGES[Status.OK]:
         reasons.insert(0, outcome.message)
     return found | {
@@ -169,7 +172,7 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
 
 def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> None:
     """What was simulated, with units in both systems, and what came of it."""
-    from escapement.metrics import FIGURES
+    from escapement.merits import FIGURES
 
     (other,) = (system for system in SYSTEMS if system != units)
     rows = []
@@ -183,8 +186,9 @@ def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> No
     found = record | {"handoffs": len(times)}
     if len(times):
         found |= {"last_handoff": times[-1], "velocity_there": speeds[-1]}
-    kinds = FIGURES | {"handoffs": "ratio", "last_handoff": "time", "velocity_there": "speed"}
+    kinds = {name: figure.kind for name, figure in FIGURES.items()}
+    kinds |= {"handoffs": "ratio", "last_handoff": "time", "velocity_there": "speed"}
     if found["uniqueness_friction"] == found["critical_friction"]:
         del found["uniqueness_friction"]
-    order = [key for key in (*kinds, "energy_residual", "status", "engine") if key in found]
+    order = [key for key in (*kinds, "status", "engine") if key in found]
     print_values(rows + _output.rows({key: found[key] for key in order}, kinds, units))

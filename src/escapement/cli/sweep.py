@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 UNITS = "units of the axes printed (default: those of the study)"
 
 _ROWS = 12
-_SHOWN = ("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time")
+_RESULTS = 5  # so many of them have room in a table
 
 
 def configure(parser: Parser) -> None:
@@ -99,17 +99,18 @@ def some_cases(
 ) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """At most a dozen cases of a study file, spread evenly over every dimension.
 
-    Only those are read, however large the file. Parameters are in `units`, or in the
-    study's where that is None. Returned as well: the unit of every column.
+    Only those are read, however large the file, and the first five of their results. Numbers
+    are in `units`, or in the study's where that is None. Returned as well: the unit of every
+    column.
     """
     import h5py
 
     from escapement.study.plan import unit_kind
-    from escapement.study.result import RESULTS
 
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
     own = plan.configuration["units"]
-    names = [name for columns in along for name in columns]
+    shown = [name for name in plan.results if name != "status"][:_RESULTS]
+    names = [*(name for columns in along for name in columns), *shown, "status"]
     scaled = {name: in_system(unit_kind(name), own, units) for name in names}
     cases = []
     with h5py.File(path, "r") as hdf5:
@@ -119,10 +120,9 @@ def some_cases(
                 for columns, i in zip(along, place, strict=True)
                 for name, values in columns.items()
             }
-            case |= {name: float(hdf5[name][place]) for name in _SHOWN}
+            case |= {name: float(hdf5[name][place]) * scaled[name][0] for name in shown}
             cases.append(case | {"status": Status(int(hdf5["status"][place])).label})
-    shown = {name: unit for name, (_, unit) in scaled.items()}
-    return cases, shown | {name: RESULTS[name].units for name in (*_SHOWN, "status")}
+    return cases, {name: unit for name, (_, unit) in scaled.items()}
 
 
 def in_system(kind: str, own: str, system: str | None) -> tuple[float, str]:

@@ -6,8 +6,10 @@ from typing import Any, Literal
 import matplotlib
 import numpy as np
 from matplotlib import ticker
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure, SubFigure
@@ -16,14 +18,15 @@ from matplotlib.patches import Patch
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.study_table import Parameter, StudyTable, check_number
+from escapement.plots.study_table import STEPPED, Parameter, StudyTable, check_number
 from escapement.plots.style import LINE, number_text
 
 _FEW = 15  # a line of at most so many points has each of them marked
 _LEVELS = 7  # a map has about so many contours
 _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
 _MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
-_NARROW = 24  # characters of a label that fit below a third of a page
+NARROW = 24
+"""Characters of a label that fit below a third of a page."""
 _WIDE = 3.0  # from this ratio of the greatest result to the least, contours are in even ratios
 _STEPS = (
     (1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
@@ -32,39 +35,39 @@ _STEPS = (
 """Round numbers within a decade, in ratios that are about equal."""
 _EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
 _APART = 0.1  # numbers closer than this share of the map would overlap
-_STEPPED = {
-    "rise_time": "edges: another extremum is the first within 2 %",
-    "settling_time": "edges: another extremum is the last beyond 1 %",
-}
-"""Results that jump, and so have no contours, with the reason in words of their definition."""
 
 
-def draw_lines(ax: Axes, table: StudyTable) -> list[Line2D]:
+def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     """A line for each value of the second parameter, six at most; returns them.
 
     Points are marked where they are few or stand alone. Over whole numbers each is marked, and
-    none is joined to the next. Of quantiles the second and third are the ends of a band.
+    none is joined to the next. A line breaks where its result jumps. Of quantiles the second and
+    third are the ends of a band.
+    line : characters of a label that fit below the panel.
     """
     check_number(table.results, table.values[0])
     x, drawn = table.x, list[Line2D]()
     for look, column in zip(style.LOOKS, _columns_drawn(table), strict=False):
         value = table.lines.values[column].item()
         name = value if isinstance(value, str) else number_text(value)
-        y, *sides = table.values[:, :, column]
+        # a jump breaks the line, and the band with it, by a point without a value
+        behind = np.flatnonzero(table.jumps(1)[:, :, column].any(axis=0)) + 1
+        y, *sides = np.insert(table.values[:, :, column], behind, np.nan, axis=1)
+        along = np.insert(x.values.astype(float), behind, x.values[behind])
         # a point between two gaps would be invisible without a marker
         finite = np.pad(np.isfinite(y), 1)
-        marked = finite[1:-1] & ~finite[:-2] & ~finite[2:] | (x.whole or y.size <= _FEW)
+        marked = finite[1:-1] & ~finite[:-2] & ~finite[2:] | (x.whole or x.values.size <= _FEW)
         drawn += ax.plot(
-            x.values, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
+            along, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
             mfc="white", mew=0.9, label=name, marker=look.marker if marked.any() else "",
             markevery=None if marked.all() else np.flatnonzero(marked).tolist(),
         )  # fmt: skip
         band: dict[str, Any] = {"color": look.color, "alpha": 0.2}
         if sides and x.whole:
-            ax.vlines(x.values, *sides, lw=4.0, **band)
+            ax.vlines(along, *sides, lw=4.0, **band)
         elif sides:
-            ax.fill_between(x.values, *sides, lw=0.0, **band)
-    dress_axis(ax, "x", x)
+            ax.fill_between(along, *sides, lw=0.0, **band)
+    dress_axis(ax, "x", x, line)
     ax.set_ylabel(style.label(table.name, table.unit))
     return drawn
 
@@ -94,26 +97,26 @@ def head(figure: Figure | SubFigure, table: StudyTable) -> None:
         figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
 
 
-def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[Patch]:
+def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[Artist]:
     """Colours over both axes, named by a bar; hatched where there is no result.
 
     Between points there are labelled contours; but a result that jumps, and one over
     whole numbers, has a cell of one colour for each point.
     bar : where the colour bar goes; on top of maps that stand side by side.
-    Returns the legend's key of the hatching, or nothing where there is none.
+    Returns what a legend should have: the hatching, and the lines where a result jumps.
     """
     check_number(table.results, table.values)
     x, y = table.x, table.lines
     # contours and cells have the first axis along the columns
     z = np.ma.masked_invalid(table.values[0].T)
-    cells = table.results[0] in _STEPPED or x.whole or y.whole
+    cells = table.results[0] in STEPPED or x.whole or y.whole
     count, darkest = (2 * _LEVELS, 0.95) if cells else (_LEVELS, 0.7)  # black can be read on 0.7
     levels = _levels(float(z.min()), float(z.max()), count)
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.05, darkest, 256)))
     norm = BoundaryNorm(levels, colours.N)  # as many steps of colour as levels, wide or narrow
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
-    dress_axis(ax, "x", x, _NARROW if bar == "top" else LINE)
+    dress_axis(ax, "x", x, NARROW if bar == "top" else LINE)
     dress_axis(ax, "y", y)
     if cells:
         filled: Any = ax.pcolormesh(_edges(x), _edges(y), z, cmap=colours, norm=norm)
@@ -131,11 +134,27 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(style.label(table.name, table.unit), size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)
-    found = [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
-    if why := _STEPPED.get(table.results[0]):
-        text = textwrap.fill(why, LINE if bar == "right" else 2 * LINE)
-        found.append(Patch(fill=False, linewidth=0.0, label=text))
+    found: list[Artist] = []
+    if np.ma.is_masked(z):
+        found.append(Patch(linewidth=0.6, label="no result", **hatched))
+    if sides := _jumps(table):
+        text = f"jump: {STEPPED[table.results[0]]}"
+        text = textwrap.fill(text, LINE if bar == "right" else 2 * LINE)
+        jumps = LineCollection(sides, colors=style.BLACK, lw=0.8, label=text, rasterized=True)
+        ax.add_collection(jumps)
+        found.append(jumps)
     return found
+
+
+def _jumps(table: StudyTable) -> list[list[style.Point]]:
+    """The sides between two cells of a map from one of which to the other its result jumps."""
+    x, y, known = _edges(table.x), _edges(table.lines), np.isfinite(table.periods[0])
+    across = np.argwhere(table.jumps(1)[0] & known[1:] & known[:-1])
+    along = np.argwhere(table.jumps(2)[0] & known[:, 1:] & known[:, :-1])
+    return [
+        *([(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in across),
+        *([(x[i], y[j + 1]), (x[i + 1], y[j + 1])] for i, j in along),
+    ]
 
 
 def _levels(low: float, high: float, count: int) -> FloatArray:

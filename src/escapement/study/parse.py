@@ -3,7 +3,7 @@
 import re
 import tomllib
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -16,16 +16,18 @@ from escapement import units, validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files import AnyPath, check_input
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
+from escapement.merits import FIGURES
 from escapement.model import Escapement, Mechanism, check_lengths
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
+from escapement.study.result import DEFAULT
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
 from escapement.validate import known_keys
 
 MOST_CASES = 10**12
 
-_TOP = ("title", "units", "mechanism", "inertia", "sweep", "sample", "solver")
+_TOP = ("title", "units", "results", "mechanism", "inertia", "sweep", "sample", "solver")
 _NUMBERS = quantities(Escapement)
 _SOLVER = tuple(setting.name for setting in fields(Solver))
 
@@ -95,6 +97,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
             fixed.pop(name, None)
     title = _title(configuration, machine["kind"], varied)
     plain: dict[str, Any] = {"title": title, "units": system, "mechanism": machine}
+    plain |= _results(configuration)
     for name, value in fixed.items():
         section = settings[name].section
         (plain.setdefault(section, {}) if section else plain)[settings[name].key] = value
@@ -119,6 +122,7 @@ def plan_from(
     *,
     sample: Mapping[str, Any] | None = None,
     initial_speed: ArrayLike = 0.0,
+    results: Sequence[str] | None = None,
     title: str | None = None,
     **solver: Any,
 ) -> StudyPlan:
@@ -136,6 +140,8 @@ def plan_from(
         of a study, in SI, spread around the values of `escapement`.
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s], >= 0; an array is the last axis.
+    results : sequence of str, optional
+        Figures of merit to keep. Default: `result.DEFAULT`.
     title : str, optional
         One line for people.
     **solver : optional
@@ -155,7 +161,7 @@ def plan_from(
     given = {name: getattr(escapement, name) for name in _NUMBERS}
     numbers = {name: value for name, value in given.items() if value != _NUMBERS[name].default}
     tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
-    chosen = {"title": title, "sample": sample, "solver": solver}
+    chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
     chosen = {name: value for name, value in chosen.items() if value is not None}
     return parse_plan(speed | numbers | tables | chosen, mechanism=own)
 
@@ -264,6 +270,17 @@ def _varied(
             )
         varied[CASE], forms["sample"], fingerprint = sample_columns(drawn, parameters, nominal)
     return varied, forms, fingerprint
+
+
+def _results(configuration: Mapping[str, Any]) -> dict[str, list[str]]:
+    """The figures of merit to keep, where they are not those of every study."""
+    given = configuration.get("results", DEFAULT)
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+        raise validate.fail("results", "a list of names", given, 'for example ["period"]')
+    # the status is kept whatever is chosen, and a name that stands twice is kept once
+    every = (validate.choice("results", name, (*FIGURES, "status")) for name in given)
+    names = [name for name in dict.fromkeys(every) if name != "status"]
+    return {"results": names} if names != [*DEFAULT] else {}
 
 
 def _title(configuration: Mapping[str, Any], kind: str, varied: Mapping[str, Any]) -> str:

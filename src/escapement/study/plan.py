@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from escapement import units
 from escapement.mechanisms import KINDS, kind_of
+from escapement.merits import FIGURES, Result
 from escapement.model import LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
+from escapement.study.result import kept
 from escapement.study.varied import CASE
 
 
@@ -27,11 +29,12 @@ def _unit_kinds() -> dict[str, str]:
     every: dict[str, Setting] = dict(model_numbers())
     for name in KINDS:
         every |= declared(kind_of(name))
-    return {name: entry.unit for name, entry in every.items()}
+    kinds = {name: entry.unit for name, entry in every.items()}
+    return kinds | {name: figure.kind for name, figure in FIGURES.items()}
 
 
 def unit_kind(name: str) -> str:
-    """Kind of unit, a key of `escapement.units`, of a parameter or a dimension of any study."""
+    """Kind of unit, a key of `escapement.units`, of a parameter or a result of any study."""
     return _unit_kinds().get(name, "ratio")
 
 
@@ -109,12 +112,19 @@ class StudyPlan:
         """Number of cases."""
         return math.prod(self.shape)
 
+    @cached_property
+    def results(self) -> dict[str, Result]:
+        """What the study keeps of every case, by name, its status last."""
+        return kept(self.configuration)
+
     def unit(self, name: str) -> str:
-        """UDUNITS spelling of the unit of a parameter or a dimension."""
+        """UDUNITS spelling of the unit of a parameter, a dimension or a result."""
         return units.unit_name(unit_kind(name), self.configuration["units"])
 
     def long_name(self, name: str) -> str:
-        """What a parameter or a dimension is."""
+        """What a parameter, a dimension or a result is."""
+        if name in self.results:
+            return self.results[name].long_name
         return "number of the case" if name == CASE else self.parameters[name].long_name
 
     @cached_property

@@ -11,7 +11,7 @@ import numpy as np
 from escapement.errors import CannotCreate, EscapementError, InputFileError, InvalidValue
 from escapement.files import AnyPath, check_input
 from escapement.status import Status
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed, difference
+from escapement.study.result import SCHEMA_VERSION, Study, count_failed, difference, result_names
 from escapement.text import plain
 
 DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
@@ -36,15 +36,16 @@ def read_study(path: AnyPath) -> Study:
     """
     with _open_study(path) as hdf5:
         axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
-        sampled = _sampled(hdf5)
-        names = [*axes, *sampled, *RESULTS]
+        sampled, configuration = _sampled(hdf5), configuration_of(hdf5)
+        results = result_names(configuration)
+        names = [*axes, *sampled, *results]
         study = Study(
             axes={name: hdf5[name][()] for name in axes},
             sampled={name: hdf5[name][()] for name in sampled},
-            results={name: hdf5[name][()] for name in RESULTS},
+            results={name: hdf5[name][()] for name in results},
             units={name: str(hdf5[name].attrs["units"]) for name in names},
             long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
-            configuration=configuration_of(hdf5),
+            configuration=configuration,
             attributes=plain(hdf5.attrs),
         )
         for name, axis in {**study.axes, **study.sampled}.items():
@@ -122,7 +123,7 @@ def opened(
 
 
 def _open_study(path: AnyPath) -> AbstractContextManager[Any]:
-    return opened(path, "study", "sweep", ("configuration", *RESULTS), SCHEMA_VERSION)
+    return opened(path, "study", "sweep", ("configuration", "status"), SCHEMA_VERSION)
 
 
 def failed_cases(path: Path, frame: Study) -> int | None:
@@ -166,7 +167,7 @@ def _count_whole(hdf5: Any, frame: Study) -> int:
         if not np.array_equal(hdf5[name][()], values):
             raise ValueError(f"{name} has other values")
     failed = 0
-    for name in RESULTS:
+    for name in frame.results:
         if hdf5[name].shape != frame.shape:
             raise ValueError(f"{name} must have shape {frame.shape}, got {hdf5[name].shape}")
         for chunk in hdf5[name].iter_chunks():

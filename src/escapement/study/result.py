@@ -4,13 +4,14 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.merits import FIGURES, Result
 from escapement.status import Status
 from escapement.text import Shown
 
@@ -23,24 +24,26 @@ _AGREE = 6e-6
 _NOT_SET = object()
 
 
-class Result(NamedTuple):
-    """One result of every case: its unit (UDUNITS), name and storage type."""
+DEFAULT = (
+    *("velocity_max", "velocity_min", "velocity_mean"),
+    *("period", "rise_time", "settling_time"),
+)
+"""Figures of merit that a study keeps where it does not choose."""
 
-    units: str
-    long_name: str
-    dtype: DTypeLike = "<f8"
+
+def result_names(configuration: Mapping[str, Any]) -> list[str]:
+    """Names of the results of a study by its configuration, in the order of the file."""
+    return [*configuration.get("results", DEFAULT), "status"]
 
 
-RESULTS: Mapping[str, Result] = {
-    "velocity_max": Result("rad s-1", "largest driver velocity of the terminal cycle"),
-    "velocity_min": Result("rad s-1", "smallest driver velocity of the terminal cycle"),
-    "velocity_mean": Result("rad s-1", "mean driver velocity of the terminal cycle"),
-    "period": Result("s", "period of one engagement of the terminal cycle"),
-    "rise_time": Result("s", "time of the first velocity extremum within 2 % of terminal"),
-    "settling_time": Result("s", "time from which every engagement's extremes are within 1 %"),
-    "status": Result("1", "outcome of the case", "u1"),
-}
-"""Results over the grid, in the order of the file."""
+def kept(configuration: Mapping[str, Any]) -> dict[str, Result]:
+    """The results of a study by its configuration, in the order of the file."""
+    status = Result("ratio", "outcome of the case", "u1")
+    return {name: FIGURES.get(name, status) for name in result_names(configuration)}
+
+
+RESULTS: Mapping[str, Result] = kept({})
+"""Results of a study that does not choose."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +56,7 @@ class Study(Shown):
         In the user's units; their order is that of the results' dimensions. The last
         axis of a sample is `case`, the numbers of its cases.
     results : dict of ndarray
-        NaN where a case has no such figure; `status` (uint8) says why.
+        In the user's units; NaN where a case has no such figure; `status` (uint8) says why.
     units, long_names : dict of str
         For every axis, sampled parameter and result.
     configuration : dict

@@ -1,7 +1,7 @@
 """Running a study: scenes first, then blocks, on threads or on a Dask cluster."""
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -24,7 +24,7 @@ from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import Pool, in_cluster, in_threads
 from escapement.study.reader import read_study
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
+from escapement.study.result import SCHEMA_VERSION, Study, count_failed
 from escapement.study.writer import Unfinished, study_writer
 
 _SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
@@ -95,6 +95,7 @@ def sweep(
     rtol: float | None = None,
     solver: Solver | None = None,
     initial_speed: ArrayLike = 0.0,
+    results: Sequence[str] | None = None,
     path: AnyPath | None = None,
     force: bool = False,
     resume: bool = False,
@@ -118,6 +119,10 @@ def sweep(
         As for `terminal`.
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s]; an array is the last axis.
+    results : sequence of str, optional
+        Figures of merit to keep: names of numbers of `Figures`. Default: the velocities,
+        period, rise and settling time. What is not named is not computed where that saves
+        time.
     path : path, optional
         HDF5 file to write as well.
     force : bool
@@ -149,7 +154,9 @@ def sweep(
         As `study_writer`.
     """
     settings = choose_solver(solver, engine, rtol).given
-    plan = plan_from(escapement, axes, sample=sample, initial_speed=initial_speed, **settings)
+    plan = plan_from(
+        escapement, axes, sample=sample, initial_speed=initial_speed, results=results, **settings
+    )
     options: Options = {"force": force, "resume": resume, "progress": progress}
     options |= {"workers": workers, "scheduler": scheduler}
     return run_plan(plan, path, **options)
@@ -165,7 +172,7 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
     _check(plan, options)
     frame = frame_of(plan)
     cut = blocks_of(frame)
-    results = {name: np.empty(frame.cases, r.dtype) for name, r in RESULTS.items()}
+    results = {name: np.empty(frame.cases, r.dtype) for name, r in plan.results.items()}
 
     def add(block: Block) -> None:
         for name, values in results.items():
@@ -222,7 +229,7 @@ def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
         return None
     size = shared.cases.size
     step = min(max(size // 64, _SLICE[0]), _SLICE[1])
-    figures, status = np.empty((6, size)), np.empty(size, dtype=np.uint8)
+    figures, status = np.empty((len(plan.results) - 1, size)), np.empty(size, dtype=np.uint8)
     parts = ((start, shared.cases[start : start + step]) for start in range(0, size, step))
     for start, (numbers, outcomes) in pool.completed(solve_slice, plan, parts):
         figures[:, start : start + step], status[start : start + step] = numbers, outcomes
@@ -231,11 +238,11 @@ def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    varied = (*plan.dimensions, *plan.sampled)
-    units = {name: plan.unit(name) for name in varied}
-    units |= {name: result.units for name, result in RESULTS.items()}
-    names = {name: plan.long_name(name) for name in varied}
-    names |= {name: result.long_name for name, result in RESULTS.items()}
+    every = (*plan.dimensions, *plan.sampled, *plan.results)
+    units = {name: plan.unit(name) for name in every}
+    names = {name: plan.long_name(name) for name in every}
+    # of its results only the names and types are known
+    empty = {name: np.empty(0, result.dtype) for name, result in plan.results.items()}
     attributes = {
         "title": plan.configuration["title"],
         "schema_version": SCHEMA_VERSION,
@@ -245,7 +252,7 @@ def frame_of(plan: StudyPlan) -> Study:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     axes, configuration = plan.dimensions, plan.configuration
-    return Study(axes, {}, units, names, configuration, attributes, plan.sampled)
+    return Study(axes, empty, units, names, configuration, attributes, plan.sampled)
 
 
 def sources() -> list[Path]:

@@ -18,7 +18,7 @@ from escapement.status import Status
 from escapement.study.block import CELLS, Block, Tiling, blocks_of, encode_block
 from escapement.study.journal import Journal
 from escapement.study.reader import failed_cases
-from escapement.study.result import RESULTS, Study
+from escapement.study.result import Study
 
 _FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
 
@@ -59,7 +59,7 @@ def study_writer(
     path : path
         File to create.
     frame : Study
-        Everything but the results, which are ignored.
+        Everything but the results, of which names and types count.
     numerics : str
         Differs whenever a version of this package may compute other results.
     force : bool
@@ -176,8 +176,8 @@ def _create_datasets(hdf5: Any, frame: Study, tile: tuple[int, ...]) -> list[Any
         else:
             line.dims[0].attach_scale(hdf5[[*frame.axes][-1]])
     results = {
-        name: _create(hdf5, frame, name, shape=frame.shape, dtype=result.dtype, chunks=tile)
-        for name, result in RESULTS.items()
+        name: _create(hdf5, frame, name, shape=frame.shape, dtype=values.dtype, chunks=tile)
+        for name, values in frame.results.items()
     }
     for dataset in results.values():
         if frame.sampled:
