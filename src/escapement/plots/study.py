@@ -95,8 +95,8 @@ def plot_rise_and_terminal(study: Study) -> Figure:
 def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
-    Contours, but cells of one colour each for times that jump by an engagement, and
-    over parameters that are whole numbers.
+    Contours, but cells of one colour each for times that jump, with lines where they do,
+    and over parameters that are whole numbers.
 
     Parameters
     ----------
