@@ -46,6 +46,7 @@ def test_velocities_reach_every_extremum(motion):
     assert legend_of(ax) == ["driver", "follower", "pin reversal", "handoff"]
     assert driver.get_ydata().max() == pytest.approx(motion.extrema.theta_dot.max(), rel=1e-12)
     assert driver.get_xdata()[-1] == pytest.approx(1e3 * motion.end_time)
+    assert ax.get_xlim()[1] > 1.01 * driver.get_xdata()[-1]  # the last spike is not cut
     assert follower.get_ydata().min() >= -1e-9
 
 

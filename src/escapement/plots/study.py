@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -94,8 +95,8 @@ def plot_rise_and_terminal(study: Study) -> Figure:
 def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
-    Contours, but cells of one colour each for times that jump by an engagement, and
-    over parameters that are whole numbers.
+    Contours, but cells of one colour each for times that jump, with lines where they do,
+    and over parameters that are whole numbers.
 
     Parameters
     ----------
@@ -230,7 +231,7 @@ def _plot_single(study: Study, names: Sequence[str]) -> Figure:
         if len(group) > 1:
             entries = [name.removeprefix("velocity_").replace("_", " ") for name in group]
             lines = Parameter("", "", np.array(entries))
-            shape: dict[str, Any] = {"values": table.values.T, "jumps": table.jumps.T}
+            shape: dict[str, Any] = {"values": table.values.T, "periods": table.periods.T}
             table = table._replace(name=title, lines=lines, **shape)
         tables.append(table)
     return _stack(tables)
@@ -239,8 +240,8 @@ def _plot_single(study: Study, names: Sequence[str]) -> Figure:
 def _plot_double(tables: Sequence[StudyTable]) -> Figure:
     """Lines above maps, in rows of three."""
     rows = [tables[i : i + _BESIDE] for i in range(0, len(tables), _BESIDE)]
-    figure = style.new_figure(style.TWO_COLUMN, 6.3 * len(rows))
-    heights = [1.0, 1.05] * len(rows)
+    figure = style.new_figure(style.TWO_COLUMN, 6.5 * len(rows))
+    heights = [1.0, 1.1] * len(rows)
     parts: Any = figure.subfigures(len(heights), 1, height_ratios=heights)
     where: dict[str, Any] = {"handlelength": style.HANDLE}
     for row, upper, lower in zip(rows, parts[::2], parts[1::2], strict=True):
@@ -248,12 +249,12 @@ def _plot_double(tables: Sequence[StudyTable]) -> Figure:
             lines = draw_lines(ax, table, NARROW if len(row) == _BESIDE else style.LINE)
         title, above = legend_title(table), "outside upper center"
         style.add_legend(upper, len(lines), title, handles=lines, loc=above, **where)
-        holes = []
+        keys = dict[Any, Artist]()
         for ax, table in zip(style.new_panels(lower, 1, len(row)), row, strict=True):
-            holes += draw_map(ax, table, bar="top")
+            keys |= {key.get_label(): key for key in draw_map(ax, table, bar="top")}
             ax.label_outer()
-        if holes:
+        if keys:
             below = "outside lower center"
-            style.add_legend(lower, 1, handles=holes[:1], loc=below, **where)
+            style.add_legend(lower, 2, handles=[*keys.values()], loc=below, **where)
     head(figure, table)
     return figure

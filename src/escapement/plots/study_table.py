@@ -32,8 +32,11 @@ _REASONS = {
 _WIDEST = 56  # so many characters of a note fit over one column
 _HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # a longer name makes no axis label
-STEPPED = ("rise_time", "settling_time")
-"""Times of an extremum of the speed: they jump where another extremum takes its place."""
+STEPPED = {
+    "rise_time": "another extremum is the first within 2 %",
+    "settling_time": "another extremum is the last beyond 1 %",
+}
+"""Times of an extremum of the speed, and why they jump."""
 _LEAP = 0.25  # of a period: without a jump two neighbours differ by less, with one by more
 _DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
 
@@ -67,7 +70,7 @@ class StudyTable(NamedTuple):
     x, lines : parameters along the second and third, ascending; `lines` has one value where
         only one parameter varies.
     values : the results in one unit, not finite where there is none.
-    jumps : of the same shape, whether a value and the next along `x` are not to be joined.
+    periods : of the same shape, times that may jump in periods of their own; 0 for other results.
     name, unit : of the first result, as printed.
     note : which axes were fixed, and where, and which cases have no answer; "" for none.
     """
@@ -76,10 +79,17 @@ class StudyTable(NamedTuple):
     x: Parameter
     lines: Parameter
     values: FloatArray
-    jumps: NDArray[np.bool_]
+    periods: FloatArray
     name: str
     unit: str
     note: str
+
+    def jumps(self, axis: int) -> NDArray[np.bool_]:
+        """Whether values and their next along an axis of `values` are not to be joined.
+
+        A time that may jump is joined nowhere where the study does not tell the period.
+        """
+        return np.asarray(~(np.abs(np.diff(self.periods, axis=axis)) < _LEAP))
 
 
 def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> StudyTable:
@@ -124,9 +134,13 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
         found = np.moveaxis(found, 1 + [*kept].index(x), 1)
         return found.reshape(len(found), kept[x].size, -1)
 
-    values = np.concatenate([arranged(name) for name in results])
     period = arranged("period") if "period" in study.results else np.full(1, np.nan)
-    jumps = np.concatenate([_jumps(name, arranged(name), period) for name in results])
+    found = [arranged(name) for name in results]
+    in_periods = [
+        values / period if name in STEPPED else np.zeros(values.shape)
+        for name, values in zip(results, found, strict=True)
+    ]
+    values, periods = np.concatenate(found), np.concatenate(in_periods)
     factor, unit = scaled(study.units.get(results[0], ""), values)
     shown = {name: parameter(study, name, study.axes[name][index]) for name, index in kept.items()}
     at = (_fixed(shown[name], study.axes[name].size) for name in kept if name not in (x, lines))
@@ -136,7 +150,7 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
     note = "\n".join(textwrap.fill(line, _WIDEST) for line in notes if line).replace(_HARD, " ")
     across = Parameter("", "", np.zeros(1)) if lines is None else shown[lines]
     name = printed_name(study, results[0])
-    return StudyTable(results, shown[x], across, factor * values, jumps, name, unit, note)
+    return StudyTable(results, shown[x], across, factor * values, periods, name, unit, note)
 
 
 def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ()) -> list[str]:
@@ -153,17 +167,6 @@ def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ())
     if isinstance(names, str):
         raise validate.fail("results", "a list of names", names, f"give [{names!r}]")
     return [validate.choice("result", name, has) for name in names]
-
-
-def _jumps(name: str, values: FloatArray, period: FloatArray) -> NDArray[np.bool_]:
-    """Where a time jumps to another extremum, told by the periods that it takes.
-
-    A time that may jump is joined nowhere where the study does not tell the period.
-    """
-    if name not in STEPPED:
-        return np.zeros(values.shape, dtype=bool)
-    leaps = np.diff(values / period, axis=1, append=np.nan)
-    return np.asarray(~(np.abs(leaps) < _LEAP))
 
 
 def available(study: Study, names: Iterable[str]) -> list[StudyTable]:
