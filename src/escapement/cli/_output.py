@@ -16,7 +16,7 @@ from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
 from escapement.files import check_target, creating, picture_format
 from escapement.text import as_json, plain, print_columns, print_values, words
-from escapement.units import factor, unit_name
+from escapement.units import factor, printed
 
 Record = Mapping[str, Any]
 """What a command found, by JSON key."""
@@ -82,7 +82,7 @@ def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> 
             # a single row repeats what stands above
             if len(shown[key]) > 1:
                 print(f"\n{words(key)}")
-                header = [words(name) + " (deg)" * name.endswith("_deg") for name in shown[key][0]]
+                header = [words(name) + " (°)" * name.endswith("_deg") for name in shown[key][0]]
                 print_columns([header], [line.values() for line in shown[key]])
 
     tell(args, shown | ({"message": message} if message else {}), table, message)
@@ -92,7 +92,8 @@ def rows(record: Record, kinds: Kinds, system: str) -> list[tuple[str, Any, str]
     """Name, value and unit for a table of numbers in the user's units, angles in degrees."""
 
     def unit(key: str) -> str:
-        return "deg" if key.endswith("_deg") else unit_name(kinds.get(key, "ratio"), system)
+        kind = "degrees" if key.endswith("_deg") else kinds.get(key, "ratio")
+        return printed(kind, system)
 
     return [(_LABELS.get(key, words(key)), value, unit(key)) for key, value in record.items()]
 

@@ -35,10 +35,11 @@ def configure(parser: Parser) -> None:
     text = "unit of both (default: as in the columns' names, else deg)"
     columns.add_argument("--angle-unit", type=unit, metavar="deg|rad", help=text)
     zeros = parser.add_argument_group("zeros of the encoders, fitted where not given")
-    rule: dict[str, Any] = {"minimum": -math.inf, "remedy": "give an angle in degrees"}
-    text = "driver angle from dead centre where the input reads zero [deg]"
+    rule: dict[str, Any] = {"unit": "degrees", "minimum": -math.inf, "remedy": "give an angle"}
+    text = "driver angle from dead centre where the input reads zero"
     add_number(zeros, "phase", text, "DEG", **rule)
-    add_number(zeros, "offset", "reading of the output at follower angle zero [deg]", "DEG", **rule)
+    text = "reading of the output at follower angle zero"
+    add_number(zeros, "offset", text, "DEG", **rule)
     statistics = parser.add_argument_group("statistics")
     text = (
         "classes: a number, or sturges (default), scott, freedman-diaconis, square-root; "
@@ -169,4 +170,4 @@ def _print_tables(record: dict[str, Any]) -> None:
     peak = record["periodogram_peak"]
     name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
     rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])
-    print_columns([["", "amplitude/deg", "+-", "p"]], rows)
+    print_columns([["", "amplitude (°)", "+-", "p"]], rows)

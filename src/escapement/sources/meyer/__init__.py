@@ -23,7 +23,7 @@ from escapement.sources import report
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
 from escapement.text import print_columns, words
-from escapement.units import INCH_POUND, SYSTEMS, factor, unit_name
+from escapement.units import INCH_POUND, SYSTEMS, factor, spelt, unit_name
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """Driver and follower inertia really used, by slots [in-lbf-s^2] (figures 9 to 11)."""
@@ -181,7 +181,7 @@ def _print_rows(rows: Sequence[Mapping[str, Any]], units: str) -> None:
     titles = [f"{title:^25}" for title in COLUMNS.values()]
     under = ["  max   min   rise period"] * len(COLUMNS)
     print(" | ".join([f"    slots   mu {'torque':>9}", *titles]).rstrip())
-    print(" | ".join([f"row            {unit_name('torque', units):>9}", *under]))
+    print(" | ".join([f"row            {spelt(unit_name('torque', units)):>9}", *under]))
     for number, row in enumerate(rows, 1):
         run = f"{number:>3} {row['slots']:>5} {row['friction']:.2f} {row['torque']:>9.4g}"
         printed, *computed = (row[column] for column in COLUMNS)
