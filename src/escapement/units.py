@@ -140,7 +140,7 @@ def unit_name(quantity: str, system: str) -> str:
 
 def spelt(unit: str) -> str:
     """A unit in UDUNITS spelling as people read it: "kg m²", "in-lbf-s²", "rad/s"; "" for "1"."""
-    name = re.sub(r" ?\b([a-z]+)-", r"/\1", unit).replace("degree", "°").removesuffix("1")
+    name = re.sub(r" ?\b([a-z]+)-", r"/\1", unit).replace("degree", "deg").removesuffix("1")
     name = re.sub(r"(?<=[a-z])\d", lambda power: _RAISED[int(power[0])], name)
     name = "1" + name if name.startswith("/") else name
     return name.replace(" ", "-") if "lbf" in name else name

@@ -82,7 +82,7 @@ def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> 
             # a single row repeats what stands above
             if len(shown[key]) > 1:
                 print(f"\n{words(key)}")
-                header = [words(name) + " (°)" * name.endswith("_deg") for name in shown[key][0]]
+                header = [words(name) + " (deg)" * name.endswith("_deg") for name in shown[key][0]]
                 print_columns([header], [line.values() for line in shown[key]])
 
     tell(args, shown | ({"message": message} if message else {}), table, message)

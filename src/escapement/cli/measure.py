@@ -170,4 +170,4 @@ def _print_tables(record: dict[str, Any]) -> None:
     peak = record["periodogram_peak"]
     name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
     rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])
-    print_columns([["", "amplitude (°)", "+-", "p"]], rows)
+    print_columns([["", "amplitude/deg", "+-", "p"]], rows)
