@@ -23,7 +23,7 @@ def test_killed_at_ten_random_instants(tmp_path):
     assert tools.kill_until_done(tmp_path / "a.h5", 10, random.Random(7)) > 0
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 130)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143)])
 def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
     tmp_path, monkeypatch, capsys, number, code
 ):

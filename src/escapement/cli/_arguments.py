@@ -100,6 +100,8 @@ def parser_of(name: str) -> tuple[ModuleType, Parser]:
 def add_common(parser: Parser, own: str | None = None) -> None:
     """Add what every command takes; `own` explains units that are not SI where none are typed."""
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    text = "add what happens to FILE as JSON lines, for job scripts"
+    parser.add_argument("--log", type=Path, metavar="FILE", help=text)
     text = own or "units of what goes in and what comes out (default: SI)"
     default, rule = None if own else SYSTEMS[0], one_of("--units", SYSTEMS)
     shown = "|".join(SYSTEMS)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
+from escapement.cli import _log
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
 from escapement.files import check_target, creating, picture_format
@@ -116,7 +117,8 @@ def in_units(value: Any, quantity: str, system: str) -> Any:
 
 
 def note(message: str) -> None:
-    """A line on stderr."""
+    """A line on stderr, and in the log."""
+    _log.record("note", message=message)
     print(f"escapement: {message}", file=sys.stderr)
 
 
@@ -125,6 +127,7 @@ def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
     # a plotting library is loaded for a figure alone
     if path is not None:
         esc.plots.save(plot(esc.plots), path)
+        _log.record("saved", file=str(path))
 
 
 def check_wanted(args: Arguments, file: str = "FILE") -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import _arguments, _output
+from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, add_number, one_of
 from escapement.text import print_columns, print_values
 from escapement.units import SYSTEMS
@@ -92,6 +92,7 @@ def execute(args: Arguments) -> int:
         from escapement.measurement import write_errors
 
         write_errors(result, args.output, force=args.force)
+        _log.record("saved", file=str(args.output))
     _output.draw(args.plot, lambda plots: plots.plot_measurement(result))
     record = summarise(result)
     _output.tell(args, record, lambda: _print_tables(record), result.message)

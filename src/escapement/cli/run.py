@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
@@ -121,9 +121,11 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
     if args.output is not None:
         from escapement.progress import Progress
 
-        with Progress(quiet=motion.handoff_times.size < _LONG, what="samples") as progress:
+        shown: dict[str, Any] = {"what": "samples", "log": _log.progress}
+        with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
             options = {"units": args.units, "force": args.force, "progress": progress}
             esc.write_motion(motion, args.output, **options)
+        _log.record("saved", file=str(args.output))
     _output.draw(args.plot, lambda plots: plots.plot_velocities(motion))
 
 

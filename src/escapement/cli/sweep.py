@@ -3,12 +3,11 @@
 import itertools
 import math
 import os
-import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.errors import InputFileError, InvalidValue
 from escapement.quantity import Quantity
@@ -78,21 +77,24 @@ def execute(args: Arguments) -> int:
 
 def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
     """Run the study; a request to end is answered with how to go on."""
+    from escapement.jit import notice
+    from escapement.progress import Progress
     from escapement.study.run import write_plan
     from escapement.study.writer import partial_path
 
-    # a job scheduler ends a process by SIGTERM: it keeps what is finished, as after Ctrl-C
-    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    notice.silent |= args.quiet
+    workers = args.workers or os.cpu_count() or 1
     try:
         options = {"force": args.force, "resume": args.resume, "scheduler": args.scheduler}
-        workers = args.workers or os.cpu_count() or 1
-        return write_plan(plan, path, progress=not args.quiet, workers=workers, **options)
+        with Progress(quiet=args.quiet, log=_log.progress) as shown:
+            tally = write_plan(plan, path, progress=shown, workers=workers, **options)
     except KeyboardInterrupt:
         if (partial := partial_path(path)).exists():
             _output.note(f"what was finished is in {partial.name}; continue with --resume")
+            _log.record("saved", file=str(partial))
         raise
-    finally:
-        signal.signal(signal.SIGTERM, previous)
+    _log.record("saved", file=str(path))
+    return tally
 
 
 def some_cases(
@@ -221,7 +223,7 @@ def parse_selection(selection: str, system: str) -> dict[str, float]:
                 f"--select must be NAME=VALUE[,NAME=VALUE...], got {part!r}; "
                 "for example friction=0.35,torque=0.1"
             )
-        rule = {"remedy": "give the value of a case", "minimum": -math.inf}
+        rule: dict[str, Any] = {"remedy": "give the value of a case", "minimum": -math.inf}
         entry = Quantity(long_name=name, unit=unit_kind(name), system=system, **rule)
         wanted[name] = entry.parse(f"--select {name}", text)
     return wanted
