@@ -24,7 +24,7 @@ Record = Mapping[str, Any]
 Kinds = Mapping[str, str]
 """Kind of unit, see `escapement.units`, of those that have one, by JSON key."""
 
-_INPUTS = ("data", "study", "table")
+_INPUTS = ("data", "study", "table", "log")
 _LABELS = {
     "inertia_ratio": "inertia ratio F",
     "reversal_limits": "reversal limits F12, F23",

@@ -50,7 +50,8 @@ def execute(args: Arguments) -> int:
             "already there; leave it out"
         )
     path = args.output or Path(f"{args.config.stem}.h5")
-    _output.check_output(path, args.config, force=args.force or args.resume)
+    others = [other for other in (args.config, args.log) if other is not None]
+    _output.check_output(path, *others, force=args.force or args.resume)
     try:
         plan.check_mechanism()
     except InvalidValue as error:
