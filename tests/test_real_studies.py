@@ -162,7 +162,7 @@ def test_a_study_file_has_units_and_converts_drag_by_its_kind(command, tmp_path)
     shown |= {"driver_viscous": "in lbf s rad-1"}
     assert {name: study.units[name] for name in shown} == shown
     metric = in_units(study, "SI")
-    assert [metric.units[name] for name in shown] == ["m", "N m s2 rad-2", "N m s"]
+    assert [metric.units[name] for name in shown] == ["m", "N m s2 rad-2", "N m s rad-1"]
     assert metric.axes["driver_viscous"][0] == pytest.approx(1e-5 * INCH_POUND)
     (panel, *_) = esc.plots.plot_study(study).axes[-1:]
     assert panel.get_xlabel() == "Radius of the pins (in)"

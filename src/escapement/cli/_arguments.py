@@ -102,7 +102,10 @@ def add_common(parser: Parser, own: str | None = None) -> None:
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     text = "add what happens to FILE as JSON lines, for job scripts"
     parser.add_argument("--log", type=Path, metavar="FILE", help=text)
-    text = own or "units of what goes in and what comes out (default: SI)"
+    text = own or (
+        "units of what goes in and what comes out (default: SI); a number may bring its own: "
+        "'5 mN m'"
+    )
     default, rule = None if own else SYSTEMS[0], one_of("--units", SYSTEMS)
     shown = "|".join(SYSTEMS)
     parser.add_argument("--units", type=rule, default=default, metavar=shown, help=text)

@@ -45,7 +45,7 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     _draw(rise, chosen, lambda it: 1e3 * it["rise_time"], -0.5)
     _draw(speed, chosen, lambda it: (it["velocity_max"] + it["velocity_min"]) / 2.0, 0.5)
     for ax, name, unit in ((rise, "rise time", "ms"), (speed, "average driver velocity", "rad/s")):
-        ax.set(xlabel=label("driving torque", "in·lbf"), ylabel=label(name, unit), ylim=(0.0, None))
+        ax.set(xlabel=label("driving torque", "in-lbf"), ylabel=label(name, unit), ylim=(0.0, None))
     looks = [
         {"label": "printed", **_MARK},
         {"label": "as published", "ls": style.LOOKS[1].linestyle, "lw": 1.2},
