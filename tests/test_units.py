@@ -157,6 +157,13 @@ def test_the_command_line_takes_units(command):
     assert inches["period"] == pytest.approx(records[0]["period"], rel=1e-12)
 
 
+def test_an_angle_in_degrees_may_come_in_radians(command, tmp_path):
+    for name, angle in (("a", "-20"), ("b", "-20 deg"), ("c", f"{math.radians(-20.0)} rad")):
+        assert command("mechanism", "--plot", f"{name}.svg", "--angle", angle)[0] == 0
+    first, *others = (path.read_bytes() for path in sorted(tmp_path.glob("*.svg")))
+    assert others == [first, first]
+
+
 def test_the_command_line_refuses_a_wrong_unit(refusal):
     said = refusal(2, "run", "--torque", "5 kg", "--units", "in-lbf-s")
     assert "--torque must be in in-lbf or a unit of the same kind, got '5 kg'; give the" in said
