@@ -54,7 +54,7 @@ WRONG = {
     "misspelt option": ("RUN --frictoin .3", 2, "'--frictoin'", "did you mean '--friction'?"),
     "abbreviated option": ("RUN --fric .3", 2, "'--fric'", "did you mean '--friction'?"),
     "misspelt before missing": ("run --torqe 1", 2, "did you mean '--torque'?"),
-    "unlike a short option": ("bench --foo", 2, "'--foo'; see 'escapement bench --help'"),
+    "unlike a short option": ("bench --xyz", 2, "'--xyz'; see 'escapement bench --help'"),
     "missing torque": ("run --driver-inertia 1 --follower-inertia 1", 2, "required: --torque"),
     "missing inertia": ("run --torque 1 --follower-inertia 1", 2, "required: --driver-inertia"),
     "option without value": ("run --torque", 2, "--torque", "expected one argument"),

@@ -3,6 +3,7 @@
 A sample of `benchmarks/crash.py`, which goes through every call, error and many instants.
 """
 
+import json
 import random
 import signal
 import subprocess
@@ -23,7 +24,7 @@ def test_killed_at_ten_random_instants(tmp_path):
     assert tools.kill_until_done(tmp_path / "a.h5", 10, random.Random(7)) > 0
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 130)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143)])
 def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
     tmp_path, monkeypatch, capsys, number, code
 ):
@@ -31,6 +32,7 @@ def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
     text = IVP_STUDY.replace("num = 40", "num = 60_000").replace('"ivp"', '"energy"')
     (tmp_path / "s.toml").write_text(text)
     command = [sys.executable, "-m", "escapement", "sweep", "s.toml", "--quiet", "--workers", "1"]
+    command += ["--log", "log.jsonl"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         log = tmp_path / "s.h5.partial-wal"
         while not log.exists() or log.stat().st_size < 100_000:
@@ -40,6 +42,13 @@ def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
         _, errors = process.communicate(timeout=60)
     assert process.returncode == code
     assert ("what was finished is in s.h5.partial" in errors) == (number == signal.SIGTERM)
+    *_, saved, failed, end = map(json.loads, (tmp_path / "log.jsonl").read_text().splitlines())
+    if number == signal.SIGTERM:
+        assert saved["file"].endswith("s.h5.partial")
+        assert failed["message"] == "terminated"
+        assert (end["event"], end["exit_code"]) == ("end", 143)
+    else:
+        assert end["event"] == "progress"
     assert not (tmp_path / "s.h5").exists()
     assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
     assert " of them from before" in capsys.readouterr().err

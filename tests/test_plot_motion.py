@@ -80,7 +80,7 @@ def test_phase_portrait_shades_the_dwell(dwelling):
 def test_contact_moment_jumps_are_gaps(motion, dwelling):
     for case in (motion, dwelling):
         ax = plots.plot_contact_moment(case)
-        assert ax.get_ylabel() == "Moment on the follower (mN·m)"
+        assert ax.get_ylabel() == "Moment on the follower (mN m)"
         (line,) = [line for line in ax.lines if line.get_label() == "contact moment"]
         x, y = line.get_xdata() / 1e3, line.get_ydata()
         gaps = np.flatnonzero(np.isnan(y))[1:-1]

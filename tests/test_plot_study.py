@@ -66,7 +66,7 @@ def test_legend_of_long_numbers_stays_within_the_figure(count):
 def test_lines_carry_units_and_marked_points():
     study = synthetic({"friction": FRICTION, "torque": TORQUE})
     ax = plots.plot_lines(study, "rise_time")
-    assert labels(ax) == ["Driving torque (in·lbf)", "Rise time (ms)"]
+    assert labels(ax) == ["Driving torque (in-lbf)", "Rise time (ms)"]
     assert legend_of(ax) == ["0.2", "0.25", "0.3"]
     assert ax.get_legend().get_title().get_text() == "Coefficient of friction"
     np.testing.assert_allclose(
@@ -117,7 +117,7 @@ def test_map_hatches_holes():
     ax = plots.plot_map(study, "period")
     assert legend_of(ax) == ["no result"]
     assert ax.patch.get_hatch()
-    assert labels(ax) == ["Driving torque (in·lbf)", "Coefficient of friction"]
+    assert labels(ax) == ["Driving torque (in-lbf)", "Coefficient of friction"]
     assert ax.figure.axes[1].get_ylabel() == "Period (ms)"
     for point, covered in (((0.19, 0.38), 0), ((0.12, 0.2), 1)):
         assert sum(path.contains_point(point) for path in ax.collections[0].get_paths()) == covered
@@ -210,7 +210,7 @@ def test_study_with_two_axes_adds_maps_when_fine_enough():
     fine = plots.plot_study(synthetic(axes))
     lines, maps, bars = fine.axes[:3], fine.axes[3:6], fine.axes[6:]
     assert [ax.get_ylabel() for ax in lines] == ["Period (ms)", MEAN, "Rise time (ms)"]
-    assert all(ax.get_xlabel() == "Driving torque (in·lbf)" for ax in maps)
+    assert all(ax.get_xlabel() == "Driving torque (in-lbf)" for ax in maps)
     assert [ax.get_xlabel() for ax in bars] == ["Period (ms)", MEAN, "Rise time (ms)"]
 
 
@@ -219,10 +219,10 @@ def test_further_axes_stay_at_their_middle_and_the_title_says_so():
     study = synthetic({"friction": FRICTION, "torque": TORQUE, "load_torque": load})
     study.results["rise_time"][..., 1] = 0.07
     figure = plots.plot_study(study)
-    assert figure.get_suptitle() == "Load torque = 0.01 in·lbf (middle of 3)"
+    assert figure.get_suptitle() == "Load torque = 0.01 in-lbf (middle of 3)"
     np.testing.assert_allclose(figure.axes[2].lines[0].get_ydata(), 70.0)
     legend = plots.plot_lines(study, "period").get_legend()
-    assert "Load torque = 0.01 in·lbf" in legend.get_title().get_text()
+    assert "Load torque = 0.01 in-lbf" in legend.get_title().get_text()
 
 
 def test_study_leaves_out_a_result_that_nobody_has():

@@ -12,18 +12,19 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
+from escapement.cli import _log
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
 from escapement.files import check_target, creating, picture_format
 from escapement.text import as_json, plain, print_columns, print_values, words
-from escapement.units import factor, unit_name
+from escapement.units import factor, printed
 
 Record = Mapping[str, Any]
 """What a command found, by JSON key."""
 Kinds = Mapping[str, str]
 """Kind of unit, see `escapement.units`, of those that have one, by JSON key."""
 
-_INPUTS = ("data", "study", "table")
+_INPUTS = ("data", "study", "table", "log")
 _LABELS = {
     "inertia_ratio": "inertia ratio F",
     "reversal_limits": "reversal limits F12, F23",
@@ -93,7 +94,8 @@ def rows(record: Record, kinds: Kinds, system: str) -> list[tuple[str, Any, str]
     """Name, value and unit for a table of numbers in the user's units, angles in degrees."""
 
     def unit(key: str) -> str:
-        return "deg" if key.endswith("_deg") else unit_name(kinds.get(key, "ratio"), system)
+        kind = "degrees" if key.endswith("_deg") else kinds.get(key, "ratio")
+        return printed(kind, system)
 
     return [(_LABELS.get(key, words(key)), value, unit(key)) for key, value in record.items()]
 
@@ -116,7 +118,8 @@ def in_units(value: Any, quantity: str, system: str) -> Any:
 
 
 def note(message: str) -> None:
-    """A line on stderr."""
+    """A line on stderr, and in the log."""
+    _log.record("note", message=message)
     print(f"escapement: {message}", file=sys.stderr)
 
 
@@ -125,6 +128,7 @@ def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
     # a plotting library is loaded for a figure alone
     if path is not None:
         esc.plots.save(plot(esc.plots), path)
+        _log.record("saved", file=str(path))
 
 
 def check_wanted(args: Arguments, file: str = "FILE") -> None:

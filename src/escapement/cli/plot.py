@@ -12,6 +12,7 @@ from escapement.errors import InvalidValue
 from escapement.files import check_input
 from escapement.status import Status
 from escapement.text import words
+from escapement.units import SYSTEMS
 
 UNITS = "units of a study (default: those of the file); motions are drawn in SI"
 
@@ -23,8 +24,8 @@ def configure(parser: Parser) -> None:
     text = ".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)"
     add("-o", "--output", type=Path, metavar="OUT", help=text)
     text = (
-        "only the cases at these values, in the units of the file: slots=6 of a study of "
-        "slots, friction and torque"
+        "only the cases at these values, in the units of the file or with their own: slots=6 of a "
+        "study of slots, friction and torque"
     )
     add("--select", metavar="NAME=VALUE,...", help=text)
     text = "only these results, of those that the study keeps: period,rise_time"
@@ -51,7 +52,8 @@ def execute(args: Arguments) -> int:
     else:
         holds, study = "study", esc.read_study(args.file)
         try:
-            study = study.at(**parse_selection(args.select or ""))
+            own = study.configuration.get("units", SYSTEMS[0])
+            study = study.at(**parse_selection(args.select or "", own))
         except InvalidValue as error:
             raise UsageError(f"--select, of {args.file}: {error}") from None
         study = in_units(study, args.units)

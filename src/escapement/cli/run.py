@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
@@ -15,7 +15,7 @@ from escapement.quantity import Numbers, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
-from escapement.units import SYSTEMS, unit_name
+from escapement.units import SYSTEMS, printed
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
 # as it would take minutes and a gigabyte, and nothing could be told apart
@@ -29,7 +29,9 @@ def configure(parser: Parser) -> None:
     study = parser.add_argument_group("one case of a study, instead of mechanism and model")
     text = "written by escapement sweep"
     study.add_argument("--from", dest="study", type=Path, metavar="FILE.h5", help=text)
-    text = "a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1"
+    text = (
+        "a value of each axis in the units of FILE.h5 or with its own, as friction=0.35,torque=0.1"
+    )
     study.add_argument("--select", metavar="NAME=VALUE,...", help=text)
     _arguments.add_mechanism(parser)
     length = {name: entry for name, entry in declared(Run).items() if name not in _START}
@@ -69,7 +71,7 @@ def execute(args: Arguments) -> int:
     for name, value, unit in inputs:
         both = {system: _output.in_units(value, unit, system) for system in SYSTEMS}
         # a number without a unit, or with the same in both systems, is told once
-        alike = len({unit_name(unit, system) for system in SYSTEMS}) == 1
+        alike = len({printed(unit, system) for system in SYSTEMS}) == 1
         told[name] = value if alike else both
     record = _summarise(motion, figures, args.units)
     _output.tell(
@@ -119,9 +121,11 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
     if args.output is not None:
         from escapement.progress import Progress
 
-        with Progress(quiet=motion.handoff_times.size < _LONG, what="samples") as progress:
+        shown: dict[str, Any] = {"what": "samples", "log": _log.progress}
+        with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
             options = {"units": args.units, "force": args.force, "progress": progress}
             esc.write_motion(motion, args.output, **options)
+        _log.record("saved", file=str(args.output))
     _output.draw(args.plot, lambda plots: plots.plot_velocities(motion))
 
 
@@ -178,9 +182,9 @@ def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> No
     rows = []
     for name, value, unit in inputs:
         # speeds are the same in both systems: only this row tells of numbers typed in the other
-        shown = unit_name(unit, units)
-        if shown != unit_name(unit, other):
-            shown += f" = {show(_output.in_units(value, unit, other))} {unit_name(unit, other)}"
+        shown = printed(unit, units)
+        if shown != printed(unit, other):
+            shown += f" = {show(_output.in_units(value, unit, other))} {printed(unit, other)}"
         rows.append((words(name), _output.in_units(value, unit, units), shown))
     times, speeds = record["handoff_times"], record["handoff_velocities"]
     found = record | {"handoffs": len(times)}

@@ -3,17 +3,17 @@
 import itertools
 import math
 import os
-import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.errors import InputFileError, InvalidValue
+from escapement.quantity import Quantity
 from escapement.status import Status
 from escapement.text import print_columns, words
-from escapement.units import factor, unit_name
+from escapement.units import SYSTEMS, factor, spelt, unit_name
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
@@ -50,7 +50,8 @@ def execute(args: Arguments) -> int:
             "already there; leave it out"
         )
     path = args.output or Path(f"{args.config.stem}.h5")
-    _output.check_output(path, args.config, force=args.force or args.resume)
+    others = [other for other in (args.config, args.log) if other is not None]
+    _output.check_output(path, *others, force=args.force or args.resume)
     try:
         plan.check_mechanism()
     except InvalidValue as error:
@@ -59,7 +60,7 @@ def execute(args: Arguments) -> int:
     cases, units = some_cases(plan, path, args.units)
 
     def table() -> None:
-        below = ["" if units[name] == "1" else units[name] for name in cases[0]]
+        below = [spelt(units[name]) for name in cases[0]]
         print_columns([[*map(words, cases[0])], below], ([*case.values()] for case in cases))
         before = f", {tally.resumed} of them from before" if tally.resumed else ""
         _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
@@ -77,21 +78,24 @@ def execute(args: Arguments) -> int:
 
 def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
     """Run the study; a request to end is answered with how to go on."""
+    from escapement.jit import notice
+    from escapement.progress import Progress
     from escapement.study.run import write_plan
     from escapement.study.writer import partial_path
 
-    # a job scheduler ends a process by SIGTERM: it keeps what is finished, as after Ctrl-C
-    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    notice.silent |= args.quiet
+    workers = args.workers or os.cpu_count() or 1
     try:
         options = {"force": args.force, "resume": args.resume, "scheduler": args.scheduler}
-        workers = args.workers or os.cpu_count() or 1
-        return write_plan(plan, path, progress=not args.quiet, workers=workers, **options)
+        with Progress(quiet=args.quiet, log=_log.progress) as shown:
+            tally = write_plan(plan, path, progress=shown, workers=workers, **options)
     except KeyboardInterrupt:
         if (partial := partial_path(path)).exists():
             _output.note(f"what was finished is in {partial.name}; continue with --resume")
+            _log.record("saved", file=str(partial))
         raise
-    finally:
-        signal.signal(signal.SIGTERM, previous)
+    _log.record("saved", file=str(path))
+    return tally
 
 
 def some_cases(
@@ -128,8 +132,7 @@ def some_cases(
 def in_system(kind: str, own: str, system: str | None) -> tuple[float, str]:
     """Factor that brings numbers of a kind of unit from a system into another, and the unit.
 
-    `system` None leaves them in their `own`. The name of a unit would not do: that of drag is
-    that of an inertia in inches.
+    `system` None leaves them in their `own`.
     """
     system = system or own
     scale = factor(kind, own) / factor(kind, system)
@@ -172,8 +175,8 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     from escapement.study.reader import read_configuration, read_sample_case
     from escapement.study.result import place_on
 
-    wanted = parse_selection(selection or "")
     configuration = read_configuration(path)
+    wanted = parse_selection(selection or "", configuration.get("units", SYSTEMS[0]))
     if "sample" in configuration and "case" in wanted:
         if not (case := wanted.pop("case")).is_integer():
             raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
@@ -203,19 +206,25 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     return plan, int(np.ravel_multi_index(place, plan.shape))
 
 
-def parse_selection(selection: str) -> dict[str, float]:
-    """Values by name of "friction=0.35,torque=0.1"; UsageError where it reads otherwise."""
+def parse_selection(selection: str, system: str) -> dict[str, float]:
+    """Values by name of "friction=0.35,torque=0.1"; UsageError where it reads otherwise.
+
+    Values without a unit are in those of `system`.
+    """
+    from escapement.study.plan import unit_kind
+
     wanted = {}
     for part in filter(None, (part.strip() for part in selection.split(","))):
         name, _, text = part.partition("=")
         name = name.strip()
         if name in wanted:
             raise UsageError(f"--select must give {name} once, got {selection!r}; leave one out")
-        try:
-            wanted[name] = float(text)
-        except ValueError:
+        if not (name and text):
             raise UsageError(
                 f"--select must be NAME=VALUE[,NAME=VALUE...], got {part!r}; "
                 "for example friction=0.35,torque=0.1"
-            ) from None
+            )
+        rule: dict[str, Any] = {"remedy": "give the value of a case", "minimum": -math.inf}
+        entry = Quantity(long_name=name, unit=unit_kind(name), system=system, **rule)
+        wanted[name] = entry.parse(f"--select {name}", text)
     return wanted

@@ -85,7 +85,7 @@ def explain(
 
 
 def legend_title(table: StudyTable) -> str:
-    """What the lines are, and how many of them are drawn: "Driving torque (in·lbf)"."""
+    """What the lines are, and how many of them are drawn: "Driving torque (in-lbf)"."""
     text = style.label(table.lines.name, table.lines.unit)
     count, shown = table.lines.values.size, len(_columns_drawn(table))
     return text if shown == count else f"{text}, {shown} of {count} values"

@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots.style import number_text, print_unit, scaled
+from escapement.plots.style import number_text, scaled
 from escapement.status import Status
 from escapement.study.result import DEFAULT, Study
+from escapement.units import spelt
 
 _SHORT = {
     "friction": "coefficient of friction",
@@ -209,7 +210,7 @@ def printed_name(study: Study, name: str) -> str:
 
 def parameter(study: Study, name: str, values: NDArray[Any]) -> Parameter:
     """A parameter of a study at some of its values."""
-    return Parameter(printed_name(study, name), print_unit(study.units.get(name, "")), values)
+    return Parameter(printed_name(study, name), spelt(study.units.get(name, "")), values)
 
 
 def _unanswered(status: NDArray[Any]) -> str:

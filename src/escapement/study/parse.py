@@ -5,7 +5,7 @@ import tomllib
 import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, fields
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,13 @@ MOST_CASES = 10**12
 
 _TOP = ("title", "units", "results", "mechanism", "inertia", "sweep", "sample", "solver")
 _NUMBERS = quantities(Escapement)
-_SOLVER = tuple(setting.name for setting in fields(Solver))
+_SOLVER = declared(Solver)
+# what else people write for a number, and what to tell them
+_HABITS = {
+    r"(?m)^\s*\w+\s*=\s*[-+]?\d*,\d": "write a decimal point, as 0.1",
+    r"(?m)^\s*\w+\s*=\s*[-+.\d]+(e[-+]?\d+)? ?[a-zA-Z]": "put a number with its unit in quotes: "
+    '"5 mN m"',
+}
 
 
 def load_plan(path: AnyPath) -> StudyPlan:
@@ -51,8 +57,10 @@ def load_plan(path: AnyPath) -> StudyPlan:
     except OSError as error:
         raise InputFileError(f"study file {path} must be readable, got: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
+        text = Path(path).read_text(encoding="utf-8", errors="replace")
+        remedy = next((told for habit, told in _HABITS.items() if re.search(habit, text)), "")
         raise InputFileError(
-            f"study file {path} must be valid TOML, got: {error}; correct it there"
+            f"study file {path} must be valid TOML, got: {error}; {remedy or 'correct it there'}"
         ) from None
     try:
         return parse_plan(content)
@@ -83,10 +91,12 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         build = kind_of(machine["kind"])
     meshed = build.meshed if mechanism is None else mechanism.path.table
     settings = settings_of(build, meshed)
-    parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
     _check_tables(configuration, settings)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
-    solver = Solver(**_table(configuration, "solver"))
+    settings = {name: replace(entry, system=system) for name, entry in settings.items()}
+    given = _table(configuration, "solver")
+    parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
+    solver = Solver(**{name: _SOLVER[name].read(name, value) for name, value in given.items()})
     fixed = _fixed(configuration, settings)
     varied, forms, fingerprint = _varied(configuration, parameters, fixed)
     for name in (name for along in varied.values() for name in along):
@@ -101,7 +111,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     for name, value in fixed.items():
         section = settings[name].section
         (plain.setdefault(section, {}) if section else plain)[settings[name].key] = value
-    si = {name: settings[name].to_si(value, system) for name, value in fixed.items()}
+    si = {name: settings[name].to_si(value) for name, value in fixed.items()}
     fixed_si = dict.fromkeys(settings) | si
     plain |= forms | {"solver": solver.given}
     plan = StudyPlan(plain, build, meshed, parameters, fixed_si, varied, solver, fingerprint)

@@ -129,9 +129,8 @@ class StudyPlan:
 
     @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
-        system = self.configuration["units"]
         return [
-            {name: self.parameters[name].to_si(column, system) for name, column in along.items()}
+            {name: self.parameters[name].to_si(column) for name, column in along.items()}
             for along in self.varied.values()
         ]
 

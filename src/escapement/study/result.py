@@ -14,6 +14,7 @@ from escapement.errors import InvalidValue
 from escapement.merits import FIGURES, Result
 from escapement.status import Status
 from escapement.text import Shown
+from escapement.units import spelt
 
 SCHEMA_VERSION = 1
 """Version of the file layout: raised when an older reader would misread a newer file."""
@@ -78,9 +79,7 @@ class Study(Shown):
     def _shown(self) -> list[tuple[str, Any, str]]:
         failed = [("failed", self.failed, "")] if "status" in self.results else []
         varied = {**self.axes, **self.sampled}.items()
-        rows = [
-            (name, values, self.units.get(name, "").removeprefix("1")) for name, values in varied
-        ]
+        rows = [(name, values, spelt(self.units.get(name, ""))) for name, values in varied]
         return [("cases", self.cases, ""), *failed, *rows]
 
     @property

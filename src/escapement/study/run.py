@@ -209,8 +209,10 @@ def _run(
     here = scheduler is None or not study.missing
     pool = in_threads(workers) if here else in_cluster(scheduler, workers)
     done, failed, told = study.resumed, study.failed, options.get("progress")
-    shown = nullcontext(told) if callable(told) else Progress(before=done, quiet=not told)
+    shown = nullcontext(told) if callable(told) else Progress(quiet=not told)
     with pool as solvers, shown as report:
+        if isinstance(report, Progress):
+            report.before = done
         report(done, plan.cases, failed)
         shared = solved_scenes(plan, solvers) if study.missing else None
         work = Work(plan, study.cut, numerics(), shared)
