@@ -10,7 +10,8 @@ from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.study.block import blocks_of, encode_block
 from escapement.study.reader import read_study
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study
+from escapement.study.result import RESULTS, Study
+from escapement.study.stored import LAYOUT
 from escapement.study.writer import study_writer
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
@@ -28,7 +29,7 @@ engine = "ivp"
 """
 ATTRIBUTES = {
     "title": "a study – of µ",
-    "schema_version": SCHEMA_VERSION,
+    **LAYOUT,
     "package_version": "0.1.0",
     "engine": "energy",
     "rtol": 1e-12,

@@ -11,7 +11,7 @@ import crash_tools as tools
 from escapement import files
 from escapement.errors import InputFileError, MissingInput, StorageError
 from escapement.study.reader import read_study
-from escapement.study.result import SCHEMA_VERSION
+from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import write_study
 from study_tools import a_file, assert_same, study, write_in_blocks
 

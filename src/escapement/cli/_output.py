@@ -14,7 +14,7 @@ from typing import Any
 import escapement as esc
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
-from escapement.files import check_target, creating, picture_format
+from escapement.files import check_target, creating, file_format
 from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, unit_name
 
@@ -179,7 +179,7 @@ def check_output(path: Path, *others: Path, force: bool = False, picture: bool =
         When the suffix of a picture is that of none.
     """
     if picture:
-        picture_format(path)
+        file_format(path)
     folder = check_target(path, force or picture, writable=picture).parent
     for other in others:
         # links are followed, or a result would replace what it is computed from

@@ -160,9 +160,7 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
         for name, entry in declared(type(owner)).items():
             value = getattr(owner, entry.key)
             # the angles of a table are too many to be shown
-            optional = isinstance(entry.default, float) and name not in ("friction", "load_torque")
-            told = value is not None and not isinstance(entry, Numbers)
-            told = told and not (optional and value == entry.default == 0.0)
+            told = value is not None and not isinstance(entry, Numbers) and not entry.idle(value)
             if told and entry.fits(mechanism.meshed):
                 yield name, str(value) if isinstance(value, Fraction) else value, entry.unit
 

@@ -4,6 +4,7 @@ import itertools
 import math
 import os
 import signal
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,8 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Run the study, then show a dozen of its cases."""
+    from escapement.study.tables import check_format
+
     plan = esc.load_plan(args.config)
     if args.workers is not None and args.scheduler not in (None, "local"):
         raise UsageError(
@@ -50,6 +53,7 @@ def execute(args: Arguments) -> int:
             "already there; leave it out"
         )
     path = args.output or Path(f"{args.config.stem}.h5")
+    check_format(path)
     _output.check_output(path, args.config, force=args.force or args.resume)
     try:
         plan.check_mechanism()
@@ -102,25 +106,32 @@ def some_cases(
     Only those are read, however large the file. Parameters are in `units`, or in the
     study's where that is None. Returned as well: the unit of every column.
     """
-    import h5py
+    import numpy as np
 
     from escapement.study.plan import unit_kind
     from escapement.study.result import RESULTS
+    from escapement.study.tables import is_table, read_rows
 
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
     own = plan.configuration["units"]
     names = [name for columns in along for name in columns]
     scaled = {name: in_system(unit_kind(name), own, units) for name in names}
+    places = spread(plan.shape, _ROWS)
+    if is_table(path):
+        numbers = [int(np.ravel_multi_index(place, plan.shape)) for place in places]
+        table: dict[str, Any] = read_rows(path, numbers)
+        keys: Sequence[Any] = range(len(numbers))
+    else:
+        table, keys = esc.read_study(path).results, places
     cases = []
-    with h5py.File(path, "r") as hdf5:
-        for place in spread(plan.shape, _ROWS):
-            case = {
-                name: values[i].item() * scaled[name][0]
-                for columns, i in zip(along, place, strict=True)
-                for name, values in columns.items()
-            }
-            case |= {name: float(hdf5[name][place]) for name in _SHOWN}
-            cases.append(case | {"status": Status(int(hdf5["status"][place])).label})
+    for place, key in zip(places, keys, strict=True):
+        case = {
+            name: values[i].item() * scaled[name][0]
+            for columns, i in zip(along, place, strict=True)
+            for name, values in columns.items()
+        }
+        case |= {name: float(table[name][key]) for name in _SHOWN}
+        cases.append(case | {"status": Status(int(table["status"][key])).label})
     shown = {name: unit for name, (_, unit) in scaled.items()}
     return cases, shown | {name: RESULTS[name].units for name in (*_SHOWN, "status")}
 

@@ -18,13 +18,14 @@ from escapement.files import AnyPath
 from escapement.model import Escapement
 from escapement.progress import Progress
 from escapement.solver import Solver, choose_solver
-from escapement.study import scenes
+from escapement.study import scenes, tables
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
 from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import Pool, in_cluster, in_threads
 from escapement.study.reader import read_study
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
+from escapement.study.result import RESULTS, Study, count_failed
+from escapement.study.stored import LAYOUT
 from escapement.study.writer import Unfinished, study_writer
 
 _SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
@@ -119,7 +120,8 @@ def sweep(
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s]; an array is the last axis.
     path : path, optional
-        HDF5 file to write as well.
+        File to write as well: HDF5 where its name ends in .h5, .hdf5 or .nc, a table where it
+        ends in .csv or .parquet.
     force : bool
         Replace an existing file; without `resume`, drop what was kept of an
         unfinished run.
@@ -145,7 +147,7 @@ def sweep(
     ------
     InvalidValue
         When an argument breaks its rule.
-    CannotCreate, StorageError
+    CannotCreate, StorageError, MissingPackage
         As `study_writer`.
     """
     settings = choose_solver(solver, engine, rtol).given
@@ -159,7 +161,7 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
     """Run a planned study and return its results; arguments and errors as `escapement.sweep`."""
     if path is not None:
         write_plan(plan, path, **options)
-        return read_study(path)
+        return _read_table(plan, path) if tables.is_table(path) else read_study(path)
     if (scheduler := options.get("scheduler")) is not None:
         raise validate.fail("scheduler", "left out without a path", scheduler, "name a file")
     _check(plan, options)
@@ -173,6 +175,13 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
 
     _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), solve_columns, options)
     shaped = {name: values.reshape(frame.shape) for name, values in results.items()}
+    return replace(frame, results=shaped)
+
+
+def _read_table(plan: StudyPlan, path: AnyPath) -> Study:
+    """The study of a plan, with the results of its table."""
+    frame, columns = frame_of(plan), tables.read_rows(path)
+    shaped = {n: columns[n].astype(r.dtype).reshape(frame.shape) for n, r in RESULTS.items()}
     return replace(frame, results=shaped)
 
 
@@ -231,21 +240,21 @@ def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    varied = (*plan.dimensions, *plan.sampled)
-    units = {name: plan.unit(name) for name in varied}
+    numbers = (*plan.dimensions, *plan.sampled, *plan.fixed)
+    units = {name: plan.unit(name) for name in numbers}
     units |= {name: result.units for name, result in RESULTS.items()}
-    names = {name: plan.long_name(name) for name in varied}
+    names = {name: plan.long_name(name) for name in numbers}
     names |= {name: result.long_name for name, result in RESULTS.items()}
     attributes = {
         "title": plan.configuration["title"],
-        "schema_version": SCHEMA_VERSION,
+        **LAYOUT,
         "package_version": __version__,
         "engine": plan.solver.engine,
         "rtol": plan.solver.tolerance,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     axes, configuration = plan.dimensions, plan.configuration
-    return Study(axes, {}, units, names, configuration, attributes, plan.sampled)
+    return Study(axes, {}, units, names, configuration, attributes, plan.sampled, plan.fixed)
 
 
 def sources() -> list[Path]:
