@@ -104,9 +104,17 @@ def assert_same(one, other):
     assert one.configuration == other.configuration
 
 
+def read_whole(path):
+    """A study with every array read, each at its first use."""
+    study = read_study(path)
+    for values in study.columns.values():
+        np.asarray(values)
+    return study
+
+
 def a_file(tmp_path):
-    (tmp_path / "file").write_text("precious")
-    return tmp_path / "file"
+    (tmp_path / "file.h5").write_text("precious")
+    return tmp_path / "file.h5"
 
 
 def without_date(path):

@@ -43,10 +43,11 @@ def _create_datasets(hdf5: Any, frame: Study, tile: tuple[int, ...]) -> list[Any
     for dataset in results:
         # as the CF conventions have it
         dataset.attrs["coordinates"] = " ".join([*frame.sampled, *frame.fixed])
-    for name, (along, attributes) in frame.described.items():
-        hdf5[name].attrs.update(attributes)
+    for name, dataset in hdf5.items():
+        along, attributes = frame.described(name)
+        dataset.attrs.update(attributes)
         if name not in frame.axes:
-            for dimension, axis in zip(hdf5[name].dims, along, strict=True):
+            for dimension, axis in zip(dataset.dims, along, strict=True):
                 dimension.attach_scale(hdf5[axis])
     return results
 

@@ -22,11 +22,10 @@ class _Lazy(BackendArray):  # type: ignore[misc]
 
 def dataset(study: Any) -> xarray.Dataset:
     """A `Study` as xarray opens its file."""
-    described = study.described
-    found = {
-        name: xarray.Variable(described[name][0], _lazily(values), described[name][1])
-        for name, values in study.columns.items()
-    }
+    found = {}
+    for name, values in study.columns.items():
+        along, attributes = study.described(name)
+        found[name] = xarray.Variable(along, _lazily(values), attributes)
     results = {name: found.pop(name) for name in study.results}
     return xarray.Dataset(results, found, study.root)
 

@@ -61,7 +61,7 @@ def read_study(path: AnyPath) -> Study:
             fixed={name: hdf5[name][()].item() for name in fixed},
         )
         for name, values in study.columns.items():
-            along, _ = study.described[name]
+            along, _ = study.described(name)
             shape = tuple(study.axes[axis].size for axis in along)
             if np.shape(values) != shape or 0 in shape:
                 raise ValueError(f"{name} must have shape {shape}, got {np.shape(values)}")

@@ -113,24 +113,16 @@ class Study(Shown):
         """Everything that has a name: axes, sampled and fixed parameters, results."""
         return {**self.axes, **self.sampled, **self.fixed, **self.results}
 
-    @property
-    def described(self) -> dict[str, tuple[tuple[str, ...], dict[str, Any]]]:
-        """Dimensions and attributes of everything that has a name, as files and xarray have them.
-
-        Results are those of `units`: before a study is solved they are known too.
-        """
-        dims = dict.fromkeys(self.units, tuple(self.axes)) | dict.fromkeys(self.fixed, ())
-        dims |= {name: (name,) for name in self.axes} | dict.fromkeys(self.sampled, ("case",))
-        numbers, labels = zip(*((member.value, member.label) for member in Status), strict=True)
-        flags = {"flag_values": np.array(numbers, "u1"), "flag_meanings": " ".join(labels)}
-        return {
-            name: (
-                along,
-                {"units": self.units[name], "long_name": self.long_names[name]}
-                | (flags if name == "status" else {}),
-            )
-            for name, along in dims.items()
-        }
+    def described(self, name: str) -> tuple[tuple[str, ...], dict[str, Any]]:
+        """Dimensions and attributes of what has this name, as files and xarray have them."""
+        along = {name: (name,) for name in self.axes} | dict.fromkeys(self.sampled, ("case",))
+        along |= dict.fromkeys(self.fixed, ())
+        attributes = {"units": self.units[name], "long_name": self.long_names[name]}
+        if name == "status":
+            numbers, labels = zip(*((member.value, member.label) for member in Status), strict=True)
+            attributes["flag_values"] = np.array(numbers, "u1")
+            attributes["flag_meanings"] = " ".join(labels)
+        return along.get(name, tuple(self.axes)), attributes
 
     @property
     def root(self) -> dict[str, Any]:
