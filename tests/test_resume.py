@@ -18,8 +18,8 @@ from escapement.metrics import Figures
 from escapement.study import run
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
-from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.run import sweep, write_plan
+from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import partial_path
 from study_tools import IVP_STUDY, TIMER, let_go, without_date
 

@@ -27,6 +27,8 @@ HDF5 = (".h5", ".hdf5", ".nc")
 """Suffixes of HDF5 files."""
 STUDIES = (*HDF5, ".csv", ".parquet")
 """Suffixes of what a study may be written to."""
+MOTIONS = (*HDF5, ".csv")
+"""Suffixes of what a motion may be written to."""
 
 # A disk tells that it is full, or failing, by one of these.
 _DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}

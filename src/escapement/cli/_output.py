@@ -126,7 +126,9 @@ def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
         esc.plots.save(plot(esc.plots), path)
 
 
-def check_wanted(args: Arguments, file: str = "FILE") -> None:
+def check_wanted(
+    args: Arguments, file: str = "FILE", formats: tuple[str, ...] | None = None
+) -> None:
     """Look at the places that --output with --force, and --plot name, where they do.
 
     None of them may be an input of the command.
@@ -137,6 +139,8 @@ def check_wanted(args: Arguments, file: str = "FILE") -> None:
         With `_arguments.add_plot`, and `_arguments.add_output` or without it.
     file : str
         What the command's help calls its output.
+    formats : tuple of str, optional
+        Suffixes that the output may have.
 
     Raises
     ------
@@ -148,6 +152,8 @@ def check_wanted(args: Arguments, file: str = "FILE") -> None:
     given = vars(args)
     inputs = [given[name] for name in _INPUTS if given.get(name) is not None]
     if given.get("output") is not None:
+        if formats:
+            file_format(args.output, formats)
         check_output(args.output, *inputs, force=args.force)
         inputs.append(args.output)
     elif given.get("force"):

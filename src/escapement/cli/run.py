@@ -10,6 +10,7 @@ from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
+from escapement.files import MOTIONS
 from escapement.model import Escapement, Inertia, Run
 from escapement.quantity import Numbers, Setting, declared, quantities
 from escapement.solver import Solver
@@ -37,7 +38,8 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))
     output = parser.add_argument_group("output")
-    _arguments.add_output(output, "FILE.h5", "write the motion")
+    text = "write the motion: .h5, .hdf5 or .nc (HDF5), or .csv (the samples)"
+    _arguments.add_output(output, "FILE.h5", text)
     _arguments.add_plot(output, "draw the velocities")
 
 
@@ -49,7 +51,7 @@ def _model() -> dict[str, Setting]:
 
 def execute(args: Arguments) -> int:
     """Simulate, write what was asked for, print the figures."""
-    _output.check_wanted(args, file="FILE.h5")
+    _output.check_wanted(args, "FILE.h5", MOTIONS)
     escapement, settings = _read_case(args)
     motion = esc.simulate(escapement, args.engagements, duration=args.duration, **settings)
     count = motion.handoff_times.size

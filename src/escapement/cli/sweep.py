@@ -30,7 +30,7 @@ def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
     add("config", type=Path, metavar="CONFIG.toml", help="what to compute")
-    default = "default: the name of CONFIG with .h5, in the current folder"
+    default = ".h5, .hdf5 or .nc (HDF5), .csv or .parquet (a table); default: CONFIG.h5, here"
     _arguments.add_output(parser, "OUT.h5", default)
     text = "continue an interrupted run where it stopped"
     add("--resume", action="store_true", help=text)

@@ -9,7 +9,7 @@ from xarray.core import indexing
 from escapement.study.stored import Stored
 
 
-class _Lazy(BackendArray):  # type: ignore[misc]
+class _Lazy(BackendArray):
     """What xarray asks for slices of a stored array."""
 
     def __init__(self, stored: Stored) -> None:
@@ -33,4 +33,5 @@ def dataset(study: Any) -> xarray.Dataset:
 def _lazily(values: Any) -> Any:
     if not isinstance(values, Stored):
         return values
-    return indexing.CopyOnWriteArray(indexing.LazilyIndexedArray(_Lazy(values)))
+    lazy: Any = indexing.LazilyIndexedArray(_Lazy(values))
+    return indexing.CopyOnWriteArray(lazy)

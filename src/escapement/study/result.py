@@ -24,7 +24,6 @@ _AGREE = 6e-6
 """Relative difference below which a value means the one of the axis: six figures, as shown."""
 
 
-
 class Result(NamedTuple):
     """One result of every case: its unit (UDUNITS), name and storage type."""
 
@@ -115,9 +114,9 @@ class Study(Shown):
 
     def described(self, name: str) -> tuple[tuple[str, ...], dict[str, Any]]:
         """Dimensions and attributes of what has this name, as files and xarray have them."""
-        along = {name: (name,) for name in self.axes} | dict.fromkeys(self.sampled, ("case",))
-        along |= dict.fromkeys(self.fixed, ())
-        attributes = {"units": self.units[name], "long_name": self.long_names[name]}
+        along: dict[str, tuple[str, ...]] = {name: (name,) for name in self.axes}
+        along |= dict.fromkeys(self.sampled, ("case",)) | dict.fromkeys(self.fixed, ())
+        attributes: dict[str, Any] = {"units": self.units[name], "long_name": self.long_names[name]}
         if name == "status":
             numbers, labels = zip(*((member.value, member.label) for member in Status), strict=True)
             attributes["flag_values"] = np.array(numbers, "u1")

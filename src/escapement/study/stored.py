@@ -107,7 +107,8 @@ class Stored(NDArrayOperatorsMixin):
     @cached_property
     def values(self) -> NDArray[Any]:
         """The whole array."""
-        return self._read(())
+        whole: NDArray[Any] = self._read(())
+        return whole
 
     def _read(self, key: Any) -> Any:
         with opened(self._path, "study", "sweep", ("status",), SCHEMA_VERSION) as hdf5:

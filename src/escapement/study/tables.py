@@ -15,6 +15,7 @@ from escapement.files import AnyPath
 from escapement.study.block import Block, blocks_of, decode
 from escapement.study.reader import check_same
 from escapement.study.result import RESULTS, Study, count_failed
+from escapement.text import csv_lines
 
 CSV, PARQUET = ".csv", ".parquet"
 _ROWS = 1 << 17  # of a row group of Parquet
@@ -56,9 +57,7 @@ def _columns(frame: Study, block: Block) -> Columns:
 def _lines(frame: Study, blocks: Iterable[Block]) -> Iterator[bytes]:
     yield (",".join([*frame.axes, *frame.sampled, *RESULTS]) + "\n").encode()
     for block in blocks:
-        # the repr of a number is the shortest text that reads as this number
-        cells = [map(repr, column.tolist()) for column in _columns(frame, block).values()]
-        yield "".join(",".join(row) + "\n" for row in zip(*cells, strict=True)).encode()
+        yield csv_lines(_columns(frame, block).values())
 
 
 def write_csv(
@@ -86,7 +85,7 @@ def write_parquet(
     from pyarrow import parquet
 
     about = json.dumps(frame.root | {"units": frame.units}).encode()
-    kinds = {name: "<f8" if x.dtype.kind == "f" else "<i8" for name, x in frame.table(0, 1).items()}
+    kinds: dict[str, Any] = {name: values.dtype for name, values in frame.table(0, 1).items()}
     kinds |= {name: result.dtype for name, result in RESULTS.items()}
     fields = [
         pyarrow.field(
