@@ -67,14 +67,16 @@ def study(shape=(3, 5), seed=0, **attributes):
         results[name] = values.astype(result.dtype)
     for name in results.keys() - {"status"}:
         results[name][results["status"] > 0] = np.nan
-    units = dict.fromkeys(axes, "1") | {"torque": "in lbf"}
+    fixed = {"driver_inertia": 3e-6, "pins": 1}
+    units = dict.fromkeys((*axes, *fixed), "1") | {"torque": "in lbf"}
     return Study(
         axes=axes,
         results=results,
         units=units | {name: result.units for name, result in RESULTS.items()},
-        long_names=dict.fromkeys(axes, "an axis") | {n: r.long_name for n, r in RESULTS.items()},
+        long_names=dict.fromkeys(units, "a number") | {n: r.long_name for n, r in RESULTS.items()},
         configuration={"sweep": {name: values.tolist() for name, values in axes.items()}},
         attributes=ATTRIBUTES | attributes,
+        fixed=fixed,
     )
 
 
@@ -101,6 +103,7 @@ def assert_same(one, other):
     for name in RESULTS:
         np.testing.assert_array_equal(one.results[name], other.results[name])
     assert one.attributes == other.attributes
+    assert one.fixed == other.fixed
     assert one.configuration == other.configuration
 
 

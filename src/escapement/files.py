@@ -204,12 +204,14 @@ def replace_file(path: AnyPath, parts: Iterable[bytes]) -> None:
 
 
 class DeferredErrorFile:
-    """A file object for HDF5 that never raises and keeps its first error.
+    """A file object for HDF5 and Parquet that never raises and keeps its first error.
 
     HDF5 does not survive a write that fails while it closes a file: the handle stays open
     and the process crashes at exit. After the first error all writes are therefore dropped,
     so that HDF5 can close, and the caller raises the kept error after that.
     """
+
+    closed = False
 
     def __init__(self, handle: BinaryIO) -> None:
         self._handle = handle
@@ -230,7 +232,8 @@ class DeferredErrorFile:
         size = memoryview(data).nbytes
         if self.error is None:
             self._tried(partial(write_all, self._handle), data)
-        self._end = max(self._end, self._position + size)
+        self._position += size
+        self._end = max(self._end, self._position)
         return size
 
     def truncate(self, size: int) -> None:

@@ -4,7 +4,6 @@ import itertools
 import math
 import os
 import signal
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -106,6 +105,7 @@ def some_cases(
     Only those are read, however large the file. Parameters are in `units`, or in the
     study's where that is None. Returned as well: the unit of every column.
     """
+    import h5py
     import numpy as np
 
     from escapement.study.plan import unit_kind
@@ -116,22 +116,22 @@ def some_cases(
     own = plan.configuration["units"]
     names = [name for columns in along for name in columns]
     scaled = {name: in_system(unit_kind(name), own, units) for name in names}
-    places = spread(plan.shape, _ROWS)
+    cases, places = [], spread(plan.shape, _ROWS)
     if is_table(path):
         numbers = [int(np.ravel_multi_index(place, plan.shape)) for place in places]
-        table: dict[str, Any] = read_rows(path, numbers)
-        keys: Sequence[Any] = range(len(numbers))
+        results: dict[str, Any] = dict(read_rows(path, numbers))
     else:
-        table, keys = esc.read_study(path).results, places
-    cases = []
-    for place, key in zip(places, keys, strict=True):
+        with h5py.File(path, "r") as hdf5:
+            wanted = (*_SHOWN, "status")
+            results = {name: [hdf5[name][place] for place in places] for name in wanted}
+    for row, place in enumerate(places):
         case = {
             name: values[i].item() * scaled[name][0]
             for columns, i in zip(along, place, strict=True)
             for name, values in columns.items()
         }
-        case |= {name: float(table[name][key]) for name in _SHOWN}
-        cases.append(case | {"status": Status(int(table["status"][key])).label})
+        case |= {name: float(results[name][row]) for name in _SHOWN}
+        cases.append(case | {"status": Status(int(results["status"][row])).label})
     shown = {name: unit for name, (_, unit) in scaled.items()}
     return cases, shown | {name: RESULTS[name].units for name in (*_SHOWN, "status")}
 

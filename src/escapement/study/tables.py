@@ -96,17 +96,21 @@ def write_parquet(
         for name, kind in kinds.items()
     ]
     schema = pyarrow.schema(fields, {_ATTRIBUTES: about})
-    with (
-        files.pending_file(path, force, temporary) as handle,
-        parquet.ParquetWriter(handle, schema, write_page_checksum=True) as writer,
-    ):
-        waiting: list[Any] = []
-        for block in blocks:
-            waiting.append(pyarrow.record_batch(_columns(frame, block), schema))
-            if sum(batch.num_rows for batch in waiting) >= _ROWS:
-                writer.write_table(pyarrow.Table.from_batches(waiting))
-                waiting = []
-        writer.write_table(pyarrow.Table.from_batches(waiting, schema))
+    with files.pending_file(path, force, temporary) as handle:
+        # unlike a plain file it always writes all that it is given
+        disk = files.DeferredErrorFile(handle)
+        with parquet.ParquetWriter(disk, schema, write_page_checksum=True) as writer:
+            waiting: list[Any] = []
+            for block in blocks:
+                if disk.error is not None:
+                    break
+                waiting.append(pyarrow.record_batch(_columns(frame, block), schema))
+                if sum(batch.num_rows for batch in waiting) >= _ROWS:
+                    writer.write_table(pyarrow.Table.from_batches(waiting))
+                    waiting = []
+            writer.write_table(pyarrow.Table.from_batches(waiting, schema))
+        if disk.error is not None:
+            raise disk.error
 
 
 def failed_rows(path: Path, frame: Study) -> int | None:
