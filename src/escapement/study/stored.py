@@ -35,7 +35,7 @@ def opened(
     import h5py
 
     check_input(path, what)
-    remedy = f"name a file that escapement {command} wrote"
+    remedy = f"name an HDF5 file that escapement {command} wrote"
     try:
         with h5py.File(path, "r") as hdf5:
             layout = hdf5.attrs.get("schema_version")
