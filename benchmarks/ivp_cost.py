@@ -7,7 +7,7 @@ DOP853 and a compiled right-hand side: the one that `ivp` has too. A terminal ev
 at its corner or at a pin reversal, and an event on the acceleration locates the extrema of the
 speed. It integrates no losses, keeps no interpolant, and misses two events within one step.
 
-Both run at rtol 1e-5 to 1e-11. The error is the greatest relative one of handoff times and
+Both run at rtol 1e-4 to 1e-11. The error is the greatest relative one of handoff times and
 speeds against `energy` at 1e-13. Times are those of the processor, the shortest of
 several rounds in which the two alternate; at an equal error they are interpolated.
 """
@@ -29,7 +29,7 @@ from escapement.scene import scene_tuple
 from escapement.text import print_columns
 
 RESULTS = Path(__file__).resolve().parent / "results"
-TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
+TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 COMPARED = (1e-6, 1e-8, 1e-10)
 ENGAGEMENTS = 10
 METER = {"crank_radius": 0.01}
@@ -115,7 +115,7 @@ def plain_loop(escapement, rtol):
         events = (arrive, extreme, reverse) if side else (arrive, extreme)
         solved = solve_ivp(
             slope, (x, np.inf), (theta, speed), "DOP853", events=events, rtol=rtol,
-            atol=1e-2 * rtol, args=(0.0, 1.0, side, 0.0, none, plain),
+            atol=1e-2 * rtol, args=(0.0, 1.0, side, 0.0, 0.0, none, plain),
         )  # fmt: skip
         if solved.status != 1:
             raise ArithmeticError(solved.message)

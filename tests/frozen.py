@@ -71,12 +71,21 @@ def _of_motion(motion):
     if motion.end_time > 0.0:
         for name in ("reversals", "extrema"):
             events = getattr(motion, name)
+            kept = ~_next_to_a_stop(motion.escapement.mechanism, events)
             for column in ("engagement", "time", "theta", "theta_dot"):
-                found[f"{name}.{column}"] = _plain(getattr(events, column))
+                found[f"{name}.{column}"] = _plain(getattr(events, column)[kept])
         state = motion.at(motion.end_time * np.linspace(0.0, 1.0, 9))
         found |= {f"at.{name}": _plain(getattr(state, name)) for name in _STATE}
         found["friction"] = [motion.ledger.friction]
     return found
+
+
+def _next_to_a_stop(mechanism, events):
+    """Events whose place the last digit of a table's rows decides, and so the processor."""
+    if type(mechanism).__name__ != "Tabulated":
+        return np.zeros(events.theta.size, dtype=bool)
+    way = (events.theta - mechanism.breaks[0]) % mechanism.cell_angle
+    return np.minimum(way, mechanism.cell_angle - way) < 1e-5
 
 
 def _plain(values):

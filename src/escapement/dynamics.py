@@ -86,31 +86,47 @@ def is_lossless(scene):
 
 
 @inner_jit
-def grip(g, u, radius, side, scene):
-    """Sliding speed |v| per driver radian, and lever h of the contact force."""
-    if is_ideal(scene):
-        return radius * abs(u), radius
-    slide = radius * u + side * scene.pin * (g - scene.path.numbers[9])
-    lever = radius - abs(signed_loss(side, scene)) * np.copysign(scene.pin, slide)
-    return abs(slide), lever - side * np.copysign(scene.follower_journal, g)
+def sign_of(value, known=0.0):
+    """Sign of a value, or the `known` one: with it |value| goes on smoothly behind its zero."""
+    return known if known != 0.0 else np.copysign(1.0, value)
 
 
 @inner_jit
-def bend(g, u, radius, side, scene):
-    """What friction adds to the transmission function, c = p - g."""
+def slide_at(g, u, radius, side, scene):
+    """Sliding speed v per driver radian of the contact point along the wall."""
+    return radius * u + side * scene.pin * (g - scene.path.numbers[9])
+
+
+@inner_jit
+def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
+    """Sliding speed |v| per driver radian, and lever h of the contact force.
+
+    `way` and `turn` are the signs of v and g, if they are known; see `sign_of`.
+    """
+    if is_ideal(scene):
+        return sign_of(u, way) * radius * u, radius
+    slide = slide_at(g, u, radius, side, scene)
+    way, turn = sign_of(slide, way), sign_of(g, turn)
+    lever = radius - abs(signed_loss(side, scene)) * way * scene.pin
+    return way * slide, lever - side * turn * scene.follower_journal
+
+
+@inner_jit
+def bend(g, u, radius, side, scene, way=0.0, turn=0.0):
+    """What friction adds to the transmission function, c = p - g; signs are as of `grip`."""
     friction = signed_loss(side, scene)
     # in a dwell u and R are given as zero
     if is_ideal(scene) or radius == 0.0:
-        return friction * abs(u)
-    slide, lever = grip(g, u, radius, side, scene)
-    lost = scene.driver_journal + scene.follower_journal * abs(g)
+        return friction * sign_of(u, way) * u
+    slide, lever = grip(g, u, radius, side, scene, way, turn)
+    lost = scene.driver_journal + scene.follower_journal * sign_of(g, turn) * g
     return (friction * slide + side * lost) / lever
 
 
 @inner_jit
-def dragged_slope(g, dg, scene):
+def dragged_slope(g, dg, scene, turn=0.0):
     """k = g' + c_f g |g|."""
-    return dg + scene.follower_drag * (g * abs(g))
+    return dg + scene.follower_drag * (g * sign_of(g, turn) * g)
 
 
 @inner_jit
@@ -217,21 +233,22 @@ def energy_rates(g, c, k, inverse_inertia, dtheta_dx, root, scene):
 
 
 @inner_jit
-def losses_per_angle(g, u, radius, k, w, side, scene):
+def losses_per_angle(g, u, radius, k, w, side, scene, way=0.0, turn=0.0):
     """Contact force N, and the work lost per driver angle in each of `LOSSES`."""
+    ratio = sign_of(g, turn) * g
     root = np.sqrt(max(w, 0.0))
     force = slot = at_driver = at_follower = 0.0
     if radius > 0.0:
-        slide, lever = grip(g, u, radius, side, scene)
+        slide, lever = grip(g, u, radius, side, scene, way, turn)
         moment = contact(g, k, w, root_of(w, scene), scene)
-        moment /= reduced_inertia(g, bend(g, u, radius, side, scene), scene)
+        moment /= reduced_inertia(g, bend(g, u, radius, side, scene, way, turn), scene)
         force = moment / lever
         # with the sign of N they are smooth where a trial step of a solver passes a reversal
         slot = signed_loss(side, scene) * slide * force
         at_driver = side * scene.driver_journal * force
-        at_follower = side * scene.follower_journal * abs(g) * force
+        at_follower = side * scene.follower_journal * ratio * force
     drag = scene.driver_drag * w + scene.driver_viscous * root
-    air = scene.follower_drag * w * abs(g) + scene.follower_viscous * root
+    air = scene.follower_drag * w * ratio + scene.follower_viscous * root
     return force, slot, at_driver + scene.bearing, at_follower, drag, g * g * air
 
 

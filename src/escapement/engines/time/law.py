@@ -8,8 +8,8 @@ import numpy as np
 
 from escapement import dynamics
 from escapement.dynamics import scene_of
-from escapement.jit import jit
-from escapement.mechanisms.slotted import pose_at, transmission_at
+from escapement.jit import as_python, jit
+from escapement.mechanisms.slotted import pose_at
 from escapement.model import Escapement, FloatArray
 from escapement.scene import Scene, scene_tuple
 
@@ -68,10 +68,13 @@ class Law:
         """
         return float(contact_at(theta, w, self.plain)) if side else 1.0
 
-    def sense(self, theta: float) -> float:
-        """Sign of the pin's slide u at a driver angle; 0 of a table, whose mesh has none."""
-        slide = transmission_at(self.scene.path, theta)[1]
-        return 0.0 if self.is_table else float(np.sign(slide))
+    def signs(self, theta: float, side: float) -> tuple[float, float]:
+        """Signs of the sliding speed and of g; 0 of a table, whose mesh has no other sense."""
+        if self.is_table:
+            return 0.0, 0.0
+        g, u, _dg, radius = pose_at(self.scene.path, theta)
+        slide = as_python(dynamics.slide_at)(g, u, radius, side, self.scene)
+        return float(np.sign(slide)), float(np.sign(g))
 
     def side(self, theta: float, speed: float) -> float:
         """Side of the slot, +1 or -1, that carries the force where a piece begins."""
@@ -115,14 +118,13 @@ def side_from(theta, w, plain):
 
 
 @jit(allocates=True)
-def slope(x, y, anchor, unit, side, sense, losses, plain):
+def slope(x, y, anchor, unit, side, way, turn, losses, plain):
     """Derivative of y by x, in the units of a piece.
 
     y = (angle from `anchor`, speed / unit, each of `losses` / unit^2), and x = time * unit;
-    the scene comes as `scene.scene_tuple` gives it. `sense` is the sign of u in the piece, or 0.
-
-    A trial step may pass the dead centre at the end of a piece, where |u| has a corner that would
-    make the solver reject it. For an ideal pin s mu |u| goes on smoothly if s changes with u.
+    the scene comes as `scene.scene_tuple` gives it. `way` and `turn` are as of `dynamics.grip`.
+    A trial step may pass the end of a piece, where |v| and |g| have corners that would make the
+    solver reject it; with the signs of the piece the law goes on smoothly.
     """
     scene = scene_of(plain)
     out = np.empty(2 + losses.size)
@@ -130,14 +132,13 @@ def slope(x, y, anchor, unit, side, sense, losses, plain):
     g = u = k = c = radius = 0.0
     if side != 0.0:
         g, u, dg, radius = pose_at(scene.path, theta)
-        if u * sense < 0.0 and dynamics.is_ideal(scene):
-            side = -side
-        k, c = dynamics.dragged_slope(g, dg, scene), dynamics.bend(g, u, radius, side, scene)
+        k = dynamics.dragged_slope(g, dg, scene, turn)
+        c = dynamics.bend(g, u, radius, side, scene, way, turn)
     root = dynamics.root_of(w, scene)
     out[0] = y[1]
     net = dynamics.net_torque(g, c, k, w, root, scene)
     out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
-    rates = dynamics.losses_per_angle(g, u, radius, k, w, side, scene)
+    rates = dynamics.losses_per_angle(g, u, radius, k, w, side, scene, way, turn)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

@@ -141,8 +141,9 @@ class _Problem:
     def arguments(self) -> tuple[Any, ...]:
         """What `slope` takes beside x and y."""
         task, law = self.task, self.law
-        sense = law.sense(0.5 * (task.theta + task.end)) if task.sign else 0.0
-        return (task.anchor, self.unit, task.sign, sense, law.losses, law.plain)
+        middle = 0.5 * (task.theta + task.end)
+        signs = law.signs(middle, task.sign) if task.sign else (0.0, 0.0)
+        return (task.anchor, self.unit, task.sign, *signs, law.losses, law.plain)
 
     def rate(self, y: FloatArray) -> float:
         """Acceleration."""

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics import LOSSES
+from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
 from escapement.mechanisms.slotted import transmission_at
@@ -27,7 +28,7 @@ _SHARPER = 0.05
 is to close within a tenth of the tolerance."""
 _LEAST_RTOL = 2.3e-14
 """A smaller rtol makes solve_ivp warn and take this one."""
-_MOST_RTOL, _MOST_RTOL_STEEP = 1e-7, 1e-9
+_MOST_RTOL, _MOST_RTOL_STEEP = 5e-6, 1e-9
 """Greatest local tolerances. With a greater one the speed carries errors that change the sign
 of a small acceleration, and extrema are found that are none; the steeper the law the more."""
 _STEEP = 0.1
@@ -49,18 +50,6 @@ class Span(NamedTuple):
     locked: bool
 
 
-class Rest(NamedTuple):
-    """A driver that stands still at an angle."""
-
-    theta: float
-    length: float = np.inf
-
-    def state(self, time: Any) -> tuple[Any, Any, Any]:
-        """Driver angle [rad], speed and losses in natural units."""
-        none = 0.0 * time
-        return self.theta + none, none, none
-
-
 class Event(NamedTuple):
     """A pin reversal or an extremum of the driver speed in natural units."""
 
@@ -76,7 +65,7 @@ class SolvedTrajectory:
     """The pieces and events of a motion in SI; see `escapement.trajectory.Trajectory`."""
 
     clock: float
-    solution: list[Solution | Rest]
+    solution: list[Solution | FreeTurn]
     start: FloatArray
     engagement: np.ndarray
     sign: FloatArray
@@ -144,7 +133,7 @@ class _Simulation:
                 # stall: the drive does not carry the load
                 self.stalled = True
                 if not self.pieces:
-                    self._add(sign, 0.0 * self.law.losses, Rest(self.theta))
+                    self._add(sign, 0.0 * self.law.losses, stand_still(self.law, self.theta))
             elif self._solve_piece(sign, span) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
@@ -158,7 +147,10 @@ class _Simulation:
         first, last = (breaks[0], breaks[-1]) if self.law.is_table else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
         task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left)
-        solved = solve_piece(self.law, task, self.options)
+        if is_free(self.law, task):
+            solved: Solution | FreeTurn = turn_free(self.law, task)
+        else:
+            solved = solve_piece(self.law, task, self.options)
         theta, speed, losses = solved.state(solved.length)
         self._note_extrema(solved)
         self._add(sign, losses, solved)
@@ -169,7 +161,7 @@ class _Simulation:
         self.stalled = solved.ending is Ending.STOPPED
         return solved.ending
 
-    def _add(self, sign: float, losses: FloatArray, solution: Solution | Rest) -> None:
+    def _add(self, sign: float, losses: FloatArray, solution: Solution | FreeTurn) -> None:
         self.pieces.append((self.time, self.engagement, sign, losses, solution))
 
     def _note_reversal(self) -> None:
@@ -181,7 +173,7 @@ class _Simulation:
         else:
             self.reversals.append(found)
 
-    def _note_extrema(self, solved: Solution) -> None:
+    def _note_extrema(self, solved: Solution | FreeTurn) -> None:
         """Note the extrema of the speed within a piece and on the corner at its start."""
         self._note_corner(solved.first_rate)
         for since in solved.extrema:
