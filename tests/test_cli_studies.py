@@ -9,7 +9,7 @@ import pytest
 import escapement as esc
 from escapement.cli.sweep import load_case, spread
 from escapement.study.reader import read_study
-from escapement.study.result import SCHEMA_VERSION
+from escapement.study.stored import SCHEMA_VERSION
 from escapement.units import INCH_POUND
 
 STUDY = """

@@ -96,6 +96,11 @@ class Setting:
         """Whether a mechanism without a slot (`meshed`), or one with it, has this."""
         return self.slotted is None or self.slotted is not meshed
 
+    def idle(self, value: Any) -> bool:
+        """Whether `value` is the zero of what need not be told: a bearing that does not rub."""
+        told = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
+        return not told and value == self.default == 0.0
+
     def check(self, label: str, value: Any) -> Any:
         """`value` as Python is to hold it; raises InvalidValue where it breaks the rule."""
         return value

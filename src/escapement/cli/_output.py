@@ -15,7 +15,7 @@ import escapement as esc
 from escapement.cli import _log
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
-from escapement.files import check_target, creating, picture_format
+from escapement.files import check_target, creating, file_format
 from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, printed
 
@@ -131,7 +131,9 @@ def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
         _log.record("saved", file=str(path))
 
 
-def check_wanted(args: Arguments, file: str = "FILE") -> None:
+def check_wanted(
+    args: Arguments, file: str = "FILE", formats: tuple[str, ...] | None = None
+) -> None:
     """Look at the places that --output with --force, and --plot name, where they do.
 
     None of them may be an input of the command.
@@ -142,6 +144,8 @@ def check_wanted(args: Arguments, file: str = "FILE") -> None:
         With `_arguments.add_plot`, and `_arguments.add_output` or without it.
     file : str
         What the command's help calls its output.
+    formats : tuple of str, optional
+        Suffixes that the output may have.
 
     Raises
     ------
@@ -153,6 +157,8 @@ def check_wanted(args: Arguments, file: str = "FILE") -> None:
     given = vars(args)
     inputs = [given[name] for name in _INPUTS if given.get(name) is not None]
     if given.get("output") is not None:
+        if formats:
+            file_format(args.output, formats)
         check_output(args.output, *inputs, force=args.force)
         inputs.append(args.output)
     elif given.get("force"):
@@ -184,7 +190,7 @@ def check_output(path: Path, *others: Path, force: bool = False, picture: bool =
         When the suffix of a picture is that of none.
     """
     if picture:
-        picture_format(path)
+        file_format(path)
     folder = check_target(path, force or picture, writable=picture).parent
     for other in others:
         # links are followed, or a result would replace what it is computed from

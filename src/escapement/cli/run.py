@@ -10,6 +10,7 @@ from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
+from escapement.files import MOTIONS
 from escapement.model import Escapement, Inertia, Run
 from escapement.quantity import Numbers, Setting, declared, quantities
 from escapement.solver import Solver
@@ -39,7 +40,8 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))
     output = parser.add_argument_group("output")
-    _arguments.add_output(output, "FILE.h5", "write the motion")
+    text = "write the motion: .h5, .hdf5 or .nc (HDF5), or .csv (the samples)"
+    _arguments.add_output(output, "FILE.h5", text)
     _arguments.add_plot(output, "draw the velocities")
 
 
@@ -51,7 +53,7 @@ def _model() -> dict[str, Setting]:
 
 def execute(args: Arguments) -> int:
     """Simulate, write what was asked for, print the figures."""
-    _output.check_wanted(args, file="FILE.h5")
+    _output.check_wanted(args, "FILE.h5", MOTIONS)
     escapement, settings = _read_case(args)
     motion = esc.simulate(escapement, args.engagements, duration=args.duration, **settings)
     count = motion.handoff_times.size
@@ -167,9 +169,7 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
         for name, entry in declared(type(owner)).items():
             value = getattr(owner, entry.key)
             # the angles of a table are too many to be shown
-            optional = isinstance(entry.default, float) and name not in ("friction", "load_torque")
-            told = value is not None and not isinstance(entry, Numbers)
-            told = told and not (optional and value == entry.default == 0.0)
+            told = value is not None and not isinstance(entry, Numbers) and not entry.idle(value)
             if told and entry.fits(mechanism.meshed):
                 yield name, str(value) if isinstance(value, Fraction) else value, entry.unit
 

@@ -29,7 +29,7 @@ def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
     add("config", type=Path, metavar="CONFIG.toml", help="what to compute")
-    default = "default: the name of CONFIG with .h5, in the current folder"
+    default = ".h5, .hdf5 or .nc (HDF5), .csv or .parquet (a table); default: CONFIG.h5, here"
     _arguments.add_output(parser, "OUT.h5", default)
     text = "continue an interrupted run where it stopped"
     add("--resume", action="store_true", help=text)
@@ -43,6 +43,8 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Run the study, then show a dozen of its cases."""
+    from escapement.study.tables import check_format
+
     plan = esc.load_plan(args.config)
     if args.workers is not None and args.scheduler not in (None, "local"):
         raise UsageError(
@@ -50,6 +52,7 @@ def execute(args: Arguments) -> int:
             "already there; leave it out"
         )
     path = args.output or Path(f"{args.config.stem}.h5")
+    check_format(path)
     others = [other for other in (args.config, args.log) if other is not None]
     _output.check_output(path, *others, force=args.force or args.resume)
     try:
@@ -108,24 +111,32 @@ def some_cases(
     column.
     """
     import h5py
+    import numpy as np
 
     from escapement.study.plan import unit_kind
+    from escapement.study.tables import is_table, read_rows
 
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
     own = plan.configuration["units"]
     shown = [name for name in plan.results if name != "status"][:_RESULTS]
     names = [*(name for columns in along for name in columns), *shown, "status"]
     scaled = {name: in_system(unit_kind(name), own, units) for name in names}
-    cases = []
-    with h5py.File(path, "r") as hdf5:
-        for place in spread(plan.shape, _ROWS):
-            case = {
-                name: values[i].item() * scaled[name][0]
-                for columns, i in zip(along, place, strict=True)
-                for name, values in columns.items()
-            }
-            case |= {name: float(hdf5[name][place]) * scaled[name][0] for name in shown}
-            cases.append(case | {"status": Status(int(hdf5["status"][place])).label})
+    cases, places = [], spread(plan.shape, _ROWS)
+    if is_table(path):
+        numbers = [int(np.ravel_multi_index(place, plan.shape)) for place in places]
+        results: dict[str, Any] = dict(read_rows(path, numbers))
+    else:
+        with h5py.File(path, "r") as hdf5:
+            wanted = (*shown, "status")
+            results = {name: [hdf5[name][place] for place in places] for name in wanted}
+    for row, place in enumerate(places):
+        case = {
+            name: values[i].item() * scaled[name][0]
+            for columns, i in zip(along, place, strict=True)
+            for name, values in columns.items()
+        }
+        case |= {name: float(results[name][row]) * scaled[name][0] for name in shown}
+        cases.append(case | {"status": Status(int(results["status"][row])).label})
     return cases, {name: unit for name, (_, unit) in scaled.items()}
 
 

@@ -14,7 +14,7 @@ from io import BytesIO
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from escapement.study.result import Study, count_failed
 
@@ -95,6 +95,13 @@ def encode(values: NDArray[np.generic], cells: int) -> bytes:
     deflate = zlib.compressobj(1, zlib.DEFLATED, 15, 9, zlib.Z_RLE)
     data = deflate.compress(planes.tobytes()) + deflate.flush()
     return data + fletcher32(data).to_bytes(4, "little")
+
+
+def decode(data: bytes, dtype: DTypeLike) -> NDArray[Any]:
+    """The values of a chunk that `encode` made, the zeros at its end included."""
+    planes = np.frombuffer(zlib.decompress(data[:-4]), np.uint8)
+    rows = planes.reshape(np.dtype(dtype).itemsize, -1).T
+    return np.ascontiguousarray(rows).view(dtype)[:, 0]
 
 
 def fletcher32(data: bytes) -> int:

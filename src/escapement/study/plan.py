@@ -96,6 +96,19 @@ class StudyPlan:
         """Parameters of the sample in the user's units, by name; empty on a grid."""
         return self.varied.get(CASE, {})
 
+    @property
+    def fixed(self) -> dict[str, float]:
+        """Numbers that are the same in every case, in the user's units, but for idle zeros."""
+        varied = {name for along in self.varied.values() for name in along}
+        found = {}
+        for name, entry in settings_of(self.build, self.meshed).items():
+            table = self.configuration.get(entry.section, self.configuration)
+            value = table.get(entry.key)
+            number = isinstance(entry, Quantity) and isinstance(value, int | float)
+            if number and name not in varied and not entry.idle(value):
+                found[name] = value
+        return found
+
     @cached_property
     def dimensions(self) -> dict[str, NDArray[Any]]:
         """Values along each dimension of the results: of an axis, or numbers of cases."""
@@ -125,7 +138,8 @@ class StudyPlan:
         """What a parameter, a dimension or a result is."""
         if name in self.results:
             return self.results[name].long_name
-        return "number of the case" if name == CASE else self.parameters[name].long_name
+        settings = settings_of(self.build, self.meshed)
+        return "number of the case" if name == CASE else settings[name].long_name
 
     @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:

@@ -18,13 +18,14 @@ from escapement.files import AnyPath
 from escapement.model import Escapement
 from escapement.progress import Progress
 from escapement.solver import Solver, choose_solver
-from escapement.study import scenes
+from escapement.study import scenes, tables
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
 from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import Pool, in_cluster, in_threads
 from escapement.study.reader import read_study
-from escapement.study.result import SCHEMA_VERSION, Study, count_failed
+from escapement.study.result import Study, count_failed
+from escapement.study.stored import LAYOUT
 from escapement.study.writer import Unfinished, study_writer
 
 _SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
@@ -124,7 +125,8 @@ def sweep(
         period, rise and settling time. What is not named is not computed where that saves
         time.
     path : path, optional
-        HDF5 file to write as well.
+        File to write as well: HDF5 where its name ends in .h5, .hdf5 or .nc, a table where it
+        ends in .csv or .parquet.
     force : bool
         Replace an existing file; without `resume`, drop what was kept of an
         unfinished run.
@@ -150,7 +152,7 @@ def sweep(
     ------
     InvalidValue
         When an argument breaks its rule.
-    CannotCreate, StorageError
+    CannotCreate, StorageError, MissingPackage
         As `study_writer`.
     """
     settings = choose_solver(solver, engine, rtol).given
@@ -166,7 +168,7 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
     """Run a planned study and return its results; arguments and errors as `escapement.sweep`."""
     if path is not None:
         write_plan(plan, path, **options)
-        return read_study(path)
+        return _read_table(plan, path) if tables.is_table(path) else read_study(path)
     if (scheduler := options.get("scheduler")) is not None:
         raise validate.fail("scheduler", "left out without a path", scheduler, "name a file")
     _check(plan, options)
@@ -180,6 +182,13 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
 
     _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), solve_columns, options)
     shaped = {name: values.reshape(frame.shape) for name, values in results.items()}
+    return replace(frame, results=shaped)
+
+
+def _read_table(plan: StudyPlan, path: AnyPath) -> Study:
+    """The study of a plan, with the results of its table."""
+    frame, columns = frame_of(plan), tables.read_rows(path)
+    shaped = {n: columns[n].astype(r.dtype).reshape(frame.shape) for n, r in RESULTS.items()}
     return replace(frame, results=shaped)
 
 
@@ -240,21 +249,21 @@ def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    every = (*plan.dimensions, *plan.sampled, *plan.results)
+    every = (*plan.dimensions, *plan.sampled, *plan.fixed, *plan.results)
     units = {name: plan.unit(name) for name in every}
     names = {name: plan.long_name(name) for name in every}
     # of its results only the names and types are known
     empty = {name: np.empty(0, result.dtype) for name, result in plan.results.items()}
     attributes = {
         "title": plan.configuration["title"],
-        "schema_version": SCHEMA_VERSION,
+        **LAYOUT,
         "package_version": __version__,
         "engine": plan.solver.engine,
         "rtol": plan.solver.tolerance,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     axes, configuration = plan.dimensions, plan.configuration
-    return Study(axes, empty, units, names, configuration, attributes, plan.sampled)
+    return Study(axes, empty, units, names, configuration, attributes, plan.sampled, plan.fixed)
 
 
 def sources() -> list[Path]:
