@@ -188,7 +188,7 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
 def _read_table(plan: StudyPlan, path: AnyPath) -> Study:
     """The study of a plan, with the results of its table."""
     frame, columns = frame_of(plan), tables.read_rows(path)
-    shaped = {n: columns[n].astype(r.dtype).reshape(frame.shape) for n, r in RESULTS.items()}
+    shaped = {n: columns[n].astype(r.dtype).reshape(frame.shape) for n, r in plan.results.items()}
     return replace(frame, results=shaped)
 
 
