@@ -161,7 +161,7 @@ REFUSED = {
     "slots=4": "--select must name axes of s.h5, got 'slots'; it has friction, torque, load_torque",
     "friction": "--select must be NAME=VALUE[,NAME=VALUE...], got 'friction'",
     "friction=nan,torque=.1": "--select friction must be a finite number, got nan; give the value",
-    "friction=0.25,torque=5 N": "--select torque must be in N m or a unit of the same kind",
+    "friction=0.25,torque=5 N": "--select torque must be in in-lbf or a unit of the same kind",
     "torque=.1,friction=.2, torque=.12": "--select must give torque once, got 'torque=.1,friction",
 }
 WRONG = [(("--from", "s.h5", "--select", chosen), 2, said) for chosen, said in REFUSED.items()]
