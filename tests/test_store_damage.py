@@ -11,9 +11,9 @@ import crash_tools as tools
 from escapement import files
 from escapement.errors import InputFileError, MissingInput, StorageError
 from escapement.study.reader import read_study
-from escapement.study.result import SCHEMA_VERSION
+from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import write_study
-from study_tools import a_file, assert_same, study, write_in_blocks
+from study_tools import a_file, assert_same, read_whole, study, write_in_blocks
 
 
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
@@ -84,13 +84,15 @@ def flipped(path):
 
 
 def changed(name, values):
-    """A study with other values of one dataset; None deletes it."""
+    """A study with other values of one dataset or root attribute; None deletes it."""
 
     def make(path):
         write_study(study(), path)
         with h5py.File(path, "r+") as file:
             if values is None:
                 del file[name]
+            elif name in file.attrs:
+                file.attrs[name] = values
             else:
                 file[name][...] = values
 
@@ -118,7 +120,7 @@ def test_an_unreadable_study_is_refused_in_one_line(tmp_path, make, error, code,
     path = tmp_path / "a.h5"
     make(path)
     with pytest.raises(error) as caught:
-        read_study(path)
+        read_whole(path)
     assert message in str(caught.value)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -272,6 +272,13 @@ class Escapement(Declared):
             spent = max(self.torque / self.spring_rate, 1.0 / MOST_UNEQUAL)
             return TorqueCurve((0.0, spent), (self.torque, 0.0))
         return None
+
+    @property
+    def held(self) -> Escapement:
+        """The escapement with the torque of its start for good."""
+        if self.curve is None:
+            return self
+        return replace(self, torque=self.curve.torque[0], spring_rate=0.0)
 
     @cached_property
     def scene(self) -> Scene:

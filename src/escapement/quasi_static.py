@@ -11,7 +11,7 @@ Times the root of the torque, the period is nearly constant: without a load it i
 
 import math
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from escapement.model import Escapement, FloatArray
 from escapement.motion import Motion
 from escapement.simulation import simulate, terminal
 from escapement.status import Status
+from escapement.torque_curve import TorqueCurve
 
 _FORGOTTEN = 1e-13
 """A disturbance is over when it has shrunk to this share."""
@@ -49,18 +50,17 @@ class Timer(NamedTuple):
 
     @property
     def spent(self) -> float:
-        """Driver angle at which the spring has no torque left [rad], infinite without one."""
-        rate = self.escapement.spring_rate
-        return self.escapement.torque / rate if rate > 0.0 else math.inf
+        """Driver angle from which on there is no torque [rad]; infinite where there always is."""
+        curve = self.escapement.curve
+        if curve is None or curve.periodic or curve.torque[-1] > 0.0:
+            return math.inf
+        last = max(k for k, torque in enumerate(curve.torque) if torque > 0.0)
+        return float(curve.angle[last + 1])
 
     def after(self, turned: float) -> Escapement:
         """The escapement once its driver has turned by an angle [rad]."""
-        left = self.escapement.torque - self.escapement.spring_rate * turned
-        return replace(self.escapement, torque=left)
-
-    def constant(self, turned: float) -> Escapement:
-        """It with the constant torque that the spring has there."""
-        return replace(self.after(turned), spring_rate=0.0)
+        torque: Any = self.escapement.torque
+        return replace(self.escapement, torque=torque - self.escapement.spring_rate * turned)
 
     def settled(self, turned: float, engagements: int, settle: int) -> Motion:
         """Motion on which no disturbance is left when the driver has turned by an angle [rad].
@@ -68,15 +68,15 @@ class Timer(NamedTuple):
         It begins `settle` engagements earlier with the terminal speed of the torque there.
         """
         early = turned - settle * self.cell
-        speed = terminal(self.constant(early)).handoff_velocity
+        speed = terminal(self.after(early).held).handoff_velocity
         return simulate(
             self.after(early), settle + engagements, initial_speed=speed, rtol=self.rtol
         )
 
     def least_torque(self) -> float:
         """Torque below which there is no terminal cycle [N m]."""
-        low, high = 0.0, self.escapement.torque
-        while high - low > _NARROW * self.escapement.torque:
+        low, high = 0.0, self.escapement.torque_unit
+        while high - low > _NARROW * self.escapement.torque_unit:
             middle = 0.5 * (low + high)
             trial = replace(self.escapement, torque=middle, spring_rate=0.0)
             runs = terminal(trial).status is Status.OK
@@ -112,11 +112,14 @@ def sampled(timer: Timer, count: int, contraction: float) -> Course | None:
         Factor by which one engagement shrinks a disturbance at the torque of the start [-].
     """
     torque, rate, late = timer.escapement.torque, timer.escapement.spring_rate, count
+    if isinstance(torque, TorqueCurve):
+        # behind each of its points a disturbance dies out anew
+        return None
     if rate > 0.0:
         stop = (torque - timer.least_torque()) / rate
         late = min(count, int((1.0 - _LATE) * stop / timer.cell))
         # the weaker the spring, the more slowly a disturbance may die out
-        contraction = max(contraction, terminal(timer.constant(late * timer.cell)).contraction)
+        contraction = max(contraction, terminal(timer.after(late * timer.cell).held).contraction)
     if not 0.0 <= contraction < 1.0 or late < 1:
         return None
     settle = 3 + math.ceil(math.log(_FORGOTTEN) / math.log(max(contraction, 1e-100)))

@@ -183,9 +183,9 @@ def rundown(
     length = Length(turns, duration, method)
     timer = Timer(escapement, initial_speed, rtol)
     if length.turns is None and length.duration is None and timer.spent == math.inf:
-        rule = "given, as turns or as duration, where the torque is constant"
+        rule = "given, as turns or as duration, where the torque does not end"
         raise validate.fail("turns", rule, None, "such a timer runs for ever")
-    nominal = terminal(timer.constant(0.0), rtol=rtol)
+    nominal = terminal(escapement.held, rtol=rtol)
     count = _engagements(timer, length, nominal.period)
     course = None
     if length.method == "quasi-static" or (length.method is None and count > FEW):
