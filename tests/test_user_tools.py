@@ -30,6 +30,7 @@ SCENES = {
     "grid": (TIMER, GRID),
     "sample": (TIMER, {"sample": SAMPLE, "torque": [0.01, 0.02]}),
     "one": (TIMER, {"slots": [4]}),
+    "chosen": (TIMER, {"friction": [0.1, 0.5], "results": ["jam_margin", "contact_moment_max"]}),
     "sizes": (replace(TIMER, mechanism=esc.Geneva(4, crank_radius=0.02)), {"pin_radius": [0.001]}),
     "table": (
         esc.Escapement(
