@@ -203,6 +203,7 @@ class Escapement(Declared):
     inertia: Inertia
     torque: float | TorqueCurve = field(metadata=setting(Torque(
         long_name="driving torque", unit="torque", exclusive=True, metavar="M",
+        note=", or FILE.csv with driver angles turned and torques",
         remedy="give the constant driving torque"
     )))  # fmt: skip
     friction: float = field(default=0.0, metadata=quantity(

@@ -179,3 +179,8 @@ class Torque(Quantity):
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule, or the curve that it is."""
         return value if isinstance(value, TorqueCurve) else super().check(label, value)
+
+    def parse(self, label: str, text: str) -> Any:
+        """As `check`, of a word on the command line, which may name the file of a curve."""
+        named = text.lower().endswith(".csv")
+        return TorqueCurve.from_csv(text) if named else super().parse(label, text)
