@@ -172,7 +172,19 @@ def test_figures_are_those_of_the_full_spring():
     np.testing.assert_array_equal(swept, full.period)
 
 
-def test_a_million_engagements_take_no_more_memory_or_accuracy():
+def test_a_long_run_goes_by_series_as_by_engagements():
+    real = timer(spring_rate=TORQUE / (3000.0 * TURN), load_torque=0.02 * TORQUE)
+    motion = esc.simulate(real, 9000)
+    speeds, lengths = motion.handoff_velocities, np.diff(motion.handoff_times)
+    cell = real.mechanism.cell_angle
+    for k in (40, 1700, 5003, 8998):  # one engagement, begun with the torque that is left
+        left = replace(real, torque=float(real.curve(k * cell)))
+        one = esc.simulate(left, 1, initial_speed=speeds[k - 1])
+        assert one.handoff_times[0] == pytest.approx(lengths[k - 1], rel=1e-9)
+        assert one.handoff_velocities[0] == pytest.approx(speeds[k], rel=1e-12)
+
+
+def test_a_million_engagements_go_with_the_root_of_the_torque():
     weak = timer(spring_rate=4e-6 * TORQUE / TURN)
     times = esc.simulate(weak, 100_000).handoff_times
     # quasi-static: the period goes with the root of the torque, at .2595 of the cell
@@ -212,6 +224,14 @@ def test_a_study_reads_a_curve_beside_it_and_keeps_its_points(command, tmp_path)
     expected = esc.simulate(timer(torque=curve))
     np.testing.assert_allclose(record["handoff_times"], expected.handoff_times, rtol=1e-12)
     assert "at the start of the motion" in record["message"]
+    (tmp_path / "curve.csv").write_text("0,0.1\n10,0.09\n20.5,0.04\n")
+    options = ["--driver-inertia", "3e-6", "--follower-inertia", "50e-6", "--friction", ".3"]
+    options += ["--torque", "curve.csv", "--units", "in-lbf-s", "--json"]
+    code, out, err = command("run", *options)
+    assert code == 0, err
+    found = json.loads(out)
+    np.testing.assert_allclose(found["handoff_times"], expected.handoff_times, rtol=1e-12)
+    assert found["inputs"]["torque"].startswith("TorqueCurve(points=3")
 
 
 def test_the_command_runs_a_spring_to_its_end(command):

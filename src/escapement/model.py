@@ -203,6 +203,7 @@ class Escapement(Declared):
     inertia: Inertia
     torque: float | TorqueCurve = field(metadata=setting(Torque(
         long_name="driving torque", unit="torque", exclusive=True, metavar="M",
+        note=", or FILE.csv with driver angles turned and torques",
         remedy="give the constant driving torque"
     )))  # fmt: skip
     friction: float = field(default=0.0, metadata=quantity(
@@ -279,6 +280,14 @@ class Escapement(Declared):
         if self.curve is None:
             return self
         return replace(self, torque=self.curve.torque[0], spring_rate=0.0)
+
+    def after(self, turned: float) -> Escapement:
+        """The escapement once its driver has turned by an angle [rad]."""
+        if isinstance(self.torque, TorqueCurve):
+            return replace(self, torque=self.torque.after(turned))
+        if self.curve is None:
+            return self
+        return replace(self, torque=self.torque - self.spring_rate * turned)
 
     @cached_property
     def scene(self) -> Scene:

@@ -1,7 +1,7 @@
 """How a timer runs down: its turns, its rate and the place where it stops.
 
-With a spring the driver runs ever more slowly. All engagements are computed one by one, or, of
-many, by quasi-static theory, see `quasi_static`.
+With a spring the driver runs ever more slowly. The engine computes a long run by quasi-static
+theory where that is as exact as `rtol`: see `engines.energy.rundown`.
 """
 
 import math
@@ -13,39 +13,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from escapement import validate
-from escapement.model import Escapement, FloatArray, Run
-from escapement.quantity import Choice, Declared, like, quantity, setting
-from escapement.quasi_static import Course, Timer, sampled
+from escapement.model import Escapement, FloatArray
+from escapement.motion import Motion
 from escapement.simulation import LONGEST, simulate, terminal
 from escapement.status import MESSAGES, Status
 from escapement.text import Shown
 
 MOST = LONGEST["energy"]
 """Engagements of a run."""
-FEW = 100_000
-"""So many engagements are computed one by one unless a method is named; they take half a second."""
-METHODS = ("full", "quasi-static")
-
-
-@dataclass(frozen=True)
-class Length(Declared):
-    """How far a timer is to run, and how that is computed."""
-
-    turns: float | None = field(default=None, metadata=quantity(
-        "driver turns to run, rounded up to whole engagements", exclusive=True, axis=False,
-        metavar="N", remedy="give how often the driver turns"
-    ))  # fmt: skip
-    duration: float | None = field(default=None, metadata=like(Run, "duration", note=", instead"))
-    method: str | None = field(default=None, metadata=setting(Choice(
-        long_name="full, every engagement, or quasi-static, samples of them", allowed=METHODS,
-        metavar="NAME"
-    )))  # fmt: skip
-
-    def __post_init__(self) -> None:
-        self.check_fields()
-        if self.turns is not None and self.duration is not None:
-            remedy = "leave one of them out"
-            raise validate.fail("duration", "left out beside turns", self.duration, remedy)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,27 +36,17 @@ class Rundown(Shown):
     nominal_period : float
         Period of the terminal cycle at the torque of the start [s]; NaN where there is none.
     end_time, end_turns : float
-        When and where the run ends [s, driver turns]. Of a duration by quasi-static theory the
-        turns are interpolated between the ends of two engagements.
-    method : str
-        "full", or "quasi-static" with an estimate of the error.
-    uncertainty : float
-        Greatest error of a time by that method, beside that of the engine [s]; 0 of "full".
+        When and where the run ends [s, driver turns].
     status, message : outcome, and its reason in a sentence.
     """
 
-    _units: ClassVar = {
-        **{name: "s" for name in ("times", "nominal_period", "end_time", "uncertainty")},
-        "end_turns": "turns",
-    }
+    _units: ClassVar = {"times": "s", "nominal_period": "s", "end_time": "s", "end_turns": "turns"}
 
     escapement: Escapement = field(repr=False)
     times: FloatArray
     nominal_period: float
     end_time: float
     end_turns: float
-    method: str
-    uncertainty: float
     status: Status = Status.OK
     message: str = MESSAGES[Status.OK]
 
@@ -146,24 +111,23 @@ def rundown(
     *,
     turns: float | None = None,
     duration: float | None = None,
-    method: str | None = None,
     initial_speed: float = 0.0,
     rtol: float | None = None,
 ) -> Rundown:
     """Let a timer run down.
 
+    Of a spring, thousands of engagements come from series through a few of them, where these are
+    as exact as the tolerance asks for; elsewhere each is computed. See docs/rundown.md.
+
     Parameters
     ----------
     escapement : Escapement
-        A timer, with a `spring_rate` or without.
+        A timer, with a `spring_rate` or a `TorqueCurve` or without.
     turns : float, optional
         Driver turns to run, > 0; they are rounded up to whole engagements.
     duration : float, optional
         Time to run instead [s], > 0. Without either a spring runs until it is spent or the driver
         stops.
-    method : str, optional
-        "full" computes every engagement, "quasi-static" samples them. Without it the first is
-        taken of up to 100 000 engagements, and of more where the second does not hold.
     initial_speed : float
         Driver speed at the first pin entry [rad/s], >= 0.
     rtol : float, optional
@@ -177,71 +141,70 @@ def rundown(
     Raises
     ------
     InvalidValue
-        When an argument breaks its rule, and when quasi-static theory is asked for where a
-        disturbance dies out too slowly, or where the torque is a curve.
+        When an argument breaks its rule.
     """
-    length = Length(turns, duration, method)
-    timer = Timer(escapement, initial_speed, rtol)
-    if length.turns is None and length.duration is None and timer.spent == math.inf:
-        rule = "given, as turns or as duration, where the torque does not end"
-        raise validate.fail("turns", rule, None, "such a timer runs for ever")
-    nominal = terminal(escapement.held, rtol=rtol)
-    count = _engagements(timer, length, nominal.period)
-    course = None
-    if length.method == "quasi-static" or (length.method is None and count > FEW):
-        course = sampled(timer, count, nominal.contraction)
-        if course is None and length.method is not None:
-            remedy = "its torque changes too much while a disturbance dies out; leave method out"
-            raise validate.fail("method", "'full' for this timer", length.method, remedy)
-    if course is None:
-        whole = count if length.duration is None else None
-        motion = simulate(
-            escapement, whole, duration=length.duration, initial_speed=initial_speed, rtol=rtol
-        )
-        course = Course(motion.handoff_times, motion, 0.0, 0.0, None)
-    return _ended(timer, course, nominal.period, count, length.duration)
-
-
-def _engagements(timer: Timer, length: Length, period: float) -> int:
-    """How many engagements to run at most; a spring only gets weaker, so no period is shorter."""
-    if length.duration is not None:
-        return math.ceil(min(length.duration / period, MOST)) if period > 0.0 else 0
-    if length.turns is None:
-        return min(math.ceil(timer.spent / timer.cell) + 1, MOST)
-    count = math.ceil(length.turns * 2.0 * math.pi / timer.cell * (1.0 - 1e-12))
-    if count > MOST:
-        rule = f"at most {MOST * timer.cell / (2.0 * math.pi):g}, ten million engagements"
-        raise validate.fail("turns", rule, length.turns, "run fewer")
-    return count
-
-
-def _ended(
-    timer: Timer, course: Course, nominal: float, count: int, duration: float | None
-) -> Rundown:
-    """The run up to its goal, to its stop, or to where the spring is spent.
-
-    Behind a spent spring the driver turns on for a while, of no use to a timer.
-    """
-    times, last, turn = course.times, course.last, timer.cell / (2.0 * math.pi)
-    breaks, status, message = timer.escapement.mechanism.breaks, last.status, last.message
-    ends = np.concatenate([[0.0], last.handoff_times, [last.end_time]])
-    turned = float(last.at(ends[-1:]).theta[0]) - breaks[0] if last.end_time > 0.0 else 0.0
-    end = last.end_time
-    if course.before + turned >= timer.spent:
-        turned, status = timer.spent - course.before, Status.SPENT
-        cell, place = int(turned / timer.cell), turned + breaks[0]
-        end = brentq(lambda time: last.at([time]).theta[0] - place, ends[cell], ends[cell + 1])
-    end, turns = course.shift + end, (course.before + turned) / (2.0 * math.pi)
-    goal = duration or (float(times[count - 1]) if times.size >= count else math.inf)
-    if goal < end:
-        known = np.append(0.0, times)
-        turns = float(np.interp(goal, known, turn * np.arange(known.size)))
-        end, status, message = goal, Status.OK, MESSAGES[Status.OK]
+    cell, spent = escapement.mechanism.cell_angle, _spent_after(escapement)
+    if turns is not None and duration is not None:
+        raise validate.fail("duration", "left out beside turns", duration, "leave one of them out")
+    count = None if duration is not None else _engagements(turns, cell, spent)
+    nominal = terminal(escapement.held, rtol=rtol).period
+    motion = simulate(escapement, count, duration=duration, initial_speed=initial_speed, rtol=rtol)
+    times, status, message = motion.handoff_times, motion.status, motion.message
+    whole = times.size
+    if spent <= (whole + 1) * cell and status in (Status.OK, Status.SPENT):
+        # behind a spent spring the driver turns on for a while, of no use to a timer
+        whole = min(whole, int(spent / cell))
+    begin = float(times[whole - 1]) if whole else 0.0
+    end, turned = begin, whole * cell
+    if motion.end_time > begin:
+        speed = float(motion.handoff_velocities[whole - 1]) if whole else initial_speed
+        last = simulate(escapement.after(turned), 1, initial_speed=speed, rtol=rtol)
+        since, angle = _last_stretch(last, motion.end_time - begin, spent - turned)
+        end, turned = begin + since, turned + angle
+    if turned >= spent * (1.0 - 1e-12):
+        status = Status.SPENT
+    turns = turned / (2.0 * math.pi)
     if status in (Status.STALL, Status.SPENT):
         reason = "the spring is spent" if status is Status.SPENT else MESSAGES[status]
         message = f"after {turns:.6g} turns, at {end:.6g} s, {reason}"
-    method = METHODS[0] if course.uncertainty is None else METHODS[1]
-    return Rundown(
-        timer.escapement, times[times <= end], nominal, end, turns, method,
-        course.uncertainty or 0.0, status, message,
-    )  # fmt: skip
+    return Rundown(escapement, times[:whole], nominal, end, turns, status, message)
+
+
+def _spent_after(escapement: Escapement) -> float:
+    """Driver angle from which on there is no torque [rad]; infinite where there always is."""
+    curve = escapement.curve
+    if curve is None or curve.periodic or curve.torque[-1] > 0.0:
+        return math.inf
+    last = max(k for k, torque in enumerate(curve.torque) if torque > 0.0)
+    return float(curve.angle[last + 1])
+
+
+def _engagements(turns: float | None, cell: float, spent: float) -> int:
+    """How many engagements to run."""
+    if turns is None:
+        if spent == math.inf:
+            rule = "given, as turns or as duration, where the torque does not end"
+            raise validate.fail("turns", rule, None, "such a timer runs for ever")
+        return min(math.ceil(spent / cell) + 1, MOST)
+    turns = validate.positive("turns", turns, "give how often the driver turns")
+    count = math.ceil(turns * 2.0 * math.pi / cell * (1.0 - 1e-12))
+    if count > MOST:
+        rule = f"at most {MOST * cell / (2.0 * math.pi):g}, ten million engagements"
+        raise validate.fail("turns", rule, turns, "run fewer")
+    return count
+
+
+def _last_stretch(last: Motion, time: float, spent: float) -> tuple[float, float]:
+    """Time [s] and driver angle [rad] from the last handoff to the end of a run.
+
+    `last` is the engagement there; the run ends after a time, or where the spring is spent.
+    """
+    start, time = last.escapement.mechanism.breaks[0], min(time, last.end_time)
+
+    def angle(since: float) -> float:
+        return float(last.at([since]).theta[0]) - start
+
+    turned = angle(time)
+    if turned > spent:
+        time, turned = brentq(lambda since: angle(since) - spent, 0.0, time, xtol=1e-300), spent
+    return time, turned

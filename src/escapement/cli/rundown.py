@@ -1,23 +1,30 @@
 """A timer that runs down: turns, rate, and when and where it stops."""
 
+from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 import escapement as esc
 from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.files import write_file
 from escapement.model import Escapement, Inertia, Run
-from escapement.quantity import declared
-from escapement.run_down import Length
+from escapement.quantity import Quantity, declared
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import as_csv
 
-_START = {"initial_speed": declared(Run)["initial_speed"], "rtol": declared(Solver)["rtol"]}
+_TURNS = Quantity(
+    name="turns", key="turns", long_name="driver turns to run, in whole engagements", metavar="N",
+    exclusive=True, remedy="give how often the driver turns",
+)  # fmt: skip
+_RUN = {
+    "turns": _TURNS,
+    "duration": replace(declared(Run)["duration"], note=", instead of turns"),
+    "initial_speed": declared(Run)["initial_speed"],
+    "rtol": declared(Solver)["rtol"],
+}
 _KINDS = dict.fromkeys(
-    ("nominal_period", "first_period", "last_period", "end_time", "lateness", "uncertainty"),
+    ("nominal_period", "first_period", "last_period", "end_time", "lateness"),
     "time",
 ) | {"time": "time", "mean_speed": "speed"}
 _ROWS = 11
@@ -28,7 +35,7 @@ def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
     _arguments.add_group(parser, "model", declared(Escapement) | declared(Inertia))
-    _arguments.add_group(parser, "length of the run", declared(Length) | _START)
+    _arguments.add_group(parser, "length of the run", _RUN)
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write the end of each engagement")
     _arguments.add_plot(output, "draw speed and lateness over the turns")
@@ -37,11 +44,13 @@ def configure(parser: Parser) -> None:
 def execute(args: Arguments) -> int:
     """Let it run down, write what was asked for, print the figures."""
     _output.check_wanted(args, file="FILE.csv")
+    import numpy as np
+
     _arguments.require(args, declared(Escapement) | declared(Inertia))
     inertia = Inertia(**_arguments.typed(args, declared(Inertia)))
     model = _arguments.typed(args, declared(Escapement))
     timer = Escapement(_arguments.read_mechanism(args), inertia, **model)
-    run = esc.rundown(timer, **_arguments.typed(args, declared(Length) | _START))
+    run = esc.rundown(timer, **_arguments.typed(args, _RUN))
     if args.output is not None:
         header = ("turns", "time_s", "mean_speed_rad_per_s", "rate_error", "lateness_s")
         table = as_csv([header, *np.column_stack(_columns(run)).tolist()])
@@ -59,6 +68,8 @@ def _columns(run: "esc.Rundown") -> tuple[Any, ...]:
 
 def summarise(run: "esc.Rundown") -> dict[str, Any]:
     """What `rundown` reports, by JSON key, in SI."""
+    import numpy as np
+
     record: dict[str, Any] = {
         "turns": run.end_turns,
         "end_time": run.end_time,
@@ -74,7 +85,6 @@ def summarise(run: "esc.Rundown") -> dict[str, Any]:
             "last_period": run.periods[-1],
             "rate_error_percent": 100.0 * (run.nominal_period * run.times.size / run.times[-1] - 1),
             "lateness": run.lateness[-1],
-            "uncertainty": run.uncertainty,
             "over_the_turns": [dict(zip(names, row, strict=True)) for row in table.tolist()],
         }
-    return record | {"method": run.method, "status": run.status.label}
+    return record | {"status": run.status.label}
