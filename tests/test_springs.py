@@ -56,6 +56,8 @@ def agree(real, engagements, rtol=1e-10, **start):
     np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=rtol)
     np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=rtol)
     assert fast.end_time == pytest.approx(slow.end_time, rel=100.0 * rtol)
+    np.testing.assert_allclose(fast.extrema.theta_dot, slow.extrema.theta_dot, rtol=100.0 * rtol)
+    assert fast.reversals.time.size == slow.reversals.time.size
     assert abs(fast.ledger.residual) < 1e-12
     assert fast.ledger.work == pytest.approx(slow.ledger.work, rel=rtol)
     return fast

@@ -114,7 +114,9 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
     event.kind = kind
     event.angle, event.time, event.half = panel.left, found.time, panel.half
     event.exact, event.coarse, event.point = False, found.coarse, found.point
-    event.side, event.left_energy = found.side, found.energy
+    # as everywhere, 0 stands for a dwell
+    event.side = 0.0 if panel.locked else found.side
+    event.left_energy = found.energy
     event.first, event.final, event.high = found.first, found.final, high
     count = panels.points_of(work)
     copy_row(event.energy, work.energy, count)
@@ -188,7 +190,7 @@ def _up_to(scene, work, event, x, angle):
         return dot(work.from_left, work.scratch, count), dot(work.at_x, event.energy, count)
     # the panel is solved again between its left end and the extremum, outside the chain
     panel = work.spare
-    panel.locked = False
+    panel.locked = event.side == 0.0
     panels.evaluate_geometry(work, panel, scene, event.angle, angle)
     solve_side(scene, work, panel, event.side, event.left_energy)
     solution = solution_of(panel, event.side)

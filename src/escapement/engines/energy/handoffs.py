@@ -12,9 +12,9 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.rundown import (
     FORGOTTEN,
     NODES,
-    WORTH,
     add_time,
     fill,
+    least_length,
     longest_stretch,
 )
 from escapement.jit import inner_jit, jit
@@ -107,7 +107,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
                 k += done
                 if totals[0] >= limit:
                     return OK, k, 0.0
-            attempt = k if stretch.length > 0 else k + WORTH * NODES * lead
+            attempt = k if stretch.length > 0 else k + least_length(lead)
             count = NO_PANELS
     return OK, times.size, 0.0
 

@@ -15,13 +15,15 @@ from escapement.engines.energy.calls import MarchInputs, march_case
 from escapement.engines.energy.events import NO_EVENTS
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NO_PANELS
+from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
 
 NODES = 16
 # A deviation of w is forgotten where the exponents of the engagements add up to this.
 FORGOTTEN = 36.0
-# A series must give so many times the engagements that are marched for it.
-WORTH = 2
+# A series must give so many engagements for each that is marched, and the map alone takes a
+# fraction of the time.
+WORTH, MAP_SHARE = 2, 3
 # A place between two nodes, at which the series are judged.
 BETWEEN = 0.3
 # The share of its torque that a drive may lose over the engagements of a series.
@@ -51,16 +53,24 @@ def line_length(first, scene):
 
 
 @inner_jit
-def sample(case, request, at, lead, w, count):
-    """March to the engagement `at`, a real number, from w so many before it.
+def least_length(lead):
+    """The fewest engagements that are worth a series."""
+    return WORTH * (NODES + 1) * (lead // MAP_SHARE + 1)
+
+
+@inner_jit
+def sample(case, request, at, lead, detail, w, count):
+    """March to the engagement `at`, a real number, from w so many before it in some detail.
 
     Returns the engagement, and the sum of the exponents of those before it.
     """
     cell, forgotten = cell_of(case.scene), 0.0
+    before = Request(np.int64(detail), request.loose, request.strict)
     for j in range(lead + 1):
         scene = cell_after((at - lead + j) * cell, case.scene)
         here = MarchInputs(case.addresses, scene, case.cells, case.store, case.events)
-        found = march_case(here, count, request, w, 0.0, NO_EVENTS)
+        asked = before if j < lead else request
+        found = march_case(here, count, asked, w, 0.0, NO_EVENTS)
         count, w = found.panels, found.w
         if found.status != OK:
             break
@@ -80,7 +90,9 @@ def fit(case, request, stretch, w, rtol, series):
         # behind the nodes comes a place between two of them, to judge the series by
         x = np.cos(np.pi * (i + 0.5) / NODES) if i < NODES else BETWEEN
         at = stretch.first + 0.5 * (stretch.length - 1) * (1.0 + x)
-        found, forgotten = sample(case, request, at, stretch.lead, w, count)
+        # what the map alone may miss shows there
+        detail = Detail.MAP if i < NODES else Detail.TIME
+        found, forgotten = sample(case, request, at, stretch.lead, detail, w, count)
         count = found.panels
         if found.status != OK or forgotten < FORGOTTEN:
             return False
@@ -118,7 +130,7 @@ def longest_stretch(case, request, first, most, lead, w, rtol, series):
     Its length is 0 where none is worth it; `most` is how many are asked for.
     """
     length = min(line_length(first, case.scene), most)
-    while length >= WORTH * (NODES + 1) * (lead + 1):
+    while length >= least_length(lead):
         stretch = Stretch(first, length, lead)
         if fit(case, request, stretch, w, rtol, series):
             return stretch

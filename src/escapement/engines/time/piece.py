@@ -124,7 +124,7 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
         # at the speed where drag balances the drive rounding changes it.
         rates[:] = last_rate = rates[0]
     roots = [x / unit for x in find_roots(problem.rate, dense, times, rates)]
-    first = float(rates[0] or rates[1])
+    first = float(rates[np.argmax(rates != 0.0)])
     return Solution(dense, task.anchor, unit, end / unit, ending, roots, first, last_rate)
 
 
