@@ -85,7 +85,9 @@ def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> 
             if len(shown[key]) > 1:
                 print(f"\n{words(key)}")
                 columns = rows(dict.fromkeys(shown[key][0]), kinds, args.units)
-                header = [name + f" ({unit})" * (unit not in ("", "1")) for name, _, unit in columns]
+                header = [
+                    name + f" ({unit})" * (unit not in ("", "1")) for name, _, unit in columns
+                ]
                 print_columns([header], [line.values() for line in shown[key]])
 
     tell(args, shown | ({"message": message} if message else {}), table, message)
