@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -273,6 +273,21 @@ class Escapement(Declared):
             spent = max(self.torque / self.spring_rate, 1.0 / MOST_UNEQUAL)
             return TorqueCurve((0.0, spent), (self.torque, 0.0))
         return None
+
+    @property
+    def held(self) -> Escapement:
+        """The escapement with the torque of its start for good."""
+        if self.curve is None:
+            return self
+        return replace(self, torque=self.curve.torque[0], spring_rate=0.0)
+
+    def after(self, turned: float) -> Escapement:
+        """The escapement once its driver has turned by an angle [rad]."""
+        if isinstance(self.torque, TorqueCurve):
+            return replace(self, torque=self.torque.after(turned))
+        if self.curve is None:
+            return self
+        return replace(self, torque=self.torque - self.spring_rate * turned)
 
     @cached_property
     def scene(self) -> Scene:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +24,11 @@ from escapement.status import Status
 from escapement.text import Shown
 from escapement.trajectory import Events, Extrema, NoTrajectory, Trajectory
 from escapement.validate import fail
+from escapement.variables import as_dataframe, as_dataset
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
 _SAMPLES = 100  # per engagement on the default grid: a curve over a full page looks smooth
 
@@ -280,11 +285,13 @@ class Motion(Shown):
         """Default grid of times [s]: a hundred even ones an engagement, and all events.
 
         The exact times of handoffs, reversals and extrema of the driver speed are among
-        them, so that the samples show every peak of `theta_dot` in full.
+        them, so that the samples show every peak of `theta_dot` in full, and the start of
+        every piece.
         """
         ends = np.concatenate([[0.0], self.handoff_times, [self.end_time]])
         even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
-        times = np.concatenate([even, self.reversals.time, self.extrema.time, ends[-1:]])
+        starts, peaks = self.trajectory.start, self.extrema.time
+        times = np.concatenate([even, starts, self.reversals.time, peaks, ends[-1:]])
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
 
     @cached_property
@@ -304,6 +311,28 @@ class Motion(Shown):
     def contact_force(self) -> FloatArray | None:
         """Force on the pin on the default grid [N]; None without a crank radius."""
         return self.samples.contact_force
+
+    def to_xarray(self) -> "Dataset":
+        """Samples over `t`, handoffs, events and pieces as an `xarray.Dataset`, in SI.
+
+        Names are those of a file of the motion.
+
+        Raises
+        ------
+        MissingPackage
+            When xarray is not installed.
+        """
+        return as_dataset(self)
+
+    def to_dataframe(self) -> "DataFrame":
+        """The samples as a `pandas.DataFrame` in SI, its index `t`; `attrs` has the units.
+
+        Raises
+        ------
+        MissingPackage
+            When pandas is not installed.
+        """
+        return as_dataframe(self)
 
     @cached_property
     def ledger(self) -> Ledger:

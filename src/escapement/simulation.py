@@ -1,5 +1,6 @@
 """`simulate` gives a motion, `terminal` the figures of merit of its terminal cycle."""
 
+import math
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
@@ -166,14 +167,12 @@ def terminal(
     engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     if _too_unequal(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=_TOO_UNEQUAL)
-    critical, uniqueness = friction_limits(escapement)
-    base = Figures(critical_friction=critical, uniqueness_friction=uniqueness)
+    base = limits(escapement)
     if escapement.curve is not None:
         first = escapement.curve.torque[0]
         if first == 0.0:
             return replace(base, status=Status.STALL, message=_NO_START)
-        held = replace(escapement, torque=first, spring_rate=0.0)
-        found = terminal(held, initial_speed=settings["initial_speed"], solver=solver)
+        found = terminal(escapement.held, initial_speed=settings["initial_speed"], solver=solver)
         note = _FULL if escapement.spring_rate else _AT_START
         return replace(found, message=_joined(found.message, note))
     # the limit is decided before anything is integrated
@@ -196,6 +195,13 @@ def terminal(
     if limit := uniqueness_note(escapement):
         figures = replace(figures, message=_joined(figures.message, limit))
     return figures
+
+
+def limits(escapement: Escapement) -> Figures:
+    """The figures that belong to an escapement whether it moves or not."""
+    critical, uniqueness = friction_limits(escapement)
+    margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
+    return Figures(critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin)
 
 
 def _ends_alike(escapement: Escapement) -> bool:

@@ -19,6 +19,7 @@ from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import slope_of_w, solve_side
 from escapement.jit import inner_jit, jit
@@ -126,7 +127,7 @@ class Stretch(NamedTuple):
 
 
 @jit(allocates=True)
-def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
+def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses, peaks):
     """Fill driver angles and w at times since the start of one piece.
 
     Parameters
@@ -136,18 +137,23 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
     times : since the start; later ones than the end of the piece give the state at its end.
     theta, squares : results, angles and w, as long as `times`.
     losses : result, the work lost over the piece in each of `dynamics.LOSSES`.
+    peaks : result, the greatest magnitude over the piece of each of `peaks.PEAKS`; of length 0
+        where they are not wanted.
     """
     _loose, strict = panels.tolerances(rtol)
     store = panels.new_store(ONE)
-    work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
-    panel.locked = side == 0.0
+    store.panels[panels.FIRST_PANEL].locked = side == 0.0
     ends = np.empty(_HALVINGS)
     waiting = 0
     part = Stretch(left, _next(scene, left, end), 0.0, w)
     losses[:] = 0.0
+    peaks[:] = 0.0
+    values = np.empty((N + 2, peaks.size))
     for j in range(times.size):
         theta[j], squares[j] = left, w
     while part.left < end:
+        # a record does not keep its memory alive: `store` must be in use to the end of the loop
+        work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
         # halve the part until the panel over it is fine enough; the right ends of the halves that
         # wait for their turn are kept in `ends`
         good = _solve(scene, work, panel, part, side, strict)
@@ -176,6 +182,8 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
             length = duration(work)[0]
             _read(scene, work, panel, part, length, end, times, theta, squares)
         _add_losses(scene, work, panel, side, losses)
+        if peaks.size > 0 and good:
+            raise_peaks(scene, work, panel, side, (part.w, after), values, peaks)
         now = part.time + length
         if after == 0.0:
             # the motion has stopped, and keeps this angle at all later times
@@ -258,7 +266,7 @@ def follow(
     angle, w, side = start
     theta, squares = np.empty_like(times), np.empty_like(times)
     losses = np.empty(len(LOSSES))
-    states_in(scene, angle, end, w, side, rtol, times, theta, squares, losses)
+    states_in(scene, angle, end, w, side, rtol, times, theta, squares, losses, np.empty(0))
     return theta, squares
 
 

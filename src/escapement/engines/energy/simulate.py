@@ -14,6 +14,7 @@ from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.handoffs import handoffs
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
+from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import events_of, follow, states_in
 from escapement.model import Escapement, FloatArray, dwell_angle
 from escapement.motion import Motion, no_motion, stall_message
@@ -109,9 +110,24 @@ class EnergyTrajectory:
         result: FloatArray = self._pieces[2]
         return result
 
-    @cached_property
+    @property
     def losses(self) -> FloatArray:
         """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
+        return np.asarray(self._read_through[0] * self.escapement.torque_unit)
+
+    @property
+    def peaks(self) -> FloatArray:
+        """Greatest magnitudes over each piece, as `peaks.PEAKS` names them, in SI; shape (4, n).
+
+        The force is that of a crank of 1 m.
+        """
+        torque, rate = self.escapement.torque_unit, self.escapement.time_unit**-2.0
+        scale = np.array([rate, rate, torque, torque])
+        return np.asarray(self._read_through[1] * scale[:, None])
+
+    @cached_property
+    def _read_through(self) -> tuple[FloatArray, FloatArray]:
+        """Losses and peaks of each piece in natural units."""
         scene = self.escapement.scene
         end_time = self.end_time / self.escapement.time_unit
         pieces = self._pieces[2:].T.copy()
@@ -120,11 +136,11 @@ class EnergyTrajectory:
             pieces[-1, 2] = self._solve(len(pieces) - 1, since)[0][0]
         # a motion that has settled repeats its pieces, of which each is solved once
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
-        lost = np.zeros((len(distinct), len(LOSSES)))
-        for (side, angle, end, w, turned), row in zip(distinct, lost, strict=True):
+        lost, peaks = np.zeros((len(distinct), len(LOSSES))), np.zeros((len(distinct), len(PEAKS)))
+        for (side, angle, end, w, turned), *rows in zip(distinct, lost, peaks, strict=True):
             here = scene._replace(turned=turned)
-            states_in(here, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row)
-        return lost.T[:, which.reshape(-1)] * self.escapement.torque_unit
+            states_in(here, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, *rows)
+        return lost.T[:, which.reshape(-1)], peaks.T[:, which.reshape(-1)]
 
     @cached_property
     def reversals(self) -> Events:
