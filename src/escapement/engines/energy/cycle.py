@@ -17,6 +17,7 @@ from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STAL
 from escapement.engines.energy.panels import NO_PANELS, tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
+from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
 COLUMNS = (
@@ -37,6 +38,13 @@ class Ends(NamedTuple):
 
     entry: float
     exit: float
+
+
+@inner_jit
+def ends_of(scene):
+    """`Ends` of a scene."""
+    entry, exit_ = scene.edges[0], scene.edges[-1]
+    return Ends(transmission_at(scene.path, entry)[0], transmission_at(scene.path, exit_)[0])
 
 
 class Step(NamedTuple):

@@ -21,7 +21,6 @@ from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STAL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
-from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import (
     FALL_63,
     FALL_98,
@@ -69,20 +68,15 @@ def figures(case, handoffs, w, rtol, extent, out):
     """
     scene, events = case.scene, case.events
     start, handoffs[0, 0], handoffs[0, 1] = w, 0.0, w
-    for i in range(cycle.FIGURES):
-        out[i] = np.nan
-    entry, exit_ = scene.edges[0], scene.edges[-1]
-    ends = cycle.Ends(transmission_at(scene.path, entry)[0], transmission_at(scene.path, exit_)[0])
+    out[: cycle.FIGURES] = np.nan
+    ends = cycle.ends_of(scene)
     constant_gain = is_lossless(scene) and ends_alike(ends.entry, ends.exit, scene.rho)
-    # without losses and load every engagement adds the drive's work, which is positive
-    pull = torque_at(entry, scene)[0] - scene.bearing
-    if constant_gain and scene.load == 0.0 and pull > 0.0:
+    if constant_gain and _only_gains(scene):
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.EXTREMA), loose, strict)
     count, first, in_band = NO_PANELS, NO_EVENTS, NO_EVENTS
-    time, rising = 0.0, 0.0
-    cycle_known, sought = False, False
+    time, rising, cycle_known, sought = 0.0, 0.0, False, False
     before = cycle.Attempt(w, w)
     for k in range(MAX_ENGAGEMENTS):
         found = march_case(case, count, request, w, rising, first)
@@ -95,22 +89,20 @@ def figures(case, handoffs, w, rtol, extent, out):
             return NO_TERMINAL if found.source > 0.0 else STALL
         used, rising = found.used, found.rising
         _mark_extrema(case, first, used, time)
-        if cycle_known:
-            in_band = _judge(case, first, used, in_band, out)
-        following = found.w
         time += found.time
         row = (k + 1) % handoffs.shape[0]
-        handoffs[row, 0], handoffs[row, 1] = time, following
+        handoffs[row, 0], handoffs[row, 1] = time, found.w
         if cycle_known:
+            in_band = _judge(case, first, used, in_band, out)
             _note_fall(start, handoffs, k, rtol, out)
         if not sought:
             step = cycle.newton_step(w, found, scene, ends, has_reversal(events, first, used))
             first = used
             if _worth_seeking(scene, w, step, k, used, events):
-                guess = _first_guess(w, step, before, following)
+                guess = _first_guess(w, step, before, found.w)
                 steps = cycle.Attempt(w, step.w)
                 status, count = cycle.terminal_cycle(
-                    case, count, ends, guess, following, steps, rtol, used, out
+                    case, count, ends, guess, found.w, steps, rtol, used, out
                 )
                 sought, cycle_known = True, status == OK
                 if status in (NOT_CONVERGED, NO_TERMINAL):
@@ -119,24 +111,35 @@ def figures(case, handoffs, w, rtol, extent, out):
                 if cycle_known:
                     if extent == Extent.CYCLE:
                         return OK
-                    in_band = _judge(case, first, used, in_band, out)
-                    for i in range(k + 1):
-                        _note_fall(start, handoffs, i, rtol, out)
+                    in_band = _take_stock(case, start, handoffs, k, used, rtol, out)
                     # from rest it takes log(0.02)/log(contraction) engagements or so, here
                     # more than the limit, so no time is given
                     if out[cycle.CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                         return OK
             before = cycle.Attempt(w, step.w)
-        w = following
+        w = found.w
         # two motions never cross, so w at entry tends to its terminal value from one side: when
         # a maximum and a minimum are in the band, all later ones are
-        fallen = extent < Extent.FALLEN or not np.isnan(out[cycle.RISE_98])
-        if cycle_known and in_band >= 2 and fallen:
+        if cycle_known and in_band >= 2 and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
     # a settling time beyond the limit of engagements is not given
     if in_band < 2:
         out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
+
+
+@inner_jit
+def _take_stock(case, start, handoffs, k, used, rtol, out):
+    """Compare all that was kept with the cycle; returns how many extrema are in the band."""
+    for i in range(k + 1):
+        _note_fall(start, handoffs, i, rtol, out)
+    return _judge(case, NO_EVENTS, used, NO_EVENTS, out)
+
+
+@inner_jit
+def _only_gains(scene):
+    """Whether every engagement without losses adds the drive's work, which is positive."""
+    return scene.load == 0.0 and torque_at(scene.edges[0], scene)[0] > scene.bearing
 
 
 @inner_jit

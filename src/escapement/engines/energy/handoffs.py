@@ -58,9 +58,8 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
     count = NO_PANELS
     case = MarchInputs(addresses, scene, cells, store, events)
     totals, series, carry_w = np.zeros(2), np.empty((4, NODES if cell > 0.0 else 0)), 0.0
-    rho, edges = scene.rho, scene.edges
-    inertia = transmission_at(scene.path, edges[0])[0] ** 2 + rho
-    ends_equal = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
+    inertia = transmission_at(scene.path, scene.edges[0])[0] ** 2 + scene.rho
+    ends_equal = inertia == transmission_at(scene.path, scene.edges[-1])[0] ** 2 + scene.rho
     start, steady_gain = w, is_constant(scene) and is_lossless(scene)
     # the number of the engagement, of the first behind a knot, and of the next to try a series
     k, line, attempt = np.int64(0), np.int64(0), np.int64(0)
@@ -91,8 +90,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         # times to about (out - w)/gap^2: where that is negligible, later engagements repeat this
         gap = -np.expm1(-found.exponent)
         if cell == 0.0 and abs(out - w) <= 0.05 * rtol * gap * gap * w:
-            done = _repeat(k, totals[0], found.time, limit, clock, times, speeds)
-            return OK, done, 0.0
+            return OK, _repeat(k, totals[0], found.time, limit, clock, times, speeds), 0.0
         w, k = out, k + 1
         if cell == 0.0:
             continue
@@ -102,13 +100,11 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         if k >= attempt and k - line >= lead:
             most = times.size - k
             stretch = longest_stretch(case, request, k, most, lead, w, rtol, series)
-            if stretch.length > 0:
-                done, w = fill(stretch, limit, clock, totals, series, times, speeds)
-                k += done
-                if totals[0] >= limit:
-                    return OK, k, 0.0
-            attempt = k if stretch.length > 0 else k + least_length(lead)
-            count = NO_PANELS
+            done, w = fill(stretch, w, limit, clock, totals, series, times, speeds)
+            k += done
+            if done > 0 and totals[0] >= limit:
+                return OK, k, 0.0
+            attempt, count = k if done > 0 else k + least_length(lead), NO_PANELS
     return OK, times.size, 0.0
 
 

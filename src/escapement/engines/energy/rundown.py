@@ -139,12 +139,11 @@ def longest_stretch(case, request, first, most, lead, w, rtol, series):
 
 
 @inner_jit
-def fill(stretch, limit, clock, totals, series, times, speeds):
+def fill(stretch, w, limit, clock, totals, series, times, speeds):
     """Fill times and speeds of the handoffs of a stretch; returns their number and the last w.
 
     `totals` are the time of the handoff before and what Kahan's sum has left of it.
     """
-    w = 0.0
     for j in range(stretch.length):
         x = 2.0 * j / (stretch.length - 1) - 1.0
         w = value_at(series, 1, x)
