@@ -50,7 +50,8 @@ class Figures(Shown):
 
     velocity_max, velocity_min : extremes of the terminal driver speed [rad/s].
     velocity_mean : cell angle over period [rad/s].
-    period : time of one terminal engagement, dwell included [s].
+    period : time of one terminal engagement, dwell included [s]; with imperfect parts the mean
+        over the engagements after which pins and slots meet again.
     rise_time : first velocity extremum within 2 % of its terminal value [s].
     settling_time : first extremum from which on every engagement's extremes
         are within 1 % [s].
@@ -67,7 +68,9 @@ class Figures(Shown):
     reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
     critical_friction : Painleve limit, from which on no motion exists [-].
     uniqueness_friction : friction from which on another motion exists beside this one [-].
-    motion : one engagement of the terminal cycle, None where there is none.
+    beats, beat_error : times of these engagements, and the greatest less the least [s].
+    blow_max : greatest energy that is lost in a blow where a pin takes over [J].
+    motion : the terminal cycle, one engagement or all of these, None where there is none.
     status, message : outcome, and its reason in a sentence.
     """
 
@@ -105,6 +108,22 @@ class Figures(Shown):
     follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
     contact_moment_max = _peak(2, "Greatest moment on the follower [N m].")
     contact_force_max = _peak(3, "Greatest force on the pin [N].")
+
+    @property
+    def beats(self) -> tuple[float, ...]:
+        """Time of each engagement of the cycle in turn, from handoff to handoff [s]."""
+        times = () if self.motion is None else np.diff(self.motion.handoff_times, prepend=0.0)
+        return tuple(np.asarray(times).tolist())
+
+    @property
+    def beat_error(self) -> float:
+        """Greatest less least of the beats [s]."""
+        return max(self.beats) - min(self.beats) if self.beats else _NAN
+
+    @property
+    def blow_max(self) -> float:
+        """Greatest energy that a blow of the cycle takes [J]."""
+        return _NAN if self.motion is None else float(self.motion.handoffs.energy.max())
 
     @property
     def energy_residual(self) -> float:
@@ -148,15 +167,18 @@ _NAMES = (
 
 
 def read_cycle(cycle: Motion, base: Figures) -> Figures:
-    """Terminal figures from one engagement that starts at the terminal speed."""
+    """Terminal figures from a cycle that starts at the terminal speed: one engagement, or all
+    of a pattern.
+    """
     speeds = np.concatenate([cycle.extrema.theta_dot, cycle.at([0.0, cycle.end_time]).theta_dot])
+    period = float(cycle.end_time / cycle.handoff_times.size)
     return replace(
         base,
         velocity_max=float(speeds.max()),
         velocity_min=float(speeds.min()),
-        velocity_mean=float(cycle.escapement.mechanism.cell_angle / cycle.end_time),
-        period=float(cycle.end_time),
-        handoff_velocity=float(cycle.handoff_velocities[0]),
+        velocity_mean=float(cycle.escapement.mechanism.cell_angle / period),
+        period=period,
+        handoff_velocity=float(cycle.handoff_velocities[-1]),
         motion=cycle,
     )
 
@@ -168,15 +190,32 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
     """
     extrema = motion.extrema
     terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
+    extremes, size = _extremes(extrema), len(motion.escapement.meetings)
+    if size > 1:
+        # each engagement of a pattern tends to extremes of its own, those of the last round
+        kinds = np.array([extrema.engagement % size, extrema.maximum])
+        last = extremes[extrema.engagement[extremes] >= motion.handoff_times.size - size]
+        final = np.full((size, 2), _NAN)
+        final[tuple(kinds[:, last])] = extrema.theta_dot[last]
+        terminal = final[tuple(kinds)]
     error = np.abs(extrema.theta_dot / terminal - 1.0)
     risen = np.nonzero(error <= RISE_BAND)[0]
-    extremes = _extremes(extrema)
     unsettled = np.nonzero(error[extremes] > SETTLING_BAND)[0]
     settled = extremes[unsettled[-1] + 1 :] if unsettled.size else extremes
     return (
         float(extrema.time[risen[0]]) if risen.size else _NAN,
         float(extrema.time[settled[0]]) if settled.size else _NAN,
     )
+
+
+def transient_length(contraction: float, start: float) -> int:
+    """Cycles after which the deviation is far below the settling band.
+
+    `start` is the initial over the terminal speed. Each cycle multiplies the deviation of w by
+    the contraction.
+    """
+    rate = math.log(min(max(contraction, 1e-4), 1.0 - 1e-12))
+    return 8 + math.ceil((math.log(1e-4) - 2.0 * math.log(max(start, 1.0))) / rate)
 
 
 def _extremes(extrema: Extrema) -> np.ndarray:

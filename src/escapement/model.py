@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 from escapement import validate
 from escapement.lazy import Lazy
 from escapement.quantity import Declared, quantities, quantity
-from escapement.scene import Path, Scene, smooth_intervals, writeable
+from escapement.scene import Meeting, Path, Scene, smooth_intervals, writeable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -92,6 +92,16 @@ def dwell_angle(mechanism: Mechanism) -> float:
     return float(dwell) if dwell > 1e-12 else 0.0
 
 
+def meetings_of(mechanism: Any) -> tuple[Meeting, ...]:
+    """The engagements after which a mechanism repeats itself, one if its parts are perfect."""
+    if not getattr(mechanism, "perfect", True):
+        return mechanism.meetings  # type: ignore[no-any-return]
+    path, dwell = writeable(mechanism.path), dwell_angle(mechanism)
+    edges = smooth_intervals(path, mechanism.breaks)
+    kind = "pick-up" if dwell > 0.0 else "overlap"
+    return (Meeting(path, edges, dwell, 0.0, mechanism.follower_angle, kind, 0.0, math.nan),)
+
+
 @dataclass(frozen=True, repr=False)
 class Inertia(Declared):
     """Moments of inertia about the two axes.
@@ -156,6 +166,8 @@ RESISTANCES = (
 """Numbers of a `Scene` that resist the motion beside friction in the slot."""
 LENGTHS = ("crank_radius", "pin_radius", "roller_radius")
 """Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
+_ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")
+"""Lengths of imperfect parts."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -239,16 +251,25 @@ class Escapement(Declared):
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
 
     @cached_property
-    def scene(self) -> Scene:
-        """The escapement as an engine sees it."""
-        mechanism = self.mechanism
-        path, own = writeable(mechanism.path), self.inertia
+    def meetings(self) -> tuple[Meeting, ...]:
+        """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
+        return meetings_of(self.mechanism)
+
+    @cached_property
+    def scenes(self) -> tuple[Scene, ...]:
+        """The escapement as an engine sees it in each of its `meetings`."""
+        mechanism, own = self.mechanism, self.inertia
         values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
         for name in LENGTHS:
             values[name] = getattr(mechanism, name, None) or 0.0
-        numbers = {name: float(value) for name, value in natural(values, path.table).items()}
-        edges = smooth_intervals(path, mechanism.breaks)
-        return Scene(path, edges, dwell_angle(mechanism), **numbers)
+        meshed = self.meetings[0].path.table
+        numbers = {name: float(value) for name, value in natural(values, meshed).items()}
+        return tuple(Scene(*meeting[:3], **numbers) for meeting in self.meetings)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The escapement as an engine sees it in the first of its `meetings`."""
+        return self.scenes[0]
 
     @cached_property
     def too_unequal(self) -> bool:
@@ -265,7 +286,8 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process derives the scene and what hangs on it anew."""
-        return {key: value for key, value in vars(self).items() if key not in ("scene", "kept")}
+        derived = ("meetings", "scenes", "scene", "kept")
+        return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property
     def time_unit(self) -> float:
@@ -340,10 +362,10 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
     plain_crank : bool
         Whether the driver's bearing carries the force of the contact and no other.
     """
-    radii = (*LENGTHS[1:], "driver_bearing_radius", "follower_bearing_radius")
+    radii = (*LENGTHS[1:], *_ERRORS, "driver_bearing_radius", "follower_bearing_radius")
     for name in ("driver_bearing_friction", *radii):
-        value = values.get(name, 0.0)
-        if value == 0.0:
+        value = values.get(name)
+        if not value:
             continue
         if name.startswith("driver") and not plain_crank:
             rule = "0 for a gear-driven wheel, whose driver's bearing also carries the mesh"

@@ -102,7 +102,8 @@ def least_margin(scene, low, high):
     The minimum is bracketed on an even grid and found by golden section.
     """
     radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, scene.edges[-1])[3])
-    lever = radius - scene.mu_plus * scene.pin - scene.follower_journal
+    arm = scene.pin + abs(scene.path.numbers[10])
+    lever = radius - scene.mu_plus * arm - scene.follower_journal
     if not lever > 0.0:
         return lever
     best, least = low, np.inf
@@ -183,22 +184,28 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
     """
     kept = escapement.kept
     if _LIMITS not in kept:
-        scene = escapement.scene
-        entry, exit_ = scene.edges[0], scene.edges[-1]
-        if as_python(is_ideal)(scene):
-            kept[_LIMITS] = (painleve_limit(scene.path, scene.rho, entry, exit_)[0],) * 2
-        else:
-            kept[_LIMITS] = _limit(escapement, 0.0, exit_), _limit(escapement, entry, 0.0)
+        limits = [_limits_of(escapement, place) for place in range(len(escapement.scenes))]
+        kept[_LIMITS] = tuple(min(of_half) for of_half in zip(*limits, strict=True))
     found: tuple[float, float] = kept[_LIMITS]
     return found
 
 
-def _limit(escapement: Escapement, low: float, high: float) -> float:
+def _limits_of(escapement: Escapement, place: int) -> tuple[float, float]:
+    """Both limits of one engagement; those of imperfect parts differ a little."""
+    scene = escapement.scenes[place]
+    entry, exit_ = scene.edges[0], scene.edges[-1]
+    if as_python(is_ideal)(scene):
+        return (painleve_limit(scene.path, scene.rho, entry, exit_)[0],) * 2
+    return _limit(escapement, place, 0.0, exit_), _limit(escapement, place, entry, 0.0)
+
+
+def _limit(escapement: Escapement, place: int, low: float, high: float) -> float:
     """Least friction at which the margin between two driver angles vanishes."""
     from scipy.optimize import brentq
 
     def least(friction: float) -> float:
-        return float(least_margin(replace(escapement, friction=friction).scene, low, high))
+        scene = replace(escapement, friction=friction).scenes[place]
+        return float(least_margin(scene, low, high))
 
     most = 1.0
     while least(most) > 0.0:

@@ -231,6 +231,18 @@ class Numbers(Setting):
             raise validate.fail(label, "a list of numbers", value, self.remedy)
         return tuple(validate.number(f"{label}[{i}]", x, self.remedy) for i, x in enumerate(value))
 
+    def parse(self, label: str, text: str) -> Any:
+        """As `read`, of numbers with commas between them."""
+        words: list[Any] = text.split(",")
+        with contextlib.suppress(ValueError):
+            words = [float(word) for word in words]
+        return self.read(label, words)
+
+    def to_si(self, values: Any, system: str) -> Any:
+        """Values in units of `system` in SI."""
+        scale = units.factor(self.unit, system)
+        return values if scale == 1.0 else tuple(scale * value for value in values)
+
 
 class InputFile(Setting):
     """A file to read; the command line alone has such an option."""

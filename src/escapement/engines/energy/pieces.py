@@ -61,15 +61,17 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
+def events_of(addresses, scene_tuple, cells, starts, squares, rising, rtol):
     """All events of the engagements that start at the times `starts` with the w of `squares`.
 
-    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them.
+    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them, `rising` is the sign
+    of theta_ddot before the first entry, 0 where nothing came before.
 
     Returns
     -------
-    ndarray of MOTION_EVENT
+    events : ndarray of MOTION_EVENT
         The events of each engagement in turn; its entry comes first.
+    rising : sign of theta_ddot at the end.
     """
     scene = scene_of(scene_tuple)
     loose, strict = panels.tolerances(rtol)
@@ -77,7 +79,7 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
     store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * scene.edges.size, EVENT)
     table = np.empty(8 * starts.size + 64, MOTION_EVENT)
-    count, filled, rising = panels.NO_PANELS, NO_EVENTS, 0.0
+    count, filled = panels.NO_PANELS, NO_EVENTS
     for k in range(starts.size):
         w, start = squares[k], starts[k]
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
@@ -99,7 +101,7 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rtol):
             break
     happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
-    return happened
+    return happened, rising
 
 
 @inner_jit

@@ -18,7 +18,13 @@ from scipy.optimize import toms748
 from escapement.engines.time.law import Law
 from escapement.engines.time.simulate import simulate
 from escapement.mechanisms.slotted import transmission_at
-from escapement.metrics import BOUNDLESS, Figures, read_cycle, read_transient
+from escapement.metrics import (
+    BOUNDLESS,
+    Figures,
+    read_cycle,
+    read_transient,
+    transient_length,
+)
 from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
@@ -46,7 +52,7 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     if cycle.status is not Status.OK:
         return replace(base, status=cycle.status, message=cycle.message)
     figures = replace(read_cycle(cycle, base), contraction=contraction)
-    count = _transient_length(contraction, settings["initial_speed"] / figures.handoff_velocity)
+    count = transient_length(contraction, settings["initial_speed"] / figures.handoff_velocity)
     while count <= LONGEST_TRANSIENT:
         motion = simulate(escapement, engagements=count, duration=None, **settings)
         rise, settled = read_transient(motion, figures)
@@ -58,16 +64,6 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
         f"{LONGEST_TRANSIENT} engagements, too many for engine 'ivp'"
     )
     return replace(figures, message=message)
-
-
-def _transient_length(contraction: float, start: float) -> int:
-    """Engagements after which the deviation is far below the settling band.
-
-    `start` is the initial over the terminal speed. Each engagement multiplies the
-    deviation of w by the contraction.
-    """
-    rate = math.log(min(max(contraction, 1e-4), 1.0 - 1e-12))
-    return 8 + math.ceil((math.log(1e-4) - 2.0 * math.log(max(start, 1.0))) / rate)
 
 
 def bracketed_cycle(
