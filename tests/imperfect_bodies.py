@@ -134,9 +134,9 @@ class Contact:
         across = self.ahead @ (self.pair.sense * turned(self.crank))
         along_slot = -(self.out @ self.centre)
         velocity = self.turning * turned(self.crank)
-        bent = self.ahead @ (-self.turning**2 * self.crank)
+        bent = self.ahead @ (-(self.turning**2) * self.crank)
         bent += 2.0 * (-self.phi_dot * self.out) @ velocity
-        bent += -self.phi_dot**2 * (self.ahead @ self.centre)
+        bent += -(self.phi_dot**2) * (self.ahead @ self.centre)
         matrix = [
             [own.driver, 0.0, -on_driver],
             [0.0, own.follower, -on_follower],

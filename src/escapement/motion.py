@@ -277,7 +277,10 @@ class Motion(Shown):
             for side in (1.0, 0.0, -1.0):
                 held = here & (sign == side)
                 angles, w = theta[held], (speed[held] * clock) ** 2
-                part, lost = np.empty((len(table), angles.size)), np.empty((len(losses), angles.size))
+                part, lost = (
+                    np.empty((len(table), angles.size)),
+                    np.empty((len(losses), angles.size)),
+                )
                 tabulate(scene, angles, w, side, part)
                 tabulate_losses(scene, angles, w, side, lost)
                 table[:, held], losses[:, held] = part, lost
@@ -375,7 +378,11 @@ class Motion(Shown):
 
 
 def no_motion(
-    escapement: Escapement, engine: str, rtol: float, status: Status = Status.PAINLEVE, why: str = ""
+    escapement: Escapement,
+    engine: str,
+    rtol: float,
+    status: Status = Status.PAINLEVE,
+    why: str = "",
 ) -> Motion:
     """A motion without pieces, and the reason; usually that of the Painleve limit."""
     message = why or painleve_message(escapement) or ""

@@ -25,7 +25,18 @@ else:
     pattern = Lazy("escapement.mechanisms.pattern")
 
 # the files of the kinds take from here what must not be loaded before it is used
-__all__ = ["CELL", "WHEEL", "Arms", "ArrayLike", "Kind", "Wheel", "np", "pattern", "slotted", "table"]
+__all__ = [
+    "CELL",
+    "WHEEL",
+    "Arms",
+    "ArrayLike",
+    "Kind",
+    "Wheel",
+    "np",
+    "pattern",
+    "slotted",
+    "table",
+]
 
 CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
 """What every kind reports of how far driver and follower turn in a cell."""

@@ -79,7 +79,9 @@ class EnergyTrajectory:
                 # the speed falls at once, from a maximum if it rose
                 w_before = w / left_by_blow(scene) ** 2
                 end = before.edges[-1] + before.dwell
-                top = np.array([(k - 1, EventKind.MAXIMUM, end, start, w_before, 0.0)], MOTION_EVENT)
+                top = np.array(
+                    [(k - 1, EventKind.MAXIMUM, end, start, w_before, 0.0)], MOTION_EVENT
+                )
                 tables += [top] if rising > 0.0 else []
                 rising = -1.0
             once = np.array([start]), np.array([w])
@@ -149,7 +151,9 @@ class EnergyTrajectory:
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
         lost = np.zeros((len(distinct), len(LOSSES)))
         for (place, side, angle, end, w), row in zip(distinct, lost, strict=True):
-            states_in(scenes[int(place)], angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row)
+            states_in(
+                scenes[int(place)], angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row
+            )
         return lost.T[:, which.reshape(-1)] * self.escapement.torque
 
     @cached_property
