@@ -186,8 +186,9 @@ def drive_to(drive, pair, theta, speed, end):
 
         for event, direction in ((arrives, 1.0), (lets_go, -1.0), (turns, -1.0)):
             event.terminal, event.direction = True, direction
-        found = solve_ivp(rates, (0.0, 10.0 * drive.time_unit), state,
-                          events=(arrives, lets_go, turns), max_step=0.05 * drive.time_unit, **TIGHT)  # fmt: skip
+        span, events = (0.0, 10.0 * drive.time_unit), (arrives, lets_go, turns)
+        limit = 0.05 * drive.time_unit
+        found = solve_ivp(rates, span, state, events=events, max_step=limit, **TIGHT)
         state, time = found.y[:, -1], time + found.t[-1]
         if found.t_events[0].size:
             asked, ratio = pair.asked(end)

@@ -263,6 +263,7 @@ class Escapement(Declared):
         for name in LENGTHS:
             values[name] = getattr(mechanism, name, None) or 0.0
         meshed = self.meetings[0].path.table
+        numbers: dict[str, Any]
         numbers = {name: float(value) for name, value in natural(values, meshed).items()}
         return tuple(Scene(*meeting[:3], **numbers) for meeting in self.meetings)
 

@@ -277,10 +277,8 @@ class Motion(Shown):
             for side in (1.0, 0.0, -1.0):
                 held = here & (sign == side)
                 angles, w = theta[held], (speed[held] * clock) ** 2
-                part, lost = (
-                    np.empty((len(table), angles.size)),
-                    np.empty((len(losses), angles.size)),
-                )
+                part = np.empty((len(table), angles.size))
+                lost = np.empty((len(losses), angles.size))
                 tabulate(scene, angles, w, side, part)
                 tabulate_losses(scene, angles, w, side, lost)
                 table[:, held], losses[:, held] = part, lost
@@ -377,14 +375,8 @@ class Motion(Shown):
         return Ledger(float(work), kinetic, float(load), **losses, blows=blows, residual=residual)
 
 
-def no_motion(
-    escapement: Escapement,
-    engine: str,
-    rtol: float,
-    status: Status = Status.PAINLEVE,
-    why: str = "",
-) -> Motion:
-    """A motion without pieces, and the reason; usually that of the Painleve limit."""
-    message = why or painleve_message(escapement) or ""
-    none = np.empty(0)
+def no_motion(escapement: Escapement, engine: str, rtol: float, invalid: str = "") -> Motion:
+    """A motion without pieces, and why: what is `invalid`, or else the Painleve limit."""
+    message = invalid or painleve_message(escapement) or ""
+    none, status = np.empty(0), Status.INVALID if invalid else Status.PAINLEVE
     return Motion(escapement, engine, rtol, NoTrajectory(), 0.0, none, none, status, message)

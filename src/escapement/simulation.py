@@ -91,7 +91,7 @@ def simulate(
     else:
         duration = check_number(Run, "duration", duration)
     if why := _impossible(escapement, settings["initial_speed"]):
-        return no_motion(escapement, engine, solver.tolerance, Status.INVALID, why)
+        return no_motion(escapement, engine, solver.tolerance, why)
     if duration is not None and engine != DEFAULT_ENGINE:
         # the fast engine refuses too long a duration in a moment, the other after hours
         start = {"initial_speed": settings["initial_speed"], "rtol": 1e-6}

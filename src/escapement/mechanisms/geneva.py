@@ -9,12 +9,14 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from escapement import validate
-from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pattern, pin_radius, roller_radius
+from escapement.lazy import Lazy
+from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pin_radius, roller_radius
 from escapement.model import check_lengths
 from escapement.quantity import Numbers, Truth, declared, quantity, setting
 from escapement.scene import Meeting
 
 MOST_SLOTS = 1_000_000
+pattern: Any = Lazy("escapement.mechanisms.pattern")
 
 
 def _each(part: str, error: str, unit: str = "ratio") -> Any:
@@ -142,7 +144,7 @@ class Geneva(Wheel):
             offsets=[offset / unit for offset in self.slot_offsets or none * slots],
         )
 
-    @property
+    @cached_property
     def perfect(self) -> bool:
         """Whether it has no error."""
         of_pins, of_slots = self.pin_angle_errors or self.crank_radius_errors, self.slot_offsets
@@ -159,14 +161,14 @@ class Geneva(Wheel):
         """The engagements of its pattern."""
         return pattern.meetings_of(self.pattern)  # type: ignore[no-any-return]
 
-    @property
+    @cached_property
     def misfit(self) -> str:
         """Which pin cannot drive which slot, and where; "" where all can."""
         k = -1 if self.perfect else self._laid_out[1]
         if k < 0:
             return ""
         return (
-            f"pin {k % self.pins + 1} cannot drive slot {k % self.slots + 1}, which it meets "  # type: ignore[operator]
+            f"pin {k % self.pins} cannot drive slot {k % self.slots}, which it meets "  # type: ignore[operator]
             f"{math.degrees(k * self.cell_angle):.6g} degrees behind the first dead centre: the "
             "errors of the parts are too large; make them smaller"
         )

@@ -18,25 +18,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike
 
-    from escapement.mechanisms import pattern, slotted, table
+    from escapement.mechanisms import slotted, table
 else:
     ArrayLike, np = Any, Lazy("numpy")
     slotted, table = Lazy("escapement.mechanisms.slotted"), Lazy("escapement.mechanisms.table")
-    pattern = Lazy("escapement.mechanisms.pattern")
 
 # the files of the kinds take from here what must not be loaded before it is used
-__all__ = [
-    "CELL",
-    "WHEEL",
-    "Arms",
-    "ArrayLike",
-    "Kind",
-    "Wheel",
-    "np",
-    "pattern",
-    "slotted",
-    "table",
-]
+__all__ = ["CELL", "WHEEL", "Arms", "ArrayLike", "Kind", "Wheel", "np", "slotted", "table"]
 
 CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
 """What every kind reports of how far driver and follower turn in a cell."""

@@ -141,7 +141,7 @@ def _stop(path, x, low, high):
 
 @inner_jit
 def turned_by(meeting, x):
-    """Phi: what the follower has turned at the driver angle x, 0 at dead centre of perfect parts."""
+    """Phi at the driver angle x, 0 at dead centre of perfect parts."""
     along = meeting.centre + meeting.crank * np.cos(x)
     across = abs(meeting.crank) * np.sin(x)
     offset = meeting.numbers[10]

@@ -70,7 +70,9 @@ class EnergyTrajectory:
             tables.append(table[(table["engagement"] >= first) & within])
         return np.concatenate(tables)
 
-    def _pattern_events(self, addresses: Any, starts: FloatArray, squares: FloatArray) -> Any:
+    def _pattern_events(
+        self, addresses: Any, starts: FloatArray, squares: FloatArray
+    ) -> np.ndarray:
         """Every event where engagements differ, each of which is marched alone."""
         tables, rising, scenes = [], 0.0, self.escapement.scenes
         for k, (start, w) in enumerate(zip(starts, squares, strict=True)):
@@ -79,18 +81,17 @@ class EnergyTrajectory:
                 # the speed falls at once, from a maximum if it rose
                 w_before = w / left_by_blow(scene) ** 2
                 end = before.edges[-1] + before.dwell
-                top = np.array(
-                    [(k - 1, EventKind.MAXIMUM, end, start, w_before, 0.0)], MOTION_EVENT
-                )
-                tables += [top] if rising > 0.0 else []
+                row = k - 1, EventKind.MAXIMUM, end, start, w_before, 0.0
+                tables += [np.array([row], MOTION_EVENT)] if rising > 0.0 else []
                 rising = -1.0
             once = np.array([start]), np.array([w])
             plain = scene_tuple(scene)
             table, rising = events_of(addresses, plain, NO_CELLS, *once, rising, self.rtol)
             table["engagement"] = k
             tables.append(table)
-        table = np.concatenate(tables)
-        return table[table["time"] * self.escapement.time_unit <= self.end_time]
+        happened = np.concatenate(tables)
+        within = happened["time"] * self.escapement.time_unit <= self.end_time
+        return np.asarray(happened[within])
 
     @cached_property
     def _pieces(self) -> FloatArray:
@@ -151,9 +152,8 @@ class EnergyTrajectory:
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
         lost = np.zeros((len(distinct), len(LOSSES)))
         for (place, side, angle, end, w), row in zip(distinct, lost, strict=True):
-            states_in(
-                scenes[int(place)], angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row
-            )
+            scene = scenes[int(place)]
+            states_in(scene, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row)
         return lost.T[:, which.reshape(-1)] * self.escapement.torque
 
     @cached_property
@@ -202,10 +202,11 @@ def simulate(
 
     A duration of more than `longest` engagements is refused.
     """
-    clock, kernel_inputs, march_all = escapement.time_unit, prepared(escapement), handoffs
+    clock, march_all = escapement.time_unit, handoffs
+    kernel_inputs: tuple[Any, ...] = prepared(escapement)
     if len(escapement.scenes) > 1:
-        march_all = pattern_handoffs
-        kernel_inputs = (*kernel_inputs[:2], NO_CELLS, escapement.mechanism.pattern)  # type: ignore[attr-defined]
+        pattern: Any = escapement.mechanism
+        march_all, kernel_inputs = pattern_handoffs, (*kernel_inputs[:2], NO_CELLS, pattern.pattern)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64

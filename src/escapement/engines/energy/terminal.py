@@ -16,7 +16,6 @@ from escapement.model import Escapement
 from escapement.motion import Motion, stall_message
 from escapement.status import MESSAGES, Status
 
-
 LONGEST_TRANSIENT = 10_000
 """Engagements of imperfect parts whose extrema are looked for."""
 
@@ -25,7 +24,8 @@ def _of_pattern(escapement: Escapement, base: Figures, w: float, rtol: float) ->
     """Figures of imperfect parts: the cycle is that of all engagements of the pattern."""
     clock = escapement.time_unit
     addresses, plain, _ = prepared(escapement)
-    pattern: Any = escapement.mechanism.pattern  # type: ignore[attr-defined]
+    mechanism: Any = escapement.mechanism
+    pattern = mechanism.pattern
     found = pattern_cycle(addresses, plain, NO_CELLS, pattern, w, rtol)
     status, better, slope, angle, engagement = found
     if status != Status.OK:
@@ -33,7 +33,7 @@ def _of_pattern(escapement: Escapement, base: Figures, w: float, rtol: float) ->
         return replace(base, status=Status(status), message=message or MESSAGES[Status(status)])
 
     def run(engagements: int, speed: float) -> Motion:
-        start = {"duration": None, "initial_speed": speed, "rtol": rtol}
+        start: dict[str, Any] = {"duration": None, "initial_speed": speed, "rtol": rtol}
         return simulate(escapement, engagements=engagements, **start)
 
     cycle = run(pattern.size, float(np.sqrt(better) / clock))

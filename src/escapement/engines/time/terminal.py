@@ -1,10 +1,10 @@
 """Terminal cycle of the reference engine: the fixed point of one engagement.
 
 An engagement, or with imperfect parts a pattern of them, maps the squared driver speed w at
-entry to that at exit. The terminal cycle is where the two agree. A bracketing root finder gets there in
-about ten engagements, however slowly the motion itself converges. Its function is
-not the difference of the two but the energy by which they differ, work less load and
-friction loss: where little is lost, the difference of the speeds has no digits left.
+entry to that at exit. The terminal cycle is where the two agree. A bracketing root finder
+gets there in about ten engagements, however slowly the motion itself converges. Its function
+is not the difference of the two but the energy by which they differ, work less load and
+losses: where little is lost, the difference of the speeds has no digits left.
 """
 
 import math
@@ -81,7 +81,7 @@ def bracketed_cycle(
     """
 
     def engage(w: float) -> _Engagement:
-        start = {"duration": None, "initial_speed": math.sqrt(w)}
+        start: dict[str, Any] = {"duration": None, "initial_speed": math.sqrt(w)}
         motion = simulate(escapement, engagements=len(escapement.scenes), **start, **settings)
         return _Engagement(motion, _gain(motion, w))
 
