@@ -5,16 +5,22 @@ Euler's equations take the place of a transmission function: while a pin is in i
 force is an unknown beside the two accelerations. The origin is the follower's axis.
 """
 
+import cmath
 import math
 from typing import NamedTuple
 
-import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from two_bodies import along, cross, turned
-
 TIGHT = {"rtol": 1e-13, "atol": 1e-14, "method": "DOP853"}
+
+
+def dot(a, b):
+    return a.real * b.real + a.imag * b.imag
+
+
+def cross(a, b):
+    return a.real * b.imag - a.imag * b.real
 
 
 class Pair(NamedTuple):
@@ -24,25 +30,21 @@ class Pair(NamedTuple):
     at angle 0; `offset` is the distance of the slot's line from the axis.
     """
 
-    axis: np.ndarray
+    axis: float
     radius: float
     sense: float
     zero: float
     lean: float
     offset: float
 
-    def pin(self, theta):
-        """Crank vector and place of the pin's centre."""
-        crank = self.radius * along(self.zero + self.sense * theta)
-        return crank, self.axis + crank
-
     def asked(self, theta):
         """Follower angle and follower speed per driver speed that the pin asks for."""
-        crank, centre = self.pin(theta)
-        distance = math.hypot(*centre)
-        angle = math.atan2(centre[1], centre[0]) - math.asin(self.offset / distance)
-        ahead, way = turned(along(angle)), along(angle) @ centre
-        return angle - self.lean, self.sense * (turned(crank) @ ahead) / way
+        crank = cmath.rect(self.radius, self.zero + self.sense * theta)
+        distance, angle = cmath.polar(self.axis + crank)
+        angle -= math.asin(self.offset / distance)
+        out = cmath.rect(1.0, angle)
+        ratio = dot(self.sense * 1j * crank, 1j * out) / dot(self.axis + crank, out)
+        return angle - self.lean, ratio
 
 
 def pair_of(wheel, k):
@@ -59,7 +61,7 @@ def pair_of(wheel, k):
     lean = part(wheel.slot_angle_errors, k % n) - 2.0 * math.pi * k / n
     crank = r + part(wheel.crank_radius_errors, k % m)
     offset = part(wheel.slot_offsets, k % n)
-    return Pair(np.array([distance, 0.0]), crank, sense, zero, lean, offset)
+    return Pair(distance, crank, sense, zero, lean, offset)
 
 
 class Ends(NamedTuple):
@@ -100,49 +102,50 @@ def handoff(wheel, k):
 
 
 class Contact:
-    """What acts between a pin and its slot at one instant of the motion."""
+    """What acts between a pin and its slot at one instant; vectors are complex numbers."""
 
     def __init__(self, drive, pair, side, theta, speed, phi, phi_dot):
         wheel = drive.mechanism
         self.drive, self.pair, self.side = drive, pair, side
         self.speed, self.phi_dot, self.turning = speed, phi_dot, pair.sense * speed
-        self.crank, self.centre = pair.pin(theta)
-        self.out = along(phi + pair.lean)
-        self.ahead = turned(self.out)
+        self.crank = cmath.rect(pair.radius, pair.zero + pair.sense * theta)
+        self.centre = pair.axis + self.crank
+        self.out = cmath.rect(1.0, phi + pair.lean)
+        self.ahead = 1j * self.out
         self.arm = side * (wheel.roller_radius or wheel.pin_radius) * self.ahead
         self.touch = self.centre + self.arm
-        of_pin = self.turning * turned(self.crank + self.arm)
-        self.sliding = (of_pin - phi_dot * turned(self.touch)) @ self.out
+        of_pin = self.turning * 1j * (self.crank + self.arm)
+        self.sliding = dot(of_pin - phi_dot * 1j * self.touch, self.out)
 
     def moments(self, way):
         """Moments on driver, in its sense, and follower for a unit of force; bearings included."""
         drive = self.drive
-        friction = drive.friction * way
-        force = self.side * self.ahead + friction * self.out
+        force = self.side * self.ahead + drive.friction * way * self.out
         load = math.hypot(1.0, drive.friction)
         held = drive.driver_bearing_friction * drive.driver_bearing_radius * load
         back = drive.follower_bearing_friction * drive.follower_bearing_radius * load
         on_driver = -self.pair.sense * cross(self.crank + self.arm, force) - held
-        return on_driver, cross(self.touch, force) - back * np.sign(self.phi_dot)
+        return on_driver, cross(self.touch, force) - math.copysign(back, self.phi_dot)
+
+    def across(self):
+        """Accelerations of the pin's centre across the slot for those of driver and follower."""
+        return dot(self.pair.sense * 1j * self.crank, self.ahead), -dot(self.centre, self.out)
 
     def accelerations(self, way):
         """Of driver and follower, and the force on the wall."""
-        drive, own = self.drive, self.drive.inertia
-        free, back = torques(drive, self.speed, self.phi_dot)
+        own = self.drive.inertia
+        free, back = torques(self.drive, self.speed, self.phi_dot)
         on_driver, on_follower = self.moments(way)
         # the pin's centre stays on the line of the slot: its acceleration across is zero
-        across = self.ahead @ (self.pair.sense * turned(self.crank))
-        along_slot = -(self.out @ self.centre)
-        velocity = self.turning * turned(self.crank)
-        bent = self.ahead @ (-(self.turning**2) * self.crank)
-        bent += 2.0 * (-self.phi_dot * self.out) @ velocity
-        bent += -(self.phi_dot**2) * (self.ahead @ self.centre)
-        matrix = [
-            [own.driver, 0.0, -on_driver],
-            [0.0, own.follower, -on_follower],
-            [across, along_slot, 0.0],
-        ]
-        return np.linalg.solve(matrix, [free, -back, -bent])
+        of_driver, of_follower = self.across()
+        bent = dot(-(self.turning**2) * self.crank, self.ahead)
+        bent -= 2.0 * self.phi_dot * dot(self.turning * 1j * self.crank, self.out)
+        bent -= self.phi_dot**2 * dot(self.centre, self.ahead)
+        bent += of_driver * free / own.driver - of_follower * back / own.follower
+        by_force = of_driver * on_driver / own.driver + of_follower * on_follower / own.follower
+        force = -bent / by_force
+        driver = (free + force * on_driver) / own.driver
+        return driver, (force * on_follower - back) / own.follower, force
 
 
 def torques(drive, speed, phi_dot):
@@ -156,20 +159,20 @@ def torques(drive, speed, phi_dot):
 def drive_to(drive, pair, theta, speed, end):
     """Drive from an angle to another with the pin in its slot; returns time and speed there."""
     phi, ratio = pair.asked(theta)
-    state, time = np.array([theta, speed, phi, ratio * speed]), 0.0
+    state, time = [theta, speed, phi, ratio * speed], 0.0
 
     def contact(y, side):
         return Contact(drive, pair, side, *y)
 
     def starts_with(side):
         now = contact(state, side)
-        return now.accelerations(np.sign(now.sliding) or -1.0)[2]
+        return now.accelerations(math.copysign(1.0, now.sliding))[2]
 
     side = 1.0 if starts_with(1.0) > 0.0 else -1.0
     while True:
-        way = np.sign(contact(state, side).sliding) or -1.0
+        way = math.copysign(1.0, contact(state, side).sliding)
         if fresh := abs(contact(state, side).sliding) < 1e-9 * speed * pair.radius:
-            way = np.sign(contact(later(drive, pair, side, state), side).sliding)
+            way = math.copysign(1.0, contact(later(drive, pair, state), side).sliding)
 
         def rates(_t, y, side=side, way=way):
             a, b, _n = contact(y, side).accelerations(way)
@@ -199,12 +202,12 @@ def drive_to(drive, pair, theta, speed, end):
             side = -side
 
 
-def later(drive, pair, side, state):
+def later(drive, pair, state):
     """The state a moment later, to see which way the contact point slides from here on."""
     step = 1e-6 * drive.time_unit
     theta = state[0] + step * state[1]
     phi, ratio = pair.asked(theta)
-    return np.array([theta, state[1], phi, ratio * state[1]])
+    return [theta, state[1], phi, ratio * state[1]]
 
 
 def turn_free(drive, speed, way):
@@ -234,17 +237,14 @@ class Blow(NamedTuple):
 
 def strike(drive, pair, theta, speed):
     """The blow of a pin on the front wall of a slot that stands still."""
-    phi = pair.asked(theta)[0]
-    now = Contact(drive, pair, 1.0, theta, speed, phi, 0.0)
-    velocity = now.turning * turned(now.crank)
+    phi, ratio = pair.asked(theta)
     # friction acts against the sliding that the walls have in lasting contact
-    lasting = pair.asked(theta)[1] * speed
-    way = np.sign(Contact(drive, pair, 1.0, theta, speed, phi, lasting).sliding)
-    on_driver, on_follower = Contact(drive, pair, 1.0, theta, speed, phi, lasting).moments(way)
-    own, across = drive.inertia, now.ahead @ (pair.sense * turned(now.crank))
+    now = Contact(drive, pair, 1.0, theta, speed, phi, ratio * speed)
+    on_driver, on_follower = now.moments(math.copysign(1.0, now.sliding))
+    own, (of_driver, of_follower) = drive.inertia, now.across()
     # impulse after which pin and wall have the same speed across the slot
-    gained = across * on_driver / own.driver - (now.out @ now.centre) * on_follower / own.follower
-    impulse = -(now.ahead @ velocity) / gained
+    gained = of_driver * on_driver / own.driver + of_follower * on_follower / own.follower
+    impulse = -of_driver * speed / gained
     return Blow(
         speed + impulse * on_driver / own.driver,
         impulse * on_follower / own.follower,

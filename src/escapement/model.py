@@ -78,10 +78,13 @@ def is_mechanism(thing: object) -> bool:
     return all(has) and not isinstance(thing, type)
 
 
-def checked(mechanism: Any) -> Any:
-    """`mechanism`, or the error that it is none."""
+def checked(mechanism: Any, perfect: bool = True) -> Any:
+    """`mechanism`, or the error that it is none; errors of parts must not be lost unsaid."""
     if not is_mechanism(mechanism):
         raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+    if perfect and not getattr(mechanism, "perfect", True):
+        remedy = "leave out its errors, which simulate and terminal take into account"
+        raise validate.fail("mechanism", "without errors of its parts here", mechanism, remedy)
     return mechanism
 
 
@@ -168,6 +171,8 @@ LENGTHS = ("crank_radius", "pin_radius", "roller_radius")
 """Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
 _ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")
 """Lengths of imperfect parts."""
+IMPERFECT = (*_ERRORS, "pin_angle_errors", "slot_angle_errors")
+"""All errors of imperfect parts."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -237,7 +242,7 @@ class Escapement(Declared):
     follower_viscous: float = field(default=0.0, metadata=_viscous("follower"))
 
     def __post_init__(self) -> None:
-        checked(self.mechanism)
+        checked(self.mechanism, perfect=False)
         if not isinstance(self.inertia, Inertia):
             remedy = "give Inertia(driver=..., follower=...)"
             raise validate.fail("inertia", "an Inertia", self.inertia, remedy)

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from escapement import validate
 from escapement.lazy import Lazy
 from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pin_radius, roller_radius
-from escapement.model import check_lengths
+from escapement.model import IMPERFECT, check_lengths
 from escapement.quantity import Numbers, Truth, declared, quantity, setting
 from escapement.scene import Meeting
 
@@ -147,9 +147,7 @@ class Geneva(Wheel):
     @cached_property
     def perfect(self) -> bool:
         """Whether it has no error."""
-        of_pins, of_slots = self.pin_angle_errors or self.crank_radius_errors, self.slot_offsets
-        given = of_pins or of_slots or self.slot_angle_errors or self.centre_distance_error
-        return not given
+        return not any(getattr(self, name) for name in IMPERFECT)
 
     @property
     def pattern(self) -> Any:

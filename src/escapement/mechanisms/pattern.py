@@ -153,7 +153,8 @@ def turned_by(meeting, x):
 def _hand_over(a, b, cell, step):
     """Set where A ends and B begins, and how; returns whether B comes to drive at all.
 
-    `cell` and `step` are what driver and follower turn from one pin to the next.
+    `cell` and `step` are what driver and follower turn from one pin to the next. A pin that meets
+    the wheel nearer to the middle between two slots than to its own misses it.
     """
     # angles are those of A; B has the angle x - shift
     shift = cell + b.late - a.late
@@ -178,14 +179,14 @@ def _hand_over(a, b, cell, step):
         start, kind = max(enters, leaves), Handoff.PICK_UP if enters > leaves else Handoff.STRIKE
         jump = turned_by(b, start - shift) - rest
         if jump < -CLOSE:
-            if not turned_by(b, b.exit) > rest:
+            if jump < -0.25 * step or not turned_by(b, b.exit) > rest:
                 return False
             start, kind, jump = _strike(b, path_b, rest, start - shift) + shift, Handoff.STRIKE, 0.0
     b.edges[0], b.kind, b.jump = start - shift, kind, max(jump, 0.0)
     b.radius = pose_at(path_b, b.edges[0])[3]
     a.edges[1] = start if kind == Handoff.OVERLAP else leaves
     a.dwell = start - a.edges[1]
-    return start < last
+    return start < last and jump < 0.25 * step
 
 
 @inner_jit

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from escapement import units
 from escapement.mechanisms import KINDS, kind_of
-from escapement.model import LENGTHS, Escapement, Inertia, Mechanism, Run
+from escapement.model import IMPERFECT, LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.varied import CASE
@@ -193,6 +193,13 @@ class StudyPlan:
         given = {name: values[name] for name in declared(self.build) if values[name] is not None}
         built: Mechanism = self.build(**given)
         return built
+
+    @property
+    def perfect(self) -> bool:
+        """Whether no case has errors of its parts."""
+        if not isinstance(self.build, type):
+            return bool(getattr(self.build, "perfect", True))
+        return not any(np.any(self.every(name)) for name in IMPERFECT if name in self.fixed_si)
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""

@@ -82,7 +82,7 @@ def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
         deciding -= {TORQUE, SPEED, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
     shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
-    if plan.solver.engine != "energy" or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
+    if not _together(plan) or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
         return None
     places = np.indices(shape).reshape(len(shape), -1)
     cases = np.asarray(np.ravel_multi_index(tuple(places), plan.shape))
@@ -154,10 +154,15 @@ def _solve(mechanism: Any, scene: FloatArray, solver: Solver) -> SceneFigures:
     return figures, status
 
 
+def _together(plan: StudyPlan) -> bool:
+    """Whether many cases are solved at once; with imperfect parts each is a pattern of its own."""
+    return plan.solver.engine == "energy" and plan.perfect
+
+
 def evaluate(plan: StudyPlan, start: int, stop: int, shared: SharedScenes | None = None) -> Columns:
     """Results of the cases start <= case < stop; a bad case never ends the study."""
     cases = np.arange(start, stop)
-    if plan.solver.engine == "energy":
+    if _together(plan):
         found = solve_scenes(plan, cases) if shared is None else shared.of(plan, cases)
         return _on_their_clocks(plan, cases, *found)
     alone = [_alone(plan, case) for case in cases.tolist()]
