@@ -25,7 +25,7 @@ def test_captions():
     assert [int(caption["figure"]) for caption in dijksman.captions()] == [6, 7, 8, 9]
     for caption in dijksman.captions():
         wheel, right = dijksman.mechanism(caption), RIGHT[int(caption["figure"])]
-        assert dijksman.right_values(wheel) == pytest.approx(right, abs=5.1e-5)
+        assert dijksman.true_values(wheel) == pytest.approx(right, abs=5.1e-5)
         assert wheel.gear_ratio == int(caption["gear_ratio"])
         assert wheel.slots == int(caption["slots"])
 
@@ -33,7 +33,7 @@ def test_captions():
 def test_every_printed_number_is_right_or_explained():
     cells = dijksman.proportions()
     assert len(cells) == 16
-    wrong = {(it.place, it.column): (it.right, it.reason) for it in cells if not it.agrees}
+    wrong = {(it.place, it.column): (it.true, it.reason) for it in cells if not it.agrees}
     assert wrong == {key: (text, f"computed from {why}") for key, (text, why) in ERRATA.items()}
 
 
@@ -43,7 +43,7 @@ def test_rows_for_json():
     keys = ("alpha_deg", "motion_ratio", "arm_over_fixed", "entry_radius_over_fixed")
     assert rows[0]["printed"] == dict(zip(keys, (21.6, 0.12, 1.263, 0.562), strict=True))
     assert rows[3]["printed"]["alpha_deg"] == pytest.approx(88.0 + 25.0 / 60.0)
-    assert rows[3]["computed"]["alpha_deg"] == pytest.approx(88.4041, abs=5e-5)
+    assert rows[3]["true"]["alpha_deg"] == pytest.approx(88.4041, abs=5e-5)
     assert rows[2]["printed"]["arm_over_fixed"] == 0.75
 
 

@@ -61,7 +61,7 @@ def test_every_cell_agrees_to_the_last_digit_or_is_an_erratum():
     wrong = {(cell.place, cell.column): cell for cell in cells if not cell.agrees}
     assert set(wrong) == set(ERRATA)
     for key, (right, rule) in ERRATA.items():
-        assert wrong[key].right == right
+        assert wrong[key].true == right
         assert wrong[key].reason.startswith(rule)
     for cell in cells:
         off = abs(cell.number - cell.value) / digits(cell.printed)[1]
@@ -73,7 +73,7 @@ def test_the_page_says_which_cells_are_wrong_and_no_more_than_is_known():
     rows = re.findall(r"^\| (\d+) \| \$(.*)\$ \| (.*) \| (.*) \| (.*) \|$", text, re.MULTILINE)
     wrong = [cell for cell in filemon.table_1() if not cell.agrees]
     assert [row[:4] for row in rows] == [
-        (str(cell.place), SYMBOLS[cell.column], cell.printed, cell.right) for cell in wrong
+        (str(cell.place), SYMBOLS[cell.column], cell.printed, cell.true) for cell in wrong
     ]
     for (*_, why), cell in zip(rows, wrong, strict=True):
         assert why.startswith("four-place") == cell.reason.startswith("four-place")
@@ -88,11 +88,11 @@ def test_printed_table():
 
 
 def test_any_number_of_slots_has_a_row():
-    row = filemon.right_values(1000)
+    row = filemon.true_values(1000)
     assert row["F12"] < row["F23"] == pytest.approx(1000 / math.pi, rel=1e-5)
     for n in range(3, 11):
         wheel = esc.transmission_extrema(esc.Geneva(n, pins=1))
-        values = filemon.right_values(n)
+        values = filemon.true_values(n)
         assert wheel.ratio_max.value == values["ratio_max"]
         assert math.degrees(-wheel.acceleration_max.angle) == values["beta_max"]
         assert wheel.reversal_limits == pytest.approx((values["F12"], values["F23"]), rel=1e-15)
@@ -282,5 +282,5 @@ def test_reproduce_prints_every_cell_and_erratum(command):
 def test_rows_for_json():
     six = filemon.reproduce("SI").record["rows"][3]
     assert (six["slots"], six["printed"]["F12"]) == (6, 0.4707)
-    assert six["computed"]["F12"] == pytest.approx(0.7409398)
+    assert six["true"]["F12"] == pytest.approx(0.7409398)
     assert [erratum["column"] for erratum in six["errata"]] == ["F12"]

@@ -75,6 +75,16 @@ def test_files_are_complete_and_reproducible(figure, tmp_path, suffix, magic):
     assert sorted(os.listdir(tmp_path)) == sorted([first.name, second.name])
 
 
+def test_a_halo_is_back_when_an_svg_is_written(figure, tmp_path):
+    """In an SVG it would turn letters into curves."""
+    style.annotate(figure.axes[0], "n = 6", (0.5, 0.5))
+    for name in ("before.png", "text.svg", "after.png"):
+        plots.save(figure, tmp_path / name)
+    assert ">n = 6</text>" in (tmp_path / "text.svg").read_text("utf-8")
+    before, after = ((tmp_path / f"{name}.png").read_bytes() for name in ("before", "after"))
+    assert before == after
+
+
 def test_impossible_outputs_are_refused_in_one_line(figure, tmp_path):
     file = tmp_path / "file"
     file.write_text("kept")

@@ -30,13 +30,13 @@ DRIVE = ("elliptical-planetary", "--sun-radius", 0.016, "--planet-radius", 0.009
 def test_every_number_is_right_or_has_its_reason():
     rows = {row.column: row for row in prikhodko.table()}
     assert len(rows) == 17
-    wrong = {name: (row.right, row.reason) for name, row in rows.items() if not row.agrees}
+    wrong = {name: (row.true, row.reason) for name, row in rows.items() if not row.agrees}
     assert wrong == {
         "intervals": ("8", "the next greater whole number: 8.205"),
         "quantile": ("2.58", "cut off, not rounded: 2.5758"),
         "half_width": ("3.34", "cut off, not rounded: 3.3359"),
     }
-    raw = [name for name, row in rows.items() if row.right is None]
+    raw = [name for name, row in rows.items() if row.true is None]
     assert raw[:3] == ["sun_radius", "planet_radius", "sample_size"]
     assert raw[3:] == ["error_mean", "error_deviation", "chi_squared"]
 
@@ -71,7 +71,7 @@ def test_a_measurement_such_as_the_paper_s():
 
 
 def test_errata_are_whole_sentences_of_one_line():
-    slips = {slip.place: slip.right for slip in prikhodko.equations()}
+    slips = {slip.place: slip.true for slip in prikhodko.equations()}
     assert "(12)" in slips
     assert len(slips) == len(prikhodko.equations())
     assert all(right and "\n" not in right for right in slips.values())

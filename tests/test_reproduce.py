@@ -4,6 +4,8 @@ import contextlib
 import csv
 import io
 import json
+import re
+from xml.etree import ElementTree
 
 import pytest
 from matplotlib.figure import Figure
@@ -11,7 +13,10 @@ from matplotlib.figure import Figure
 from escapement.cli import main
 from escapement.errors import StorageError
 from escapement.sources.filemon.nomograms import NOMOGRAMS
+from escapement.sources.meyer import COLUMNS
 from escapement.units import INCH_POUND
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +38,12 @@ def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
 
 
 FIGURES = {
-    "meyer": {f"figure{name}.png" for name in ("_8", "_9", "_10", "_11", "s_12_to_14")},
-    "filemon": {
-        *(f"figure_{name}.pdf" for name in NOMOGRAMS),
-        *(f"figure_{number}.png" for number in (*range(3, 13), 15)),
-    },
-    "dijksman": {f"{name}.png" for name in ("figure_2", "figures_6_to_9", "charts", "motions")},
+    "meyer": {f"figure{name}" for name in ("_8", "_9", "_10", "_11", "s_12_to_14")},
+    "filemon": {f"figure_{name}" for name in (*range(3, 13), 15, *NOMOGRAMS)},
+    "dijksman": {"figure_2", "figures_6_to_9", "charts", "motions"},
     "prikhodko": {
-        *("figure_2.png", "figure_3.png", "figure_6.png", "equation_9.png"),
-        *(f"figure_{number}_synthetic.png" for number in (7, 8, 9)),
+        *("figure_2", "figure_3", "figure_6", "equation_9"),
+        *(f"figure_{number}_synthetic" for number in (7, 8, 9)),
     },
 }
 
@@ -58,7 +60,7 @@ FIGURES = {
 def test_tables_and_figures_fill_a_folder(reproduced, source, name, wrong, cells):
     folder = reproduced[0] / source
     written = {path.name for path in folder.iterdir()}
-    figures = {f"{source}_{figure}" for figure in FIGURES[source]}
+    figures = {f"{source}_{figure}.png" for figure in FIGURES[source]}
     assert written == figures | {f"{name}.json", f"{name}.csv"}
     pictures = [path for path in folder.iterdir() if path.suffix == ".png"]
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
@@ -67,32 +69,55 @@ def test_tables_and_figures_fill_a_folder(reproduced, source, name, wrong, cells
     assert (sum(bool(row.get("reason")) for row in rows), len(rows)) == (wrong, cells)
 
 
-def test_inputs_of_meyer_are_in_the_units_asked_for(reproduced):
-    assert reproduced[1]["meyer"]["units"] == "SI"
-    text = (reproduced[0] / "meyer" / "meyer_appendix_e.csv").read_text("utf-8")
-    for line in csv.DictReader(text.splitlines()):
-        assert line["units"] == "SI"
-        assert float(line["torque"]) == pytest.approx(float(line["torque_inlbf"]) * INCH_POUND)
+def test_inputs_of_meyer_are_in_his_units_or_those_asked_for(reproduced, report):
+    own, si = reproduced[1]["meyer"], report("reproduce", "meyer", "--units", "SI")
+    assert (own["units"], si["units"]) == ("in-lbf-s", "SI")
+    for record, factor in ((own, 1.0), (si, INCH_POUND)):
+        for row in record["rows"]:
+            assert row["torque"] == pytest.approx(row["torque_inlbf"] * factor, rel=1e-15)
+
+
+@pytest.mark.parametrize("source", ["filemon", "dijksman"])
+def test_text_of_an_svg_is_text(command, tmp_path, source):
+    """With Greek letters, and numbers in halos on curves; curves of letters would be paths."""
+    assert command("reproduce", source, "-o", "drawn", "--format", "svg")[0] == 0
+    drawn = {path.stem: path for path in (tmp_path / "drawn").glob("*.svg")}
+    assert set(drawn) == {f"{source}_{figure}" for figure in FIGURES[source]}
+    for path in drawn.values():
+        groups = [
+            it for it in ElementTree.parse(path).iter(f"{SVG}g") if "text_" in it.get("id", "")
+        ]
+        assert len(groups) > 5
+        assert all(group.find(f".//{SVG}text") is not None for group in groups)
+
+
+def test_a_format_without_a_folder_is_refused(refusal):
+    assert "--format must come with --output DIR" in refusal(
+        2, "reproduce", "meyer", "--format", "pdf"
+    )
+    assert "--format must be one of png, pdf, svg" in refusal(
+        2, "reproduce", "meyer", "--format", "gif"
+    )
 
 
 @pytest.mark.parametrize(("source", "formulas"), [("filemon", 7), ("dijksman", 4)])
 def test_corrected_equations_hold_and_printed_ones_do_not(reproduced, source, formulas):
     slips = reproduced[1][source]["equations"]
     assert len(slips) == 11
-    assert all(slip["printed"] != slip["right"] for slip in slips)
+    assert all(slip["printed"] != slip["true"] for slip in slips)
     tried = [slip for slip in slips if slip["printed_error"] is not None]
     assert len(tried) == formulas
     for slip in tried:
-        assert slip["right_error"] < 1e-12
+        assert slip["true_error"] < 1e-12
         assert slip["printed_error"] > 0.1
 
 
 @pytest.mark.parametrize(
     ("source", "list_key", "keys"),
     [
-        ("filemon", "equations", {"printed_error", "right_error"}),
-        ("dijksman", "equations", {"printed_error", "right_error"}),
-        ("prikhodko", "rows", {"right", "value"}),
+        ("filemon", "equations", {"printed_error", "true_error"}),
+        ("dijksman", "equations", {"printed_error", "true_error"}),
+        ("prikhodko", "rows", {"true", "value"}),
     ],
 )
 def test_what_is_null_has_its_reason_in_the_message(reproduced, source, list_key, keys):
@@ -103,14 +128,20 @@ def test_what_is_null_has_its_reason_in_the_message(reproduced, source, list_key
 
 
 def test_meyer_prints_rows_reasons_and_counts(command):
-    code, out, err = command("reproduce", "meyer", "--units", "in-lbf-s")
+    code, out, err = command("reproduce", "meyer")
     lines = out.splitlines()
     assert (code, err) == (0, "")
-    assert sum(line.count("|") == 4 for line in lines) == 2 + 49
-    assert "  1     3 0.20      0.03 |" in out
+    meanings = [re.sub(" +", " ", line.strip()) for line in lines[2:6]]
+    assert meanings == [f"{title} {meaning}" for title, meaning in COLUMNS.values()]
+    first = ["1", "3", "0.20", "0.03", "printed", "83", "10", "0.101", "0.046"]
+    assert first in [line.split() for line in lines]
     assert "the heading swaps the inertias" in out
     assert "the program hard-codes a 90-degree cell" in out
     assert lines[-3].split() == ["as", "published", "49", "49", "44", "2.7", "%", "47"]
+
+
+def test_reports_keep_to_100_columns(command):
+    assert max(map(len, command("reproduce", "all")[1].splitlines())) <= 100
 
 
 def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
@@ -123,7 +154,7 @@ def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
     assert made == {path.name for path in (reproduced[0] / "prikhodko").iterdir()}
     text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))
-    assert [row["right"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
+    assert [row["true"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
     record = reproduced[1]["prikhodko"]
     assert (record["agreeing"], record["judged"]) == (8, 11)
 

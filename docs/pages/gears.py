@@ -3,13 +3,9 @@
 from matplotlib.figure import Figure
 
 import escapement as esc
-from escapement.plots.gear_driven import (
-    plot_curves,
-    plot_gear_driven,
-    plot_gear_driven_examples,
-)
+from escapement.plots.gear_driven import plot_curves, plot_gear_driven_examples, plot_row
 from escapement.sources.dijksman.figures import plot_design_charts, plot_motions
-from pages import drawn, panels
+from pages import drawn
 
 
 @drawn
@@ -39,31 +35,29 @@ def gear_motions() -> Figure:
 @drawn
 def gear_unused() -> Figure:
     """Wheels with fewer slots than lobes that pass."""
-    wheels = (
+    shown = {}
+    for n, m, curve, unused in (
         (12, 3, "epicycloid", 1),
         (12, 0, "epicycloid", 2),
         (12, "1/2", "hypocycloid", 1),
         (14, 1, "hypocycloid", 2),
-    )
-    figure, axes = panels(4, 2.2)
-    for ax, (n, m, curve, unused) in zip(axes, wheels, strict=True):
+    ):
         wheel = esc.GearDriven(n, m, curve, unused_lobes=unused)
-        plot_gear_driven(wheel, 0.2, ax)
-        ax.set_title(f"n = {n}, m = {m}\n{unused} unused, {wheel.slots} slots", fontsize=8)
-    return figure
+        lobes = f"{unused} unused lobe{'s' * (unused > 1)}"
+        shown[f"{n} stations, m = {m}\n{lobes}, {wheel.slots} slots"] = wheel
+    return plot_row(shown, 0.2)
 
 
 @drawn
 def gear_escapements() -> Figure:
     """The gear-driven wheels with a pin always engaged."""
-    wheels = (
+    shown = {}
+    for n, curve, pins in (
         (12, "epicycloid", 6),
         (12, "pericycloid", 6),
         (24, "hypocycloid", 2),
         (24, "contracted-hypocycloid", 2),
-    )
-    figure, axes = panels(4, 2.2)
-    for ax, (n, curve, pins) in zip(axes, wheels, strict=True):
-        plot_gear_driven(esc.GearDriven(n, 5, curve, pins=pins), 0.12, ax)
-        ax.set_title(f"{curve}\n{n} stations, {pins} pins", fontsize=8)
-    return figure
+    ):
+        title = f"{curve.replace('-', ' ')}\n{n} stations, {pins} pins"
+        shown[title] = esc.GearDriven(n, 5, curve, pins=pins)
+    return plot_row(shown, 0.12)

@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
+from escapement.plots import style
 from escapement.sources import meyer
 from escapement.sources.meyer.figures import plot_appendix_e
 from escapement.sources.meyer.program import program_1973
@@ -31,14 +32,12 @@ def four_pins_tolerances() -> Figure:
 
 @drawn
 def published_cell() -> Figure:
-    """Transmission over driver angle, real and as the 1973 program has it."""
+    """Transmission over driver angle, true and in the 90-degree cell."""
     figure, axes = panels(3, 2.5)
     for ax, slots in zip(axes, (3, 4, 6), strict=True):
         wheel = esc.Geneva(slots)
         cells = (wheel, meyer.PublishedCell(slots))
-        for cell, name, look in zip(
-            cells, ("real mechanism", "1973 program"), LINES[:2], strict=True
-        ):
+        for cell, name, look in zip(cells, ("true", "as published"), LINES[:2], strict=True):
             theta = np.linspace(cell.breaks[0], cell.breaks[-1], 200)
             starts = np.arange(3)[:, None] * cell.cell_angle
             turned = np.degrees(np.pad(theta - theta[0] + starts, ((0, 0), (0, 1)))).ravel()
@@ -68,44 +67,28 @@ def appendix_e_four_pins() -> Figure:
 @drawn
 def sampling() -> Figure:
     """Peaks of a motion and what rows half a millisecond apart show of them."""
-    engagements = 30
-    design = timer(4, 0.35, 0.20)
-    motion = esc.simulate(design, engagements)
+    count = np.arange(1, 31)
+    motion = esc.simulate(timer(4, 0.35, 0.20), count.size)
     times = np.arange(0.0, motion.end_time, 0.0005)
     listing = program_1973(4, 0.35, 0.20, *meyer.INERTIAS[4], duration=0.95)
+    speeds = motion.at(times).theta_dot
     shown = {
-        "its rows every 0.5 ms": (
-            motion.at(times).theta_dot,
-            np.searchsorted(motion.handoff_times, times),
-        ),
-        "1973 program": (listing.theta_dot, listing.theta // 1.5708),
+        "true, at rows 0.5 ms apart": (speeds, np.searchsorted(motion.handoff_times, times)),
+        meyer.COLUMNS["program_1973"][0]: (listing.theta_dot, listing.theta // 1.5708),
     }
-    figure, (left, right) = panels(2, 3.0)
+    figure = style.new_figure(style.TWO_COLUMN, 3.0)
+    left, right = style.new_panels(figure, 1, 2)
     dense = np.linspace(0.095, 0.161, 5000)
-    rows = times[(times >= dense[0]) & (times <= dense[-1])]
-    left.plot(1e3 * dense, motion.at(dense).theta_dot, color=LINES[0][0], lw=1.0, label="exact")
-    left.plot(
-        1e3 * rows,
-        motion.at(rows).theta_dot,
-        ".",
-        color="black",
-        ms=3.5,
-        label="its rows every 0.5 ms",
-    )
-    left.set(xlabel="Time (ms)", ylabel="Driver velocity (rad/s)", ylim=(0, 200))
-    peak = motion.extrema.theta_dot.max()
-    right.axhline(peak, color=LINES[0][0], label="exact")
-    for (name, (speed, of)), look, mark in zip(shown.items(), LINES[1:], "os", strict=False):
-        tops = [speed[of == k].max() for k in range(engagements)]
-        count = np.arange(1, engagements + 1)
-        right.plot(
-            count, tops, ls=look[1], color=look[0], marker=mark, ms=3.5, mfc="white", label=name
-        )
+    left.plot(1e3 * dense, motion.at(dense).theta_dot, color=style.BLUE, lw=1.0)
+    right.axhline(motion.extrema.theta_dot.max(), color=style.BLUE, lw=1.0, label="true")
+    for (name, (speed, of)), look in zip(shown.items(), style.LOOKS[1:], strict=False):
+        tops = [speed[of == k].max() for k in range(count.size)]
+        right.plot(count, tops, lw=1.0, ms=4, mfc="white", label=name, **look._asdict())
+    rows = (times >= dense[0]) & (times <= dense[-1])
+    look = style.LOOKS[1]
+    left.plot(1e3 * times[rows], speeds[rows], look.marker, color=look.color, ms=2.5)
+    left.set(xlabel="Time (ms)", ylabel="Driver velocity (rad/s)", ylim=(0, 180))
     right.set(xlabel="Engagement", ylabel="Peak driver velocity (rad/s)", xlim=(0, 31))
-    right.set_ylim(153.0, 169.0)
-    for ax in (left, right):
-        ax.legend(
-            frameon=False, ncols=3, fontsize=7, loc="upper center", columnspacing=0.8,
-            handlelength=1.8,
-        )  # fmt: skip
+    key = right.get_legend_handles_labels()[0]
+    style.add_legend(figure, 3, handles=key, loc="outside upper center", handlelength=style.HANDLE)
     return figure

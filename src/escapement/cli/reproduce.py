@@ -1,4 +1,4 @@
-"""A source's printed numbers beside computed ones, why they differ, and the figures."""
+"""A source's printed numbers beside the true ones, why they differ, and the figures."""
 
 from importlib import import_module
 from pathlib import Path
@@ -6,13 +6,14 @@ from typing import Any
 
 import escapement as esc
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Arguments, Parser, one_of
-from escapement.files import replace_file
+from escapement.cli._arguments import Arguments, Parser, UsageError, one_of
+from escapement.files import FORMATS, replace_file
 from escapement.text import as_csv, as_json
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
 """Folders of `escapement.sources`; `reproduce(units)` of each gives a `Reproduction`."""
 ALL = "all"
+UNITS = "units of Meyer's torques and inertias (default: in-lbf-s, his own)"
 
 
 def configure(parser: Parser) -> None:
@@ -27,10 +28,18 @@ def configure(parser: Parser) -> None:
     )
     what = "tables (CSV, JSON) and figures, for all a folder of each source in it"
     _arguments.add_folder(parser, what)
+    formats = [suffix[1:] for suffix in FORMATS]
+    text = f"of the figures in DIR (default: {formats[0]})"
+    kind = one_of("--format", formats)
+    parser.add_argument("--format", type=kind, metavar="|".join(formats), help=text)
 
 
 def execute(args: Arguments) -> int:
     """Recompute, print, and fill the folder."""
+    if args.format and args.output is None:
+        raise UsageError(
+            f"--format must come with --output DIR, got {args.format!r} alone; name a folder"
+        )
     several = args.source == ALL
     records: dict[str, Any] = {}
     with _output.folder(args.output):
@@ -53,7 +62,7 @@ def _reproduce(source: str, folder: Path | None, args: Arguments) -> dict[str, A
             for suffix, text in {".json": as_json(made.record), ".csv": as_csv(made.table)}.items():
                 replace_file(folder / (made.name + suffix), [text.encode()])
             for name, plot in made.panels().items():
-                esc.plots.save(plot(), folder / name)
+                esc.plots.save(plot(), folder / f"{name}.{args.format or FORMATS[0][1:]}")
             _output.note(f"tables and figures in {folder}")
     if not args.json:
         made.show()

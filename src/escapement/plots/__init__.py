@@ -21,10 +21,10 @@ from escapement.plots.motion import plot_phase_portrait as plot_phase_portrait
 from escapement.plots.motion import plot_velocities as plot_velocities
 from escapement.plots.planetary import plot_planetary as plot_planetary
 from escapement.plots.sample import plot_sample as plot_sample
+from escapement.plots.saving import save as save
 from escapement.plots.study import plot_lines as plot_lines
 from escapement.plots.study import plot_map as plot_map
 from escapement.plots.study import plot_rise_and_terminal as plot_rise_and_terminal
 from escapement.plots.study import plot_spread as plot_spread
 from escapement.plots.study import plot_study as plot_study
 from escapement.plots.style import new_axes as new_axes
-from escapement.plots.style import save as save

@@ -1,6 +1,6 @@
 """Gear-driven Geneva wheels drawn to scale, and the curves their pins trace."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,25 +13,30 @@ from escapement.outlines.gears import GearDrivenOutline
 from escapement.plots import drawing, style
 
 _PIN = "#00446B"
-_PITCH: dict[str, Any] = {"fill": False, "linestyle": (0, (8, 2, 1.5, 2)), "zorder": 2.2}
+_PITCH: dict[str, Any] = {"linestyle": (0, (8, 2, 1.5, 2))}
 _LOOKS: dict[str, dict[str, Any]] = {
-    "follower": {"facecolor": "#F5D7A9", "linewidth": 0.8, "zorder": 1, "joinstyle": "round"},
-    "fixed-gear": {**_PITCH, "edgecolor": style.GREY},
-    "planet": {**_PITCH, "edgecolor": style.BLUE},
+    "follower": {
+        "facecolor": "#F5D7A9", "linewidth": 0.8, "zorder": 1, "joinstyle": "round",
+        "label": "wheel",
+    },
+    "fixed-gear": {
+        **_PITCH, "fill": False, "edgecolor": style.GREY, "zorder": 2.2, "label": "fixed gear",
+    },
+    "planet": {
+        **_PITCH, "facecolor": ("#DCE9F7", 0.55), "edgecolor": style.BLUE, "zorder": 2.1,
+        "label": "planet",
+    },
     "pin": {"color": _PIN, "linewidth": 0, "zorder": 3},
-}
-_PLANET = {"planet": {"facecolor": "#DCE9F7", "alpha": 0.55, "linewidth": 0, "zorder": 2.1}}
+}  # fmt: skip
 # the white fill hides the inner half of a relief's edge, and where reliefs overlap
 _EDGE = {"relief": {"fill": False, "edgecolor": style.BLACK, "linewidth": 1.6, "zorder": 1.1}}
+_EDGE["relief"]["label"] = "cut away"
 _ROOM = {"relief": {"color": "white", "linewidth": 0, "zorder": 1.2}}
+_GAP = 0.02  # around what is drawn in a panel, of its height
+_WORDS = 0.65  # room of key and titles [in]
 
 _EXAMPLES = ((4, 1, "epicycloid"), (12, 5, "epicycloid"), (4, 0, "hypocycloid"), (12, 3))
-_CURVES = {
-    "hypocycloid": "protracted\nhypocycloid",
-    "contracted-hypocycloid": "contracted\nhypocycloid",
-    "epicycloid": "\nepicycloid",
-    "pericycloid": "\npericycloid",
-}
+_CURVES = ("hypocycloid", "contracted-hypocycloid", "epicycloid", "pericycloid")
 
 
 @drawing.plot_mechanism.register
@@ -53,7 +58,7 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     -------
     Axes
         Artists carry ids: "follower", "fixed-gear", "planet", "carrier", "path",
-        and "pin-k" with k counted from 0.
+        and "pin-k" with k counted from 0; and labels for `ax.legend()`.
 
     Raises
     ------
@@ -70,29 +75,57 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
 
 
 def plot_gear_driven_examples() -> Figure:
-    """Dijksman's mechanisms of figures 6 to 9, each in the middle of its motion."""
+    """Dijksman's mechanisms of figures 6 to 9, each soon after the middle of its motion."""
     wheels = [GearDriven(*numbers) for numbers in _EXAMPLES]
-    titles = [f"figure {i}: n = {w.stations}, k = {w.gear_ratio}" for i, w in enumerate(wheels, 6)]
-    return _draw_row(wheels, titles, 2.25, 0.0, wheel=True)
+    titles = [
+        f"figure {number}, {it.curve}\n{it.stations} stations, {_ratio(it)}"
+        for number, it in enumerate(wheels, 6)
+    ]
+    return plot_row(dict(zip(titles, wheels, strict=True)), 0.12)
 
 
 def plot_curves() -> Figure:
     """The four cycloids: two paths, each made by two pairs of gears (figure 2)."""
     wheels = [GearDriven(12, 3, curve) for curve in _CURVES]
-    names = zip(_CURVES.values(), wheels, strict=True)
-    titles = [f"{name}\nk = {wheel.gear_ratio}" for name, wheel in names]
-    return _draw_row(wheels, titles, 2.35, 0.5, wheel=False)
+    titles = [f"{it.curve.replace('-', ' ')}\n{_ratio(it)}" for it in wheels]
+    return plot_row(dict(zip(titles, wheels, strict=True)), 0.5, wheel=False)
 
 
-def _draw_row(
-    wheels: Sequence[GearDriven], titles: Sequence[str], height: float, theta: float, *, wheel: bool
-) -> Figure:
-    figure = style.new_figure(style.TWO_COLUMN, height)
-    panels = zip(figure.subplots(1, len(wheels)), wheels, titles, strict=True)
-    for ax, mechanism, title in panels:
+def plot_row(mechanisms: Mapping[str, GearDriven], theta: float, *, wheel: bool = True) -> Figure:
+    """Mechanisms side by side and equally high, over a key of what their colours mean.
+
+    Parameters
+    ----------
+    mechanisms : mapping
+        What to draw, by its title.
+    theta : float
+        Carrier angle from dead centre of the first pin [rad].
+    wheel : bool
+        Whether to draw the wheels, or only what moves the pins.
+    """
+    figure = style.new_figure(style.TWO_COLUMN)
+    figure.set_layout_engine("compressed")
+    panels, key, shapes = figure.subplots(1, len(mechanisms)), dict[str, Any](), list[float]()
+    for ax, (title, mechanism) in zip(panels, mechanisms.items(), strict=True):
         _draw(ax, GearDrivenOutline(mechanism), theta, wheel=wheel)
+        # no room for other positions
+        box = ax.dataLim.padded(_GAP * ax.dataLim.height)
+        ax.set(xlim=box.intervalx, ylim=box.intervaly)
         ax.set_title(title, fontsize=style.SMALL_SIZE)
+        shapes.append(box.width / box.height)
+        handles, labels = ax.get_legend_handles_labels()
+        key |= zip(labels, handles, strict=True)
+    panels[0].get_gridspec().set_width_ratios(shapes)
+    figure.set_figheight(style.TWO_COLUMN / sum(shapes) + _WORDS)
+    style.add_legend(
+        figure, len(key), handles=[*key.values()], loc="outside lower center", columnspacing=1.2
+    )
     return figure
+
+
+def _ratio(mechanism: GearDriven) -> str:
+    """The gear ratio, with the sign as printed."""
+    return f"k = {mechanism.gear_ratio}".replace("-", "−")
 
 
 def _draw(ax: Axes | None, outline: GearDrivenOutline, theta: float, *, wheel: bool) -> Axes:
@@ -108,12 +141,14 @@ def _draw(ax: Axes | None, outline: GearDrivenOutline, theta: float, *, wheel: b
     # pins are drawn large enough to be seen
     least = 0.018 * outline.reach
     seen = [pin._replace(radius=max(pin.radius, least)) for pin in pins]
-    drawing.bodies(ax, [planet], _PLANET)
     drawing.bodies(ax, [fixed, planet, *seen], _LOOKS, linewidth=0.9)
     arm = np.array([0.0, planet.centre])
-    drawing.curve(ax, arm, color=style.BLACK, lw=1.4, zorder=2.5, gid="carrier")
+    look: dict[str, Any] = {"lw": 1.4, "zorder": 2.5, "gid": "carrier", "label": "carrier"}
+    drawing.curve(ax, arm, color=style.BLACK, **look)
     drawing.curve(ax, arm, "o", color="white", mec=style.BLACK, ms=3.2, mew=0.8, zorder=2.6)
-    drawing.curve(ax, outline.path(), color=style.VERMILLION, lw=0.8, zorder=2.3, gid="path")
+    look = {"lw": 0.8, "zorder": 2.3, "gid": "path", "label": "path of a pin"}
+    drawing.curve(ax, outline.path(), color=style.VERMILLION, **look)
+    look = {"lw": 1.2, "zorder": 2.7, "label": "arm with its pin"}
     for pin in pins:
-        drawing.curve(ax, np.array([planet.centre, pin.centre]), color=_PIN, lw=1.2, zorder=2.7)
+        drawing.curve(ax, np.array([planet.centre, pin.centre]), color=_PIN, **look)
     return ax

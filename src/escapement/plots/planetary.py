@@ -11,22 +11,29 @@ from escapement.outlines import arc
 from escapement.outlines.gears import EllipticalOutline
 from escapement.plots import drawing, style
 
-_SPUR: dict[str, Any] = {"facecolor": "#e4e4e4", "linewidth": 0.8, "zorder": 1}
+_SPUR: dict[str, Any] = {"facecolor": "#f2f2f2", "linewidth": 0.8, "zorder": 1}
+_ELLIPSE: dict[str, Any] = {"linewidth": 0.9, "alpha": 0.85}
 _LOOKS: dict[str, dict[str, Any]] = {
-    "sun": _SPUR,
+    "sun": _SPUR | {"label": "sun, fixed"},
     "planet": _SPUR,
-    "driven": {"facecolor": "#f6d9a8", "linewidth": 0.9, "zorder": 2.0, "alpha": 0.85},
-    "driving": {"facecolor": "#9cc7e8", "linewidth": 0.9, "zorder": 2.1, "alpha": 0.85},
+    "driven": _ELLIPSE | {"facecolor": "#f6d9a8", "zorder": 2.0, "label": "output ellipse"},
+    "driving": _ELLIPSE | {"facecolor": "#9cc7e8", "zorder": 2.1, "label": "driving ellipse"},
 }
 # broken lines show what the ellipses hide of the spur gears
 _BROKEN: dict[str, Any] = {"fill": False, "ec": style.GREY, "ls": (0, (4, 2.5)), "zorder": 2.4}
-_HIDDEN = {"sun": _BROKEN, "planet": _BROKEN}
+_HIDDEN = {"sun": _BROKEN, "planet": _BROKEN | {"label": "planet"}}
+_LETTERS = "A: axis of carrier and output\nC: shaft of planet and driving ellipse"
+_WORDS = 0.95  # room of the legend [in]
 _MARGIN = 0.12  # the room around the gears is this share of the centre distance
 
 
 @drawing.plot_mechanism.register
 def plot_planetary(
-    mechanism: EllipticalPlanetary, theta: float = 0.0, ax: Axes | None = None
+    mechanism: EllipticalPlanetary,
+    theta: float = 0.0,
+    ax: Axes | None = None,
+    *,
+    legend: bool = True,
 ) -> Axes:
     """Planetary drive with elliptical gears to scale, in millimetres.
 
@@ -38,6 +45,8 @@ def plot_planetary(
         Driver angle from greatest output speed [rad], of any size.
     ax : Axes, optional
         Where to draw; the carrier's axis is its origin. Default: a new figure.
+    legend : bool
+        Whether to draw one.
 
     Returns
     -------
@@ -52,7 +61,7 @@ def plot_planetary(
     """
     angle = validate.number("theta", theta, "give the driver angle in rad")
     box, distance = extent(mechanism, angle), 1e3 * mechanism.centre_distance
-    ax = drawing.dress_scene(ax, box)
+    own, ax = ax is None, drawing.dress_scene(ax, box)
     draw_planetary(ax, mechanism, angle, angle)
     # letters stand to the right of the carrier, arrows to its left and behind it
     along, behind = np.exp(1j * angle), angle + np.pi
@@ -67,6 +76,11 @@ def plot_planetary(
     length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= 0.5 * distance) * power)
     place = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
     drawing.length(ax, place, length, f"{length:g} mm")
+    if legend:
+        style.legend_above(ax, 2, _LETTERS)
+    if own and legend:
+        figure: Any = ax.figure
+        figure.set_figheight(figure.get_figheight() + _WORDS)
     return ax
 
 
@@ -82,15 +96,16 @@ def draw_planetary(ax: Axes, mechanism: EllipticalPlanetary, theta: float, carri
         drawing.curve(ax, ends, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
     _, shaft, contact = np.array(outline.line_of_centres(theta)) * np.exp(1j * carrier)
     look: dict[str, Any] = {"color": style.BLACK, "lw": 1.6, "mfc": "white", "zorder": 3}
-    drawing.curve(ax, np.array([0.0, shaft]), "o-", ms=4, gid="carrier", **look)
-    drawing.curve(ax, contact, "o", color=style.VERMILLION, ms=4, zorder=4, gid="contact")
+    drawing.curve(ax, np.array([0.0, shaft]), "o-", ms=4, gid="carrier", label="carrier", **look)
+    look = {"ms": 4, "zorder": 4, "gid": "contact", "label": "point of contact"}
+    drawing.curve(ax, contact, "o", color=style.VERMILLION, **look)
 
 
 def extent(mechanism: EllipticalPlanetary, theta: float) -> drawing.Box:
     """Left, right, bottom and top of the picture, room for arrows and scale included."""
-    distance = 1e3 * mechanism.centre_distance
-    shaft, room = distance * np.exp(1j * theta), _MARGIN * distance
-    (left, right), (bottom, top) = sorted((0.0, shaft.real)), sorted((0.0, shaft.imag))
-    # the ellipses reach as far as the sun's radius from their pivots
-    reach = 1e3 * mechanism.sun_radius + room
-    return left - reach, right + reach, bottom - reach - room, top + reach
+    sun, _, _, driving = EllipticalOutline(mechanism).bodies(theta)
+    room = _MARGIN * 1e3 * mechanism.centre_distance
+    # the other two gears are within these
+    ends = np.append(driving.edges[0], sun.radius * np.array([1.0, 1j, -1.0, -1j]))
+    (left, right), (bottom, top) = ((part.min(), part.max()) for part in (ends.real, ends.imag))
+    return left - room, right + room, bottom - 2.0 * room, top + room

@@ -1,4 +1,4 @@
-"""House style of every figure: colours, sizes, legends, names and units as printed, and files.
+"""House style of every figure: colours, sizes, legends, names and units as printed.
 
 Colours are the Okabe-Ito palette, which colour-blind readers can tell apart
 (Okabe and Ito, "Color universal design", 2008). Each goes with a line style and a
@@ -13,22 +13,17 @@ prints "rad/s" and "in·lbf·s²", and picks a prefix that keeps numbers short.
 
 import io
 import math
-import os
 import re
-import tempfile
 import textwrap
-from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib
 import numpy as np
-from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from escapement import files, validate
+from escapement import validate
 
 BLACK, GREY, LIGHT_GREY = "#000000", "#5f5f5f", "#b8b8b8"
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -44,14 +39,7 @@ LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 _MOST_DRAWN = 200  # more slots or lobes could not be told apart
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
-# The same figure gives the same bytes only without the date and without random ids.
-_RANDOM: Any = {"svg.hashsalt": "escapement", "pdf.fonttype": 42}
-_SETTINGS: dict[str, dict[str, Any]] = {
-    ".png": {"dpi": 300, "metadata": {"Software": None}},
-    ".pdf": {"dpi": 300, "metadata": {"CreationDate": None, "Creator": None, "Producer": None}},
-    ".svg": {"dpi": 300, "metadata": {"Date": None, "Creator": None}},
-    ".gif": {"writer": "pillow"},
-}
+
 LINE = 34
 """Characters of a label that fit beside one panel."""
 
@@ -89,43 +77,6 @@ BROKEN: dict[str, Any] = {"color": VERMILLION, "ls": LOOKS[1].linestyle}
 """How a second curve is drawn beside a blue one."""
 REVERSAL: dict[str, Any] = {"mfc": "white", "mec": BLACK, "mew": 0.8, "label": "pin reversal"}
 """How a pin reversal is marked."""
-
-
-def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -> None:
-    """Write a figure or a film: complete under its name, or not at all.
-
-    Parameters
-    ----------
-    picture : Figure, Axes or FuncAnimation
-        What to write; of axes their whole figure. The same figure gives the same bytes:
-        nothing in the file tells the time.
-    path : path
-        Its suffix decides the format: .png, .pdf or .svg; a film's is .gif. An existing
-        file is replaced, unless it is read-only.
-
-    Raises
-    ------
-    InvalidValue
-        When the suffix is none of these.
-    CannotCreate
-        When there can be no file at that place.
-    StorageError
-        When writing fails half-way, for example on a full disk.
-    """
-    figure: Any = picture.figure if isinstance(picture, Axes) else picture
-    moving = isinstance(picture, FuncAnimation)
-    suffix = files.picture_format(path, files.FILMS if moving else files.FORMATS)
-    files.check_target(path, force=True, writable=True)
-    # Pillow writes films to files alone
-    with (
-        files.storing(path),
-        matplotlib.rc_context(_RANDOM),
-        tempfile.TemporaryDirectory() as folder,
-    ):
-        made = Path(folder) / f"picture{suffix}"
-        (figure.save if moving else figure.savefig)(made, **_SETTINGS[suffix])
-        content = made.read_bytes()
-    files.replace_file(path, [content])
 
 
 def check_drawn(name: str, count: int) -> None:

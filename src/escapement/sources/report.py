@@ -1,13 +1,15 @@
-"""A source's printed numbers and equations beside the right ones, and how they are shown.
+"""A source's printed numbers and equations beside the true ones, and how they are shown.
 
-A printed number has so many digits and no more, so the right value is rounded to as many
-before the two are compared. Where they differ, rules are tried, from the strictest to the
-loosest, until one gives the printed digits.
+In every report, table and legend *printed* is what stands in the paper, and *true* is what
+should stand there, computed anew. A printed number has so many digits and no more, so the true
+value is rounded to as many before the two are compared. Where they differ, rules are tried,
+from the strictest to the loosest, until one gives the printed digits.
 """
 
 import csv
 import math
 import re
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
@@ -20,12 +22,14 @@ from escapement.model import FloatArray
 from escapement.text import print_columns
 
 UNEXPLAINED = "unexplained"
+WIDTH = 100
+"""Characters of a line."""
 Record = dict[str, Any]
 """What JSON says, or a part of it."""
 Table = Sequence[Sequence[Any]]
 """Rows for CSV, a header first."""
 Panels = Mapping[str, Callable[[], Any]]
-"""File names of figures, and what draws the axes or the figure of each."""
+"""File names of figures, without suffix, and what draws the axes or the figure of each."""
 
 
 def read_table(source: str, name: str) -> list[dict[str, str]]:
@@ -80,20 +84,20 @@ def _places(unit: float) -> int:
 
 @dataclass(frozen=True)
 class Cell:
-    """One printed number beside the right one.
+    """One printed number beside the true one.
 
     place : where it stands: a number of slots, the number of a figure, or words.
     column : which number of that place it is.
-    printed, right : text with the same number of digits; `right` is None for a number that
+    printed, true : text with the same number of digits; `true` is None for a number that
         follows from nothing printed.
-    value : the right value, unrounded, or NaN; angles in degrees.
+    value : the true value, unrounded, or NaN; angles in degrees.
     reason : the rule that explains why they differ, in a sentence; "" where they agree.
     """
 
     place: Any
     column: str
     printed: str
-    right: str | None
+    true: str | None
     value: float
     reason: str = ""
 
@@ -104,17 +108,17 @@ class Cell:
 
     @property
     def number(self) -> float:
-        """The printed number; the right one where the paper prints a name instead."""
+        """The printed number; the true one where the paper prints a name instead."""
         return digits(self.printed)[0] if self.printed[0].isdigit() else self.value
 
 
 Cells = Sequence[Cell]
 Rules = Callable[[str, float], Iterator[str]]
-"""From a printed number and the right value to every reason that holds, the strictest first."""
+"""From a printed number and the true value to every reason that holds, the strictest first."""
 
 
 def judge(place: Any, column: str, printed: str, value: float, rules: Rules) -> Cell:
-    """Set the right value beside a printed number; NaN is that of one that cannot be judged."""
+    """Set the true value beside a printed number; NaN is that of one that cannot be judged."""
     if math.isnan(value):
         return Cell(place, column, printed, None, value)
     reason = "" if gives(printed, value) else next(rules(printed, value), UNEXPLAINED)
@@ -131,26 +135,26 @@ def cut_off(printed: str, value: float) -> Iterator[str]:
 class Slip:
     """A slip in an equation or a sentence: where it stands, what it says, what it must say.
 
-    printed_error, right_error : greatest deviation of the printed and of the corrected
-        formula; None where the slip is a matter of words.
+    printed_error, true_error : greatest deviation of the printed and of the true formula;
+        None where the slip is a matter of words.
     """
 
     place: str
     printed: str
-    right: str
+    true: str
     printed_error: float | None = None
-    right_error: float | None = None
+    true_error: float | None = None
 
 
 def read_slips(source: str, deviations: Mapping[str, tuple[FloatArray, FloatArray]]) -> list[Slip]:
     """Slips of a source, with the errors of those that are formulas.
 
     deviations : by the name in the file's column `formula`, by how much the printed and the
-        corrected formula are off, in each of the mechanisms that they are tried on.
+        true formula are off, in each of the mechanisms that they are tried on.
     """
     errors = {name: [float(np.abs(off).max()) for off in offs] for name, offs in deviations.items()}
     return [
-        Slip(row["place"], row["printed"], row["right"], *errors.get(row["formula"], []))
+        Slip(row["place"], row["printed"], row["true"], *errors.get(row["formula"], []))
         for row in read_table(source, "slips.csv")
     ]
 
@@ -176,6 +180,12 @@ class Reproduction:
     panels: Callable[[], Panels]
 
 
+def say(text: str) -> None:
+    """Print a sentence, folded to `WIDTH`, its further lines indented by four more."""
+    indent = " " * (4 + len(text) - len(text.lstrip()))
+    print(textwrap.fill(text, WIDTH, subsequent_indent=indent, break_on_hyphens=False))
+
+
 def by_place(cells: Cells) -> dict[Any, list[Cell]]:
     """Cells in order, those of one place together."""
     return {place: list(found) for place, found in groupby(cells, lambda cell: cell.place)}
@@ -184,31 +194,31 @@ def by_place(cells: Cells) -> dict[Any, list[Cell]]:
 def compare(
     cells: Cells, slips: Iterable[Slip], heads: Mapping[Any, Record], keys: dict[str, str]
 ) -> Record:
-    """What JSON says: a row a place, printed and right numbers and errata in it, and counts.
+    """What JSON says: a row a place, printed and true numbers and errata in it, and counts.
 
     heads : what else is said of a place.
     keys : names of numbers in place of those of their columns.
     """
     rows = []
-    told = ("column", "printed", "right", "reason")
+    told = ("column", "printed", "true", "reason")
     for place, found in by_place(cells).items():
         named = {keys.get(cell.column, cell.column): cell for cell in found}
         printed = {key: cell.number for key, cell in named.items()}
-        computed = {key: cell.value for key, cell in named.items()}
+        true = {key: cell.value for key, cell in named.items()}
         errata = [{key: getattr(cell, key) for key in told} for cell in found if not cell.agrees]
-        rows.append({**heads[place], "printed": printed, "computed": computed, "errata": errata})
+        rows.append({**heads[place], "printed": printed, "true": true, "errata": errata})
     return {
         "rows": rows,
         "cells": len(cells),
         "agreeing": sum(cell.agrees for cell in cells),
         "equations": [vars(slip) for slip in slips],
-        "message": "printed_error and right_error are null where a slip is a matter of words",
+        "message": "printed_error and true_error are null where a slip is a matter of words",
     }
 
 
 def as_table(cells: Cells, place: str) -> Table:
     """A header, then a line a cell; `place` is the heading of where it stands."""
-    rows: list[list[Any]] = [[place, "column", "printed", "right", "computed", "agrees", "reason"]]
+    rows: list[list[Any]] = [[place, "column", "printed", "true", "value", "agrees", "reason"]]
     for cell in cells:
         *said, reason = vars(cell).values()
         rows.append([*said, "yes" if cell.agrees else "no", reason])
@@ -218,7 +228,7 @@ def as_table(cells: Cells, place: str) -> Table:
 def print_side_by_side(
     heads: dict[str, str], columns: dict[str, str], rows: Iterable[Record], cells: Cells
 ) -> None:
-    """Print rows of cells, each printed and below it computed, a star at what differs.
+    """Print rows of cells, each printed and below it true, a star at what differs.
 
     heads : headings before the cells, and the keys of what stands below them in `rows`.
     columns : headings of the cells by their columns.
@@ -227,9 +237,9 @@ def print_side_by_side(
     for row, found in zip(rows, by_place(cells).values(), strict=True):
         printed = [f"{cell.printed} " for cell in found]
         # a blank keeps digits of one column below each other
-        computed = [f"{cell.right}{' ' if cell.agrees else '*'}" for cell in found]
+        true = [f"{cell.true}{' ' if cell.agrees else '*'}" for cell in found]
         lines.append([*(row[key] for key in heads.values()), "printed", *printed])
-        lines.append([*[""] * len(heads), "computed", *computed])
+        lines.append([*[""] * len(heads), "true", *true])
     print_columns([[*heads, "", *(f"{name} " for name in columns.values())]], lines)
 
 
@@ -242,18 +252,20 @@ def print_errata(
     place : how the place of a cell and its column, as `columns` calls it, are said.
     tried : on which mechanisms formulas were tried.
     """
-    judged = [cell for cell in cells if cell.right is not None]
+    judged = [cell for cell in cells if cell.true is not None]
     wrong = [cell for cell in judged if not cell.agrees]
     count = f"{len(judged) - len(wrong)} of {len(judged)}"
     print(f"\n{count} {what} are right to their last digit. Errata:")
     for cell in wrong:
         where = place.format(cell.place, columns[cell.column])
-        print(f"  {where}: {cell.printed} must be {cell.right}\n      {cell.reason}")
+        say(f"  {where}: {cell.printed} must be {cell.true}")
+        say(f"      {cell.reason}")
     print("\nSlips in equations and text, some perhaps the scan's:")
     if tried:
-        print(f"  [greatest error of the printed and of the corrected formula for {tried}]")
+        say(f"  [greatest error of the printed and of the true formula for {tried}]")
     for slip in slips:
         error = ""
         if slip.printed_error is not None:
-            error = f"  [{slip.printed_error:.2g}; corrected {slip.right_error:.0e}]"
-        print(f"  {slip.place}: {slip.printed}\n      must be {slip.right}{error}")
+            error = f"  [{slip.printed_error:.2g}; true {slip.true_error:.0e}]"
+        say(f"  {slip.place}: {slip.printed}")
+        say(f"      must be {slip.true}{error}")

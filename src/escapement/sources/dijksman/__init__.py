@@ -1,7 +1,7 @@
-"""Dijksman (1974): the gear-driven wheels of figures 6 to 9 and every slip, against computed.
+"""Dijksman (1974): the gear-driven wheels of figures 6 to 9 and every slip, printed and true.
 
 A printed number that is not right to its last digit was computed from a rounded ratio of
-times: which one is found by trying. A formula is evaluated as printed and as corrected over
+times: which one is found by trying. A formula is evaluated as printed and as it must be over
 the mechanisms of the design charts, so that a correction proves itself.
 """
 
@@ -37,7 +37,7 @@ def mechanism(caption: dict[str, str]) -> GearDriven:
     return GearDriven(int(caption["stations"]), int(caption["lobes"]), caption["curve"])
 
 
-def right_values(wheel: GearDriven) -> dict[str, float]:
+def true_values(wheel: GearDriven) -> dict[str, float]:
     """alpha [deg], V, MC/R0 and M0C/R0 of a mechanism with one pin."""
     lengths = {column: getattr(wheel, name) for column, name in _LENGTHS.items()}
     return {"alpha": math.degrees(wheel.alpha), **lengths}
@@ -48,7 +48,7 @@ def proportions() -> list[Cell]:
     cells = []
     for caption in captions():
         wheel, number = mechanism(caption), int(caption["figure"])
-        for column, value in right_values(wheel).items():
+        for column, value in true_values(wheel).items():
             text = caption[column]
             if text == "M0M":  # the caption gives the name of a length, not its value
                 agrees = math.isclose(value, wheel.carrier_over_fixed, rel_tol=1e-14)
@@ -116,7 +116,7 @@ def start_ratios(per_cycle: bool) -> tuple[float, float]:
     return min(ratios), max(ratios)
 
 
-def reproduce(units: str) -> report.Reproduction:
+def reproduce(units: str | None = None) -> report.Reproduction:
     """The captions recomputed: pure numbers and angles, whatever the units."""
     cells, slips = proportions(), equations()
     heads = {}
@@ -132,7 +132,7 @@ def reproduce(units: str) -> report.Reproduction:
     record["start_ratios"] = ratios
 
     def show() -> None:
-        print("Dijksman (1974), figures 6 to 9: printed, and below it computed; * differs\n")
+        print("Dijksman (1974), figures 6 to 9: printed, and below it true; * differs\n")
         report.print_side_by_side(_HEADS, COLUMNS, record["rows"], cells)
         tried = "all wheels of the design charts"
         report.print_errata(cells, "numbers", "figure {}, {}", COLUMNS, slips, tried)
@@ -151,10 +151,10 @@ def _panels() -> report.Panels:
     from escapement.sources.dijksman import figures
 
     return {
-        "dijksman_figure_2.png": gear_driven.plot_curves,
-        "dijksman_figures_6_to_9.png": gear_driven.plot_gear_driven_examples,
-        "dijksman_charts.png": figures.plot_design_charts,
-        "dijksman_motions.png": figures.plot_motions,
+        "dijksman_figure_2": gear_driven.plot_curves,
+        "dijksman_figures_6_to_9": gear_driven.plot_gear_driven_examples,
+        "dijksman_charts": figures.plot_design_charts,
+        "dijksman_motions": figures.plot_motions,
     }
 
 

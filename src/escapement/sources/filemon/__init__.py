@@ -1,9 +1,9 @@
-"""Filemon (1960): the 48 cells of Table I and every slip, printed against computed.
+"""Filemon (1960): the 48 cells of Table I and every slip, printed and true.
 
 Every cell follows from the closed forms of `constant_speed.geneva`. Why one is wrong is
 decided by recomputing it, and no list of cells is kept: a rule is named where it gives the
-printed digits and the right value does not. The rules of four places say only that the
-printed value is within their reach. An equation is evaluated as printed and as corrected,
+printed digits and the true value does not. The rules of four places say only that the
+printed value is within their reach. An equation is evaluated as printed and as it must be,
 and held against what both should give, from the pin's path: so a correction proves itself.
 """
 
@@ -40,12 +40,12 @@ def table_1() -> list[Cell]:
     """All 48 cells, row after row."""
     cells = []
     for slots, row in printed_rows().items():
-        for column, value in right_values(slots).items():
+        for column, value in true_values(slots).items():
             cells.append(judge(slots, column, row[column], value, partial(_why, slots, column)))
     return cells
 
 
-def right_values(slots: int, sine: float | None = None) -> dict[str, float]:
+def true_values(slots: int, sine: float | None = None) -> dict[str, float]:
     """A row of Table I for any number of slots; beta_max in degrees.
 
     Parameters
@@ -108,7 +108,7 @@ def equations() -> list[Slip]:
     top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
     # the second term of dM_2/d beta at F = 1, M_e = eta = 1, without its denominator
     term = c * swing * top
-    # the formula as printed, as corrected, and the truth
+    # the formula as printed, the true one, and what both should give
     tried = {
         "acceleration": (ratio**2 * rate, rate, dg),
         "jerk": (*(-swing * bend / length**3 for bend in bends), ddg),
@@ -125,8 +125,8 @@ def equations() -> list[Slip]:
         "cubic": (_cubic(n, 0.0, -1.0, 0.333, 0.074), _cubic(n, 1 / 3, 1.0, 1 / 3, 2 / 27), 1.0),
     }  # fmt: skip
     deviations = {
-        name: (printed / truth - 1.0, corrected / truth - 1.0)
-        for name, (printed, corrected, truth) in tried.items()
+        name: (printed / goal - 1.0, true / goal - 1.0)
+        for name, (printed, true, goal) in tried.items()
     }
     return report.read_slips("filemon", deviations)
 
@@ -141,7 +141,7 @@ def _cubic(n: ArrayLike, shift: float, sign: float, third: float, cube: float) -
     return 1.0 + (y**3 + rest) / y**3
 
 
-def reproduce(units: str) -> report.Reproduction:
+def reproduce(units: str | None = None) -> report.Reproduction:
     """All 48 cells recomputed: pure numbers and angles, whatever the units."""
     cells, slips, error = table_1(), equations(), mean_torque_error()
     heads = {n: {"slots": n} for n in printed_rows()}
@@ -149,7 +149,7 @@ def reproduce(units: str) -> report.Reproduction:
     record["mean_torque_error"] = error
 
     def show() -> None:
-        print("Filemon (1960), Table I: printed, and below it computed; * differs\n")
+        print("Filemon (1960), Table I: printed, and below it true; * differs\n")
         report.print_side_by_side({"n": "slots"}, COLUMNS, record["rows"], cells)
         tried = "3 to 10 slots, relative"
         report.print_errata(cells, "cells", "n = {}, {}", COLUMNS, slips, tried)
@@ -160,13 +160,12 @@ def reproduce(units: str) -> report.Reproduction:
 
 
 def _panels() -> report.Panels:
-    """Figures 3 to 12 and 15; the nomograms 13 and 16, to be printed, as PDF."""
+    """Figures 3 to 12 and 15, and the nomograms 13 and 16."""
     from escapement.sources.filemon.figures import FIGURES
     from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 
-    sheets = {f"{name}.pdf": partial(plot_nomogram, sheet) for name, sheet in NOMOGRAMS.items()}
-    panels = {f"{number}.png": plot for number, plot in FIGURES.items()} | sheets
-    return {f"filemon_figure_{name}": plot for name, plot in panels.items()}
+    sheets = {name: partial(plot_nomogram, sheet) for name, sheet in NOMOGRAMS.items()}
+    return {f"filemon_figure_{name}": plot for name, plot in (FIGURES | sheets).items()}
 
 
 def _why(slots: int, column: str, printed: str, value: float) -> Iterator[str]:
@@ -187,7 +186,7 @@ def _why(slots: int, column: str, printed: str, value: float) -> Iterator[str]:
     yield from cut_off(printed, value)
     shown, unit = digits(printed)
     sine = round(float(geneva.crank_ratio(slots)), 4)
-    ends = sorted(right_values(slots, sine + off)[column] for off in (-_SINE, _SINE))
+    ends = sorted(true_values(slots, sine + off)[column] for off in (-_SINE, _SINE))
     reach = {"tables: sin(pi/n) with an error of up to one unit": ends}
     if column == "acceleration_max":
         c, b = geneva.crank_ratio(slots), geneva.acceleration_max_angle(slots)
@@ -200,7 +199,7 @@ def _why(slots: int, column: str, printed: str, value: float) -> Iterator[str]:
         if low - 0.5 * unit <= shown <= high + 0.5 * unit:
             between = f"{finer(printed, low)} to {finer(printed, high)}"
             yield f"four-place {how} in its fourth decimal gives {between}"
-    # both texts have as many characters, because the right one was given as many digits
+    # both texts have as many characters, because the true one was given as many digits
     wrong = {(a, b) for a, b in zip(printed, like(printed, value), strict=True) if a != b}
     # one digit may stand for another more than once
     if len(wrong) == 1:

@@ -21,7 +21,8 @@ from escapement.plots.style import label
 SLOTS = np.arange(3, 11)
 """Numbers of slots of the families of curves."""
 ANGLE = label("driver angle β", "°")
-RATIO, RATE, LOAD_RATIO = r"$i_\omega$", r"$i_\varepsilon$", r"$F$"
+RATIO, RATE = r"$i_\omega$", r"$i_\varepsilon$"
+LOAD_RATIO = r"Inertia ratio $F = I_f\,\omega^2/M_e$"
 LIMITS = (r"$F_{12}$", r"$F_{23}$")
 MARK: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "mec": style.BLACK, "mew": 0.9}
 """How a pin reversal is marked."""
@@ -31,7 +32,7 @@ Curve = tuple[FloatArray, FloatArray]
 
 def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
     """Transmission function over an engagement (figure 3)."""
-    ax, angle, table = _over_engagement(slots, RATIO, ax or style.new_axes())
+    ax, angle, table = _over_engagement(slots, f"Transmission {RATIO}", ax or style.new_axes())
     top = float(geneva.ratio_max(slots))
     ax.plot(angle, table.g, color=style.BLUE, lw=1.4)
     ax.plot(0.0, top, "v", color=style.BLACK, ms=5)
@@ -43,12 +44,14 @@ def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
 
 def plot_transmission_family() -> Axes:
     """Transmission functions up to dead centre, logarithmic (figure 4)."""
-    return _engagements("g", -2.0, ylabel=RATIO, ylim=(0.01, 10.0))
+    return _engagements("g", -2.0, ylabel=f"Transmission {RATIO}", ylim=(0.01, 10.0))
 
 
 def plot_acceleration(slots: int = 4, ax: Axes | None = None) -> Axes:
     """Acceleration function over an engagement, with start and maximum (figure 5)."""
-    ax, angle, table = _over_engagement(slots, RATE, ax or style.new_axes())
+    ax, angle, table = _over_engagement(
+        slots, f"Acceleration function {RATE}", ax or style.new_axes()
+    )
     ax.plot(angle, table.dg, color=style.BLUE, lw=1.4)
     start, top = (float(f(slots)) for f in (geneva.acceleration_start, geneva.acceleration_max))
     place = -np.degrees(float(geneva.acceleration_max_angle(slots)))
@@ -64,7 +67,7 @@ def plot_acceleration(slots: int = 4, ax: Axes | None = None) -> Axes:
 
 def plot_acceleration_family() -> Axes:
     """Acceleration functions up to dead centre, logarithmic (figure 6)."""
-    ax = _engagements("dg", -90.0, ylabel=RATE, ylim=(0.05, 50.0))
+    ax = _engagements("dg", -90.0, ylabel=f"Acceleration function {RATE}", ylim=(0.05, 50.0))
     tops = -np.degrees(geneva.acceleration_max_angle(SLOTS))
     ax.plot(tops, geneva.acceleration_max(SLOTS), label="maximum", ms=3.5, **MARK)
     style.add_legend(ax, 1, loc="upper left")
@@ -102,7 +105,7 @@ def plot_zones(slots: int = 8) -> Figure:
         ax.plot(np.degrees(result.reversals), 0.0 * result.reversals, ms=5, zorder=5, **MARK)
         ax.set_title(f"{letter}  zone {result.zone}, F = {ratio:g}", fontsize=style.TICK_SIZE)
         ax.set(xlabel="β (°)", xlim=(angle[0], angle[-1]))
-    panels[0].set_ylabel(r"$M_2 \eta / M_e$")
+    panels[0].set_ylabel(r"Drive torque $M_2 \eta / M_e$")
     figure.suptitle(f"n = {slots}", fontsize=style.TICK_SIZE)
     return figure
 
@@ -134,9 +137,12 @@ def plot_reversal_curves() -> Axes:
     ax.set(xlabel=ANGLE, ylabel=LOAD_RATIO, xlim=(0.0, 75.0), ylim=(0.02, 20.0))
     places = geneva.acceleration_max_angle(SLOTS), geneva.engagement_half(SLOTS)
     limits = geneva.reversal_limits(SLOTS)
-    for at, limit, name, marker in zip(places, limits, LIMITS, "os", strict=True):
+    meanings = ("no reversal below", "one reversal from here on")
+    for at, limit, name, meaning, marker in zip(
+        places, limits, LIMITS, meanings, "os", strict=True
+    ):
         mark = MARK | {"marker": marker}
-        ax.plot(np.degrees(at), limit, label=name, ms=3.5, zorder=5, **mark)
+        ax.plot(np.degrees(at), limit, label=f"{name}: {meaning}", ms=3.5, zorder=5, **mark)
     style.add_legend(ax, 1, "Beside the curves: slots n", loc="lower right")
     return ax
 
@@ -159,7 +165,7 @@ def plot_reversal_limits(ax: Axes | None = None) -> Axes:
 def plot_mean_factors(ax: Axes | None = None) -> Axes:
     """Factors D and A of the mean torque against the number of slots (figure 12)."""
     ax = _over_slots(dict(zip("DA", geneva.mean_factors(SLOTS), strict=True)), ax)
-    ax.set(ylabel="D and A", yscale="log", ylim=(0.1, 30.0))
+    ax.set(ylabel="Factors D and A", yscale="log", ylim=(0.1, 30.0))
     ax.yaxis.set_major_formatter("{x:g}")
     return ax
 

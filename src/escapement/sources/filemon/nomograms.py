@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from escapement.constant_speed import reversal_study
 from escapement.model import FloatArray
 from escapement.plots import style
+from escapement.sources.filemon.figures import LOAD_RATIO
 
 LOADS = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
 SHEET = (11.2, 7.7)
@@ -94,7 +95,7 @@ def plot_nomogram(sheet: Nomogram) -> Figure:
         _scale(ax, "x", *across)
         _scale(ax, "y", low, high)
     right.tick_params(axis="y", which="major", labelright=True, labelsize=_SCALE_SIZE)
-    left.set(xlabel="Inertia ratio $F = I_f\\,\\omega^2/M_e$", ylabel=sheet.factor)
+    left.set(xlabel=LOAD_RATIO, ylabel=sheet.factor)
     right.set_xlabel(sheet.name)
     example, n, load = sheet.example
     figure.suptitle(

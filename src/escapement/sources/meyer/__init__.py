@@ -1,4 +1,4 @@
-"""Meyer (1973), Appendix E: 49 printed runs beside what was computed and what is true.
+"""Meyer (1973), Appendix E: 49 printed runs beside three recomputations, one of them true.
 
 The thesis prints tables for three mechanisms, but its program ran all of them
 in the four-pin cell of 90 degrees, and the heading of the six-pin table has the
@@ -9,6 +9,7 @@ recomputations and names, by comparing them, what explains each difference.
 in-lbf-s^2.
 """
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, partial
@@ -22,20 +23,27 @@ from escapement.simulation import simulate, terminal
 from escapement.sources import report
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
-from escapement.text import print_columns, words
+from escapement.text import print_columns
 from escapement.units import INCH_POUND, SYSTEMS, factor, unit_name
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """Driver and follower inertia really used, by slots [in-lbf-s^2] (figures 9 to 11)."""
 HEADINGS = {3: (10e-6, 6e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """The same as the headings of Appendix E give them."""
-COLUMNS = {name: words(name) for name in ("printed", "as_published", "program_1973")}
-COLUMNS["true"] = "true mechanism"
-"""What stands side by side, and what the report calls it."""
+UNITS = "in-lbf-s"
+"""The units of the thesis."""
+COLUMNS = {
+    "printed": ("printed", "what stands in the thesis"),
+    "as_published": (
+        "as published", "exact solution of what its program was given, the 90-degree cell included"
+    ),
+    "program_1973": ("program of 1973", "that program run again, with a row every 0.5 ms"),
+    "true": ("true", "exact solution of the real mechanism"),
+}  # fmt: skip
+"""What stands side by side: what reports and legends call it, and what it is."""
 
-# what was computed is shown with one digit more
-_PRINTED = "{velocity_max:5.0f} {velocity_min:5.0f} {rise_time:6.3f} {period:6.3f}"
-_COMPUTED = "{velocity_max:5.1f} {velocity_min:5.1f} {rise_time:6.4f} {period:6.4f}"
+_HEADS = {"maximum": "rad/s", "minimum": "rad/s", "rise time": "s", "period": "s"}
+_DECIMALS = [round(-math.log10(2.0 * half)) for half in HALF_DIGIT.values()]
 
 
 class PrintedRun(NamedTuple):
@@ -71,7 +79,7 @@ def printed_rows() -> tuple[PrintedRun, ...]:
     )
 
 
-def appendix_e(units: str = "in-lbf-s") -> list[dict[str, Any]]:
+def appendix_e(units: str = UNITS) -> list[dict[str, Any]]:
     """Every printed row beside its recomputations.
 
     Parameters
@@ -83,11 +91,10 @@ def appendix_e(units: str = "in-lbf-s") -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        49 rows. `printed`, `as_published` (exact solution in the 90-degree
-        cell), `program_1973` (the listing with its sampling) and `true` (the
-        real mechanism) each hold `velocity_max`, `velocity_min` [rad/s],
-        `rise_time`, `period` [s]. `reasons` explains
-        what is off by more than half a printed digit, one sentence a cause.
+        49 rows. `printed`, `as_published`, `program_1973` and `true`, as `COLUMNS`
+        defines them, each hold `velocity_max`, `velocity_min` [rad/s], `rise_time`,
+        `period` [s]. `reasons` explains what is off by more than half a printed
+        digit, one sentence a cause.
     """
     validate.choice("units", units, SYSTEMS)
     return [_compare(row, units) for row in printed_rows()]
@@ -114,8 +121,9 @@ def agreement(rows: Sequence[Mapping[str, Any]], column: str = "as_published") -
     return Agreement._make([len(rows), *counts, worst, risen])
 
 
-def reproduce(units: str) -> report.Reproduction:
-    """All 49 rows recomputed."""
+def reproduce(units: str | None = None) -> report.Reproduction:
+    """All 49 rows recomputed; torques and inertias in the units of the thesis, or in others."""
+    units = units or UNITS
     rows = appendix_e(units)
     agreeing = {name: agreement(rows, name)._asdict() for name in COLUMNS if name != "printed"}
 
@@ -138,11 +146,11 @@ def _panels(rows: Sequence[Mapping[str, Any]]) -> report.Panels:
     inertia = Inertia(*(value * INCH_POUND for value in INERTIAS[4]))
     timer = Escapement(Geneva(4), inertia, 0.10 * INCH_POUND, 0.35)
     return {
-        "meyer_figure_8.png": lambda: plot_velocities(simulate(timer, engagements=5)),
-        "meyer_figure_9.png": partial(plot_appendix_e, rows, 6),
-        "meyer_figure_10.png": partial(plot_appendix_e, rows, 4),
-        "meyer_figure_11.png": partial(plot_appendix_e, rows, 3),
-        "meyer_figures_12_to_14.png": plot_configurations,
+        "meyer_figure_8": lambda: plot_velocities(simulate(timer, engagements=5)),
+        "meyer_figure_9": partial(plot_appendix_e, rows, 6),
+        "meyer_figure_10": partial(plot_appendix_e, rows, 4),
+        "meyer_figure_11": partial(plot_appendix_e, rows, 3),
+        "meyer_figures_12_to_14": plot_configurations,
     }
 
 
@@ -176,17 +184,22 @@ def _terminal(row: PrintedRun, mechanism: Mechanism, *inertias: float) -> RunFig
 
 
 def _print_rows(rows: Sequence[Mapping[str, Any]], units: str) -> None:
-    """One line a row; computed figures have a digit more than the thesis prints."""
-    print("Meyer (1973), Appendix E: driver velocity [rad/s], rise time and period [s]\n")
-    titles = [f"{title:^25}" for title in COLUMNS.values()]
-    under = ["  max   min   rise period"] * len(COLUMNS)
-    print(" | ".join([f"    slots   mu {'torque':>9}", *titles]).rstrip())
-    print(" | ".join([f"row            {unit_name('torque', units):>9}", *under]))
+    """A line for each of `COLUMNS`; recomputed figures have a digit more than printed ones."""
+    print("Meyer (1973), Appendix E: velocity of the driver, rise time and period\n")
+    for title, meaning in COLUMNS.values():
+        print(f"  {title:<17}{meaning}")
+    print()
+    header = ["row", "slots", "friction", "torque", "", *_HEADS]
+    below = ["", "", "", unit_name("torque", units), "", *_HEADS.values()]
+    lines = []
     for number, row in enumerate(rows, 1):
-        run = f"{number:>3} {row['slots']:>5} {row['friction']:.2f} {row['torque']:>9.4g}"
-        printed, *computed = (row[column] for column in COLUMNS)
-        figures = [_PRINTED.format_map(printed), *map(_COMPUTED.format_map, computed)]
-        print(" | ".join([run, *figures]))
+        run = [str(number), row["slots"], f"{row['friction']:.2f}", f"{row['torque']:.4g}"]
+        for name, (title, _) in COLUMNS.items():
+            more = name != "printed"
+            pairs = zip(row[name].values(), _DECIMALS, strict=True)
+            lines.append([*run, title, *(f"{value:.{most + more}f}" for value, most in pairs)])
+            run = [""] * len(run)
+    print_columns([header, below], lines)
 
 
 def _print_reasons(rows: Sequence[Mapping[str, Any]]) -> None:
@@ -200,7 +213,9 @@ def _print_reasons(rows: Sequence[Mapping[str, Any]]) -> None:
     print("\nWhy printed figures differ, each with one row's numbers (all are in the JSON):")
     for found in kinds.values():
         first, reason = next(iter(found.items()))
-        print(f"  row{'s' if len(found) > 1 else ''} {ranges(found)}; in row {first}, {reason}")
+        report.say(
+            f"  row{'s' if len(found) > 1 else ''} {ranges(found)}; in row {first}, {reason}"
+        )
 
 
 def ranges(numbers: Iterable[int]) -> str:
@@ -218,7 +233,7 @@ def _print_agreement(agreeing: Mapping[str, dict[str, Any]]) -> None:
     lines = []
     for name, found in agreeing.items():
         _, *counts, worst, rise = found.values()
-        lines.append([COLUMNS[name], *counts, f"{100.0 * worst:.1f} %", rise])
+        lines.append([COLUMNS[name][0], *counts, f"{100.0 * worst:.1f} %", rise])
     print_columns([header, below], lines)
 
 

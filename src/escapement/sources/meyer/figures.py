@@ -4,16 +4,22 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from escapement.plots import style
 from escapement.plots.style import label
+from escapement.sources.meyer import COLUMNS
 
 Rows = Sequence[Mapping[str, Any]]
-_MARK: dict[str, Any] = {"marker": "o", "ms": 4.5, "mfc": "white", "ls": ""}
-_THIN = 0.6
+_LOOKS: dict[str, dict[str, Any]] = {
+    "printed": {"marker": "o", "ls": "", "ms": 4.5, "mfc": "white"},
+    "as_published": {"ls": "-", "lw": 1.2, "markevery": [0]},
+    "true": {"ls": style.LOOKS[1].linestyle, "lw": 1.2, "markevery": [-1]},
+}
+"""How figures of each origin are drawn, lines marked where fewest meet."""
 
 
 def plot_appendix_e(rows: Rows, slots: int) -> Figure:
@@ -29,8 +35,8 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     Returns
     -------
     Figure
-        Markers: printed. Lines: the same runs recomputed as published. Thin
-        lines: the real mechanism, where it differs.
+        Open markers: printed. Lines: as published. Broken lines: true, where
+        that differs. A full marker at the end of a line tells its friction.
 
     Notes
     -----
@@ -42,26 +48,24 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     chosen = [row for row in rows if row["slots"] == slots]
     figure = style.new_figure(style.TWO_COLUMN, 3.3)
     rise, speed = style.new_panels(figure, 1, 2)
-    _draw(rise, chosen, lambda it: 1e3 * it["rise_time"], -0.5)
-    _draw(speed, chosen, lambda it: (it["velocity_max"] + it["velocity_min"]) / 2.0, 0.5)
+    # the cell of four slots is the true one, so that one line would hide the other
+    lines = ("as_published",) if slots == 4 else ("as_published", "true")
+    _draw(rise, chosen, lines, lambda it: 1e3 * it["rise_time"], -0.5)
+    _draw(speed, chosen, lines, lambda it: (it["velocity_max"] + it["velocity_min"]) / 2.0, 0.5)
     for ax, name, unit in ((rise, "rise time", "ms"), (speed, "average driver velocity", "rad/s")):
-        ax.set(xlabel=label("driving torque", "in·lbf"), ylabel=label(name, unit), ylim=(0.0, None))
-    looks = [
-        {"label": "printed", **_MARK},
-        {"label": "as published", "ls": style.LOOKS[1].linestyle, "lw": 1.2},
-        {"label": "real mechanism", "lw": _THIN},
+        ax.set(xlabel=label("driving torque", "in-lbf"), ylabel=label(name, unit), ylim=(0.0, None))
+    key: list[Artist] = [
+        Line2D([], [], color=style.BLACK, label=COLUMNS[name][0], **_LOOKS[name])
+        for name in ("printed", *lines)
     ]
-    # the cell of four slots is right
-    looks = looks[:2] if slots == 4 else looks
-    # colours stand for friction; markers, lines and thin lines for where a figure is from
-    named, wide = rise.get_legend_handles_labels()[0], style.HANDLE
-    style.add_legend(figure, 6, loc="outside upper center", handles=named, handlelength=wide)
-    key = [Line2D([], [], color=style.GREY, **look) for look in looks]
-    style.add_legend(speed, 1, loc="lower right", handles=key, handlelength=wide)
+    if slots == 4:
+        key[1].set_label("as published, and true")
+    key += rise.get_legend_handles_labels()[0]
+    style.add_legend(figure, len(key), loc="outside upper center", handles=key)
     return figure
 
 
-def _draw(ax: Axes, rows: Rows, read: Any, power: float) -> None:
+def _draw(ax: Axes, rows: Rows, lines: Sequence[str], read: Any, power: float) -> None:
     frictions = sorted({row["friction"] for row in rows})
     for look, mu in zip(style.LOOKS, frictions, strict=False):
         series = [row for row in rows if row["friction"] == mu]
@@ -69,11 +73,9 @@ def _draw(ax: Axes, rows: Rows, read: Any, power: float) -> None:
         grid = np.linspace(0.9 * torque.min(), 1.04 * torque.max(), 101)
         # without a load speeds go as the root of torque, times as its inverse
         law = (grid / torque[0]) ** power
-        published, true = (read(series[0][name]) * law for name in ("as_published", "true"))
-        ax.plot(grid, published, color=look.color, ls=look.linestyle, lw=1.2, label=f"µ = {mu:.2f}")
-        # one line would hide the other
-        if series[0]["slots"] != 4:
-            ax.plot(grid, true, color=look.color, lw=_THIN)
+        own: dict[str, Any] = {"color": look.color, "marker": look.marker, "ms": 4.5}
+        ax.plot([], [], ls="", label=f"µ = {mu:.2f}", **own)
+        for name in lines:
+            ax.plot(grid, read(series[0][name]) * law, **own, **_LOOKS[name])
         printed = [read(row["printed"]) for row in series]
-        mark = _MARK | {"marker": look.marker, "mec": look.color}
-        ax.plot(torque, printed, mew=1.0, zorder=3, **mark)
+        ax.plot(torque, printed, mew=1.0, zorder=3, **_LOOKS["printed"] | own)

@@ -1,4 +1,4 @@
-"""Why a printed figure differs from a computed one, decided by recomputing.
+"""Why a printed figure differs from a recomputed one, decided by recomputing.
 
 A cause is named only where the recomputation that has it meets the printed
 figure better than the one that lacks it; no list of rows is kept.
@@ -50,7 +50,7 @@ def why(
         yield (
             "the program hard-codes a 90-degree cell instead of "
             f"{math.degrees(Geneva(run[0]).cell_angle):.0f}: it gives {_list(exact, of_cell)}, "
-            f"the real mechanism {_list(true, of_cell)}"
+            f"the true cell {_list(true, of_cell)}"
         )
     for name in ("velocity_max", "velocity_min"):
         if distance(printed, exact, name) > 1.0:

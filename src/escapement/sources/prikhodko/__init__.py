@@ -1,4 +1,4 @@
-"""Prikhodko (2020): the planetary drive with elliptical gears, printed against computed.
+"""Prikhodko (2020): the planetary drive with elliptical gears, printed and true.
 
 The raw measurements are not published, so three statistics of them are taken as
 printed; everything else is recomputed, from the two radii and from these three.
@@ -94,25 +94,25 @@ def pitch_curve_slip() -> float:
     return float(max(np.abs(apart).max(), np.abs(slip).max()) / mechanism.centre_distance)
 
 
-def reproduce(units: str) -> report.Reproduction:
+def reproduce(units: str | None = None) -> report.Reproduction:
     """What can be recomputed; lengths in millimetres as printed, whatever the units."""
     cells, slips, mechanism = table(), equations(), drive()
-    judged = [cell for cell in cells if cell.right is not None]
+    judged = [cell for cell in cells if cell.true is not None]
     record: dict[str, Any] = {
         "rows": [_as_row(cell) for cell in cells],
         "judged": len(judged),
         "agreeing": sum(cell.agrees for cell in judged),
-        "errata": [{"place": it.place, "printed": it.printed, "right": it.right} for it in slips],
+        "errata": [{"place": it.place, "printed": it.printed, "true": it.true} for it in slips],
         "stop_interval_deg": degrees(mechanism.cell_angle),
         "output_per_stop_deg": -degrees(mechanism.follower_step),
         "transmission_max": mechanism.ratio_max,
         "position_function_error": position_function_error(),
         "pitch_curve_slip": pitch_curve_slip(),
-        "message": "right and value are null where a number follows from nothing printed",
+        "message": "true and value are null where a number follows from nothing printed",
     }
 
     def show() -> None:
-        print("Prikhodko (2020): printed and computed; * differs, - follows from nothing printed\n")
+        print("Prikhodko (2020): printed and true; * differs, - follows from nothing printed\n")
         names = {cell.column: words(cell.column) for cell in cells}
         print_columns([], map(_as_line, record["rows"]))
         report.print_errata(cells, "numbers", "{1}", names, slips)
@@ -124,8 +124,8 @@ def reproduce(units: str) -> report.Reproduction:
             f"Slip of the pitch curves: {record['pitch_curve_slip']:.1e} centre distances"
         )
 
-    header = ["quantity", "place", "unit", "printed", "right", "computed", "reason"]
-    keys = ["name", *header[1:5], "value", "reason"]
+    header = ["quantity", "place", "unit", "printed", "true", "value", "reason"]
+    keys = ["name", *header[1:]]
     rows = [[plain(row[key]) for key in keys] for row in record["rows"]]
     return report.Reproduction("prikhodko", record, [header, *rows], show, _panels)
 
@@ -138,13 +138,13 @@ def _panels() -> report.Panels:
 
     mechanism, made_up = drive(), synthetic_measurement()
     return {
-        "prikhodko_figure_2.png": partial(plot_planetary, mechanism, math.radians(30.0)),
-        "prikhodko_figure_3.png": partial(figures.plot_velocity_plans, mechanism),
-        "prikhodko_figure_6.png": partial(figures.plot_position_function, mechanism),
-        "prikhodko_equation_9.png": partial(figures.plot_velocity_analogue, mechanism),
-        "prikhodko_figure_7_synthetic.png": partial(errors.plot_errors, made_up),
-        "prikhodko_figure_8_synthetic.png": partial(errors.plot_error_histogram, made_up),
-        "prikhodko_figure_9_synthetic.png": partial(errors.plot_frequencies, made_up),
+        "prikhodko_figure_2": partial(plot_planetary, mechanism, math.radians(30.0)),
+        "prikhodko_figure_3": partial(figures.plot_velocity_plans, mechanism),
+        "prikhodko_figure_6": partial(figures.plot_position_function, mechanism),
+        "prikhodko_equation_9": partial(figures.plot_velocity_analogue, mechanism),
+        "prikhodko_figure_7_synthetic": partial(errors.plot_errors, made_up),
+        "prikhodko_figure_8_synthetic": partial(errors.plot_error_histogram, made_up),
+        "prikhodko_figure_9_synthetic": partial(errors.plot_frequencies, made_up),
     }
 
 
@@ -188,5 +188,5 @@ def _as_row(cell: Cell) -> dict[str, Any]:
 
 def _as_line(row: report.Record) -> list[str]:
     """A printed number for people."""
-    value = "- " if row["right"] is None else f"{row['value']:.6g}{' ' if row['agrees'] else '*'}"
+    value = "- " if row["true"] is None else f"{row['value']:.6g}{' ' if row['agrees'] else '*'}"
     return [words(row["name"]), row["place"], row["printed"], value, row["unit"]]
