@@ -175,7 +175,7 @@ class Motion(Shown):
             impulse=own.follower * ratio * speed,
             energy=np.where(left < 1.0, 0.5 * lost, 0.0),
             jump=jump,
-            clearance_needed=crank * radius * jump,
+            clearance_needed=np.where(jump > 0.0, crank * radius * jump, 0.0),
         )
 
     @property
