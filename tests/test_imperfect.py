@@ -4,6 +4,7 @@ The printed numbers come from two computations that share nothing with this pack
 """
 
 import dataclasses
+import json
 import math
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 import escapement as esc
 import imperfect_bodies as bodies
+from escapement.cli import main
 from escapement.painleve import friction_limits
 from escapement.status import Status
 from escapement.units import INCH_POUND
@@ -182,9 +184,10 @@ def test_a_motion_is_read_back_from_its_file(tmp_path):
 
 
 def test_a_study_solves_each_imperfect_wheel():
-    study = esc.sweep(timer(slot_angle_errors=(0, 1e-3, 0, 0)), friction=[0.25, 0.3])
-    cycle = esc.terminal(timer(slot_angle_errors=(0, 1e-3, 0, 0)))
-    assert study.results["period"][1] == pytest.approx(cycle.period, rel=1e-12)
+    errors, distances = {"slot_angle_errors": (0, 1e-3, 0, 0)}, [-1e-5, 0.0, 1e-5]
+    study = esc.sweep(timer(**errors), friction=[0.25, 0.3], centre_distance_error=distances)
+    cycles = [esc.terminal(timer(**errors, centre_distance_error=one)) for one in distances]
+    np.testing.assert_allclose(study.results["period"][1], [one.period for one in cycles])
 
 
 @pytest.mark.parametrize(
@@ -225,3 +228,14 @@ def late():
 
 def drive_torque():
     return esc.drive_torque(late(), speed=1.0, load_torque=1.0, follower_inertia=1e-6)
+
+
+def test_the_command_line_takes_errors_and_tells_of_beats(capsys):
+    line = "run --slots 4 --crank-radius .02 --friction .3 --torque .0113 --driver-inertia 3.39e-7"
+    line += " --follower-inertia 5.65e-6 --slot-angle-errors -1e-3,2e-3,0,0 --json"
+    assert main(line.split()) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["inputs"]["slot_angle_errors"] == [-1e-3, 2e-3, 0.0, 0.0]
+    assert len(told["beats"]) == 4
+    assert told["beat_error"] == max(told["beats"]) - min(told["beats"]) > 0.0
+    assert told["blow_max"] > 0.0

@@ -56,8 +56,8 @@ class Figures(Shown):
     settling_time : first extremum from which on every engagement's extremes
         are within 1 % [s].
     handoff_velocity : driver speed at the terminal handoff [rad/s].
-    contraction : factor by which an engagement shrinks a small deviation of
-        the squared handoff speed from its terminal value [-].
+    contraction : factor by which the cycle shrinks a small deviation of the squared handoff
+        speed from its terminal value [-].
     acceleration_max, follower_acceleration_max : greatest magnitudes over the
         terminal cycle [rad/s^2].
     contact_moment_max : greatest magnitude of the moment on the follower [N m].
@@ -149,6 +149,8 @@ FIGURES = {
     "velocity_mean": "speed",
     "velocity_average_published": "speed",
     "period": "time",
+    "beat_error": "time",
+    "blow_max": "energy",
     "rise_time": "time",
     "settling_time": "time",
     "critical_friction": "ratio",
@@ -161,7 +163,7 @@ FIGURES = {
 """Figures of merit in the order in which they are reported, with the kind of unit of each."""
 _NAMES = (
     *FIGURES,
-    *("handoff_velocity", "contraction", "energy_residual", "reversal_angles"),
+    *("beats", "handoff_velocity", "contraction", "energy_residual", "reversal_angles"),
     *("status", "message"),
 )
 

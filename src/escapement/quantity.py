@@ -87,7 +87,7 @@ class Setting:
         unit = f" [{', '.join(units_shown)}]" if any(units_shown) else ""
         taken = self.typical if self.required else self.default
         shown = f"{taken:g}" if isinstance(taken, float) else taken
-        told = "" if taken is None or isinstance(taken, bool) else f" (default: {shown})"
+        told = "" if taken is None or isinstance(taken, bool | tuple) else f" (default: {shown})"
         return self.long_name + self.note + unit + told
 
     def fits(self, meshed: bool) -> bool:
@@ -234,8 +234,10 @@ class Numbers(Setting):
     def parse(self, label: str, text: str) -> Any:
         """As `read`, of numbers with commas between them."""
         words: list[Any] = text.split(",")
-        with contextlib.suppress(ValueError):
-            words = [float(word) for word in words]
+        for i, word in enumerate(words):
+            # what is no number is refused by the check, which shows it as typed
+            with contextlib.suppress(ValueError):
+                words[i] = float(word)
         return self.read(label, words)
 
     def to_si(self, values: Any, system: str) -> Any:

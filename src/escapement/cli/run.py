@@ -134,6 +134,10 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     }
     if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
         del found["contact_force_max"]
+    if len(figures.beats) > 1:
+        found["beats"] = figures.beats
+    else:
+        del found["beat_error"], found["blow_max"]
     outcome = motion if motion.status.failed else figures
     meshed = motion.escapement.mechanism.path.table
     reasons = _output.not_given({"critical_friction": figures.critical_friction} if meshed else {})
@@ -159,10 +163,11 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
     for owner in (mechanism, escapement.inertia, escapement):
         for name, entry in declared(type(owner)).items():
             value = getattr(owner, entry.key)
-            # the angles of a table are too many to be shown
+            if isinstance(entry, Numbers):
+                # errors are told where there are any; the angles of a table are too many
+                value = [*value] if value and not entry.required else None
             optional = isinstance(entry.default, float) and name not in ("friction", "load_torque")
-            told = value is not None and not isinstance(entry, Numbers)
-            told = told and not (optional and value == entry.default == 0.0)
+            told = value is not None and not (optional and value == entry.default == 0.0)
             if told and entry.fits(mechanism.meshed):
                 yield name, str(value) if isinstance(value, Fraction) else value, entry.unit
 

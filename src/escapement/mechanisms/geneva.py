@@ -90,7 +90,7 @@ class Geneva(Wheel):
     pin_radius: float = field(default=0.0, metadata=pin_radius())
     roller_radius: float = field(default=0.0, metadata=roller_radius())
     centre_distance_error: float = field(default=0.0, metadata=quantity(
-        "error of the centre distance", "length", minimum=-math.inf, axis=False,
+        "error of the centre distance", "length", minimum=-math.inf,
         note=", positive where it is too long", remedy="give the error, 0 for none"
     ))  # fmt: skip
     pin_angle_errors: Sequence[float] = _each("pin", "angle error [rad]")

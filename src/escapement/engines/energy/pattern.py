@@ -25,7 +25,7 @@ from escapement.painleve import beyond_painleve
 from escapement.scene import Scene
 
 # The panels of so many engagements are kept; those of a longer pattern are laid out every time.
-MOST_CHAINS = 32
+MOST_CHAINS = 16
 # So many steps of Newton's method are taken from one speed of the motion.
 MOST_STEPS = 25
 

@@ -39,7 +39,9 @@ def _of_pattern(escapement: Escapement, base: Figures, w: float, rtol: float) ->
     cycle = run(pattern.size, float(np.sqrt(better) / clock))
     figures = replace(read_cycle(cycle, base), contraction=float(np.exp(slope)))
     start = float(np.sqrt(w / better))
-    count = pattern.size * transient_length(figures.contraction, start)
+    # as long as if every engagement took its share, in whole rounds
+    count = transient_length(float(np.exp(slope / pattern.size)), start)
+    count = pattern.size * (2 + count // pattern.size)
     if count > LONGEST_TRANSIENT:
         message = f"rise and settling time are not given: beyond {LONGEST_TRANSIENT} engagements"
         return replace(figures, message=message)

@@ -51,8 +51,9 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     if cycle.status is not Status.OK:
         return replace(base, status=cycle.status, message=cycle.message)
     figures = replace(read_cycle(cycle, base), contraction=contraction)
-    count = transient_length(contraction, settings["initial_speed"] / figures.handoff_velocity)
-    count *= len(escapement.scenes)
+    size, start = len(escapement.scenes), settings["initial_speed"] / figures.handoff_velocity
+    count = transient_length(abs(contraction) ** (1.0 / size), start)
+    count = count if size == 1 else size * (2 + count // size)
     while count <= LONGEST_TRANSIENT:
         motion = simulate(escapement, engagements=count, duration=None, **settings)
         rise, settled = read_transient(motion, figures)
