@@ -15,6 +15,7 @@ import imperfect_bodies as bodies
 from escapement.cli import main
 from escapement.painleve import friction_limits
 from escapement.status import Status
+from escapement.study.parse import parse_plan
 from escapement.units import INCH_POUND
 from two_bodies import random_drive
 
@@ -239,3 +240,21 @@ def test_the_command_line_takes_errors_and_tells_of_beats(capsys):
     assert len(told["beats"]) == 4
     assert told["beat_error"] == max(told["beats"]) - min(told["beats"]) > 0.0
     assert told["blow_max"] > 0.0
+
+
+def test_a_sample_draws_each_pin_and_slot_alone(tmp_path):
+    nominal = (0.0, 1e-3, 0.0, 0.0)
+    sample = {"method": "latin-hypercube", "size": 4, "seed": 1}
+    spread = {"slot_angle_errors": {"tolerance": 1e-3}, "slot_offsets": {"tolerance": 1e-5}}
+    study = esc.sweep(timer(slot_angle_errors=nominal), sample=sample | spread)
+    drawn = {name: [study.sampled[f"{name}_{i}"] for i in range(4)] for name in spread}
+    assert len({column.tobytes() for columns in drawn.values() for column in columns}) == 8
+    assert (np.abs(np.transpose(drawn["slot_angle_errors"]) - nominal) <= 1e-3).all()
+    for case in range(4):
+        wheel = {name: [column[case] for column in columns] for name, columns in drawn.items()}
+        cycle = esc.terminal(timer(**wheel))
+        assert study.results["period"][case] == pytest.approx(cycle.period, rel=1e-10)
+    # what is written makes the same study again
+    esc.write_study(study, tmp_path / "study.h5")
+    again = esc.run_plan(parse_plan(esc.read_study(tmp_path / "study.h5").configuration))
+    np.testing.assert_array_equal(again.results["period"], study.results["period"])

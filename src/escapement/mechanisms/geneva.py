@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
 
 from escapement import validate
+from escapement.errors import InvalidValue
 from escapement.lazy import Lazy
 from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pin_radius, roller_radius
 from escapement.model import IMPERFECT, check_lengths
@@ -127,6 +128,17 @@ class Geneva(Wheel):
                 raise validate.fail(name, rule, len(numbers), entry.remedy)
             vars(self)[name] = numbers if any(numbers) else ()
         check_lengths(vars(self), self.crank_radius, self.plain_crank)
+
+    @classmethod
+    def counts(cls, given: Mapping[str, Any]) -> dict[str, int]:
+        """How many errors of each kind a wheel has, by name; of numbers that make none, none."""
+        numbers = {name: given[name] for name in ("slots", "pins", "internal") if name in given}
+        try:
+            wheel = cls(**numbers)
+        except (TypeError, InvalidValue):
+            return {}
+        lists = [name for name, entry in declared(cls).items() if isinstance(entry, Numbers)]
+        return {name: wheel.slots if name.startswith("slot") else wheel.pins for name in lists}  # type: ignore[misc]
 
     @cached_property
     def _laid_out(self) -> Any:

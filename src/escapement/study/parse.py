@@ -19,6 +19,7 @@ from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.model import Escapement, Mechanism, check_lengths
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
+from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
 from escapement.validate import known_keys
@@ -74,13 +75,16 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     InvalidValue
         For an unknown key, a missing parameter or a value that breaks its rule.
     """
-    machine = {"kind": DEFAULT_KIND, **_table(configuration, "mechanism")}
+    machine_table = _table(configuration, "mechanism")
+    machine = {"kind": DEFAULT_KIND, **machine_table}
     build: Any = mechanism
     if mechanism is None:
         machine = {"kind": validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))}
         build = kind_of(machine["kind"])
     meshed = build.meshed if mechanism is None else mechanism.path.table
-    settings = settings_of(build, meshed)
+    counts = getattr(build, "counts", dict)
+    settings: Mapping[str, Setting] = settings_of(build, meshed)
+    configuration, settings = part_lists(configuration, settings, counts(machine_table))
     parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
     _check_tables(configuration, settings)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)

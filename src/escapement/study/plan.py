@@ -1,6 +1,7 @@
 """A study as a value: its configuration, what is fixed, what varies, and how it is solved."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -13,6 +14,7 @@ from escapement.mechanisms import KINDS, kind_of
 from escapement.model import IMPERFECT, LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
+from escapement.study.elements import joined
 from escapement.study.varied import CASE
 
 
@@ -32,7 +34,8 @@ def _unit_kinds() -> dict[str, str]:
 
 def unit_kind(name: str) -> str:
     """Kind of unit, a key of `escapement.units`, of a parameter or a dimension of any study."""
-    return _unit_kinds().get(name, "ratio")
+    # numbers of a list end with their place
+    return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
 
 def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
@@ -190,7 +193,8 @@ class StudyPlan:
             return own
         values = self.values(case)
         values |= dict.fromkeys(LENGTHS[1:] if ideal else ())
-        given = {name: values[name] for name in declared(self.build) if values[name] is not None}
+        every = {name: joined(name, values) or values.get(name) for name in declared(self.build)}
+        given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
         return built
 
@@ -199,7 +203,8 @@ class StudyPlan:
         """Whether no case has errors of its parts."""
         if not isinstance(self.build, type):
             return bool(getattr(self.build, "perfect", True))
-        return not any(np.any(self.every(name)) for name in IMPERFECT if name in self.fixed_si)
+        errors = [name for name in self.fixed_si if name.startswith(IMPERFECT)]
+        return not any(np.any(self.every(name)) for name in errors)
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""
