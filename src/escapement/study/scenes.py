@@ -16,6 +16,7 @@ from escapement import simulation
 from escapement.errors import InvalidValue
 from escapement.metrics import Figures
 from escapement.model import (
+    IMPERFECT,
     LENGTHS,
     MOST_UNEQUAL,
     RESISTANCES,
@@ -82,7 +83,7 @@ def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
         deciding -= {TORQUE, SPEED, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
     shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
-    if not _together(plan) or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
+    if _solver(plan) is not solve_scenes or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
         return None
     places = np.indices(shape).reshape(len(shape), -1)
     cases = np.asarray(np.ravel_multi_index(tuple(places), plan.shape))
@@ -114,6 +115,25 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], 
     Returned are the first case of each, the scene of each case, what varies of the mechanisms
     (m, n), the other numbers of the scenes (k, n), and whether they are in range.
     """
+    columns, ratios, w, sound = _in_natural_units(plan, cases)
+    scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
+    own = [name for name, entry in plan.parameters.items() if entry.section == "mechanism"]
+    # the path of a pin does not depend on its width
+    own = [name for name in own if name not in LENGTHS]
+    key = np.array([*scene, *(columns[name] for name in own if name in columns)])
+    order = np.lexsort(key)
+    ordered = key[:, order]
+    new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
+    which = np.empty(order.size, dtype=np.int64)
+    which[order] = np.cumsum(new) - 1
+    first, ordered = order[new], ordered[:, new]
+    return first, which, ordered[len(scene) :], ordered[: len(scene)], sound[first]
+
+
+def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, ...]:
+    """What varies over some cases [SI], the numbers of their scenes, the squared speed at the
+    first entry, and whether these are in range.
+    """
     columns = plan.columns(cases)
     numbers = {
         name: np.broadcast_to(np.asarray(value, dtype=float), cases.shape)
@@ -129,18 +149,42 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], 
         if "roller_radius" in numbers:
             pin, roller = numbers["pin_radius"], numbers["roller_radius"]
             sound &= (roller == 0.0) | ((pin > 0.0) & (pin < roller))
-    scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
-    own = [name for name, entry in plan.parameters.items() if entry.section == "mechanism"]
-    # the path of a pin does not depend on its width
-    own = [name for name in own if name not in LENGTHS]
-    key = np.array([*scene, *(columns[name] for name in own if name in columns)])
-    order = np.lexsort(key)
-    ordered = key[:, order]
-    new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
-    which = np.empty(order.size, dtype=np.int64)
-    which[order] = np.cumsum(new) - 1
-    first, ordered = order[new], ordered[:, new]
-    return first, which, ordered[len(scene) :], ordered[: len(scene)], sound[first]
+    return columns, ratios, w, sound
+
+
+def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
+    """Figures of the scenes of some cases with imperfect parts, each of which is a pattern."""
+    from escapement.engines.energy import cycle, pattern_rows
+
+    columns, ratios, w, sound = _in_natural_units(plan, cases)
+    values, unit = plan.fixed_si | columns, plan.lengths["crank_radius"] or 1.0
+    chosen = {name: values[name] for name in ("slots", "pins", "internal") if name in values}
+    wheel = plan.build(**{name: value for name, value in chosen.items() if value is not None})
+
+    def errors(name: str, count: int, scale: float = 1.0) -> FloatArray:
+        fixed = values.get(name) or (0.0,) * count
+        each = [values.get(f"{name}_{i}", fixed[i]) for i in range(count)]
+        rows = [np.broadcast_to(np.asarray(one, dtype=float), cases.shape) for one in each]
+        return np.asarray(np.stack(rows, axis=-1)[sound] / scale)
+
+    sound &= ratios["pin"] < wheel.widest_pin
+    distance = np.broadcast_to(values["centre_distance_error"], cases.shape)[sound]
+    given = {
+        "centre": wheel.centre_distance + distance / unit,
+        "late": errors("pin_angle_errors", wheel.pins),
+        "cranks": 1.0 + errors("crank_radius_errors", wheel.pins, unit),
+        "ahead": errors("slot_angle_errors", wheel.slots),
+        "offsets": errors("slot_offsets", wheel.slots, unit),
+    }
+    numbers = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
+    figures = np.full((6, cases.size), np.nan)
+    status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
+    found = pattern_rows.solve(wheel, given, numbers[:, sound], plan.solver.tolerance)
+    table, status[sound] = found
+    places = [cycle.V_MAX, cycle.V_MIN, cycle.PERIOD, cycle.PERIOD, cycle.RISE, cycle.SETTLING]
+    figures[:, sound] = table.T[places]
+    figures[2] = wheel.cell_angle / figures[3]
+    return figures, status
 
 
 def _solve(mechanism: Any, scene: FloatArray, solver: Solver) -> SceneFigures:
@@ -154,16 +198,23 @@ def _solve(mechanism: Any, scene: FloatArray, solver: Solver) -> SceneFigures:
     return figures, status
 
 
-def _together(plan: StudyPlan) -> bool:
-    """Whether many cases are solved at once; with imperfect parts each is a pattern of its own."""
-    return plan.solver.engine == "energy" and plan.perfect
+def _solver(plan: StudyPlan) -> Any:
+    """What solves many cases at once, None where they are solved one by one."""
+    if plan.solver.engine != "energy":
+        return None
+    if plan.perfect:
+        return solve_scenes
+    varied = {name for along in plan.varied.values() for name in along}
+    varied &= {name for name in plan.parameters if plan.parameters[name].section == "mechanism"}
+    alike = all(name.startswith((*IMPERFECT, *LENGTHS)) for name in varied)
+    return _solve_patterns if alike and isinstance(plan.build, type) else None
 
 
 def evaluate(plan: StudyPlan, start: int, stop: int, shared: SharedScenes | None = None) -> Columns:
     """Results of the cases start <= case < stop; a bad case never ends the study."""
     cases = np.arange(start, stop)
-    if _together(plan):
-        found = solve_scenes(plan, cases) if shared is None else shared.of(plan, cases)
+    if solve := _solver(plan):
+        found = solve(plan, cases) if shared is None else shared.of(plan, cases)
         return _on_their_clocks(plan, cases, *found)
     alone = [_alone(plan, case) for case in cases.tolist()]
     return {

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics import left_by_blow
-from escapement.engines.energy.calls import march
+from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.cycle import NO_LOSS
-from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
+from escapement.engines.energy.events import EVENT, NO_EVENTS
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, PAINLEVE
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, Store, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
@@ -28,6 +28,10 @@ from escapement.scene import Scene
 MOST_CHAINS = 16
 # So many steps of Newton's method are taken from one speed of the motion.
 MOST_STEPS = 25
+# An engagement of a pin has four edges at most, see `events.most_events`.
+MOST_EVENTS = 32
+# A motion that has not settled after so many engagements gets no settling time.
+LONGEST_TRANSIENT = 10_000
 
 
 class Case(NamedTuple):
@@ -75,14 +79,23 @@ def _scene(shared, meeting):
 
 
 @inner_jit(allocates=True)
-def _case(addresses, shared, none, meetings):
-    """The memory of a pattern, and what its handoffs leave of w; its status as well."""
-    size = meetings.size
+def memory(size):
+    """Panels, how many there are of each engagement of a pattern of that size, and events."""
     chains = min(size, MOST_CHAINS)
     store = new_store(chains * MAX_PANELS)
-    counts = np.zeros(chains, np.int64)
+    return store, np.empty(chains, np.int64), np.empty(MOST_EVENTS, EVENT)
+
+
+@inner_jit(allocates=True)
+def case_of(addresses, shared, none, meetings, store, counts, events):
+    """What the handoffs of a pattern leave of w, with the memory that `memory` gives; its status
+    as well.
+    """
+    size = meetings.size
+    for i in range(counts.size):
+        counts[i] = NO_PANELS
     shares, slopes, gains = np.ones(size), np.empty(size), np.empty(size)
-    status, most = OK, 0
+    status = OK
     for k in range(size):
         scene, following = _scene(shared, meetings[k]), meetings[(k + 1) % size]
         if beyond_painleve(scene):
@@ -93,15 +106,13 @@ def _case(addresses, shared, none, meetings):
         g_out = transmission_at(scene.path, scene.edges[-1])[0] if scene.dwell == 0.0 else 0.0
         gains[k] = shares[k] * shares[k] / (scene.rho + g_out * g_out)
         slopes[k] = np.log((scene.rho + g_in * g_in) * gains[k])
-        most = max(most, most_events(scene.edges))
-    events = np.empty(most, EVENT)
     case = Case(addresses, shared, none, meetings, store, counts, events, shares, slopes, gains)
     return case, status
 
 
 @inner_jit
-def _engage(case, place, w, request):
-    """March over one engagement of the pattern."""
+def engage(case, place, w, rising, request):
+    """March over one engagement of the pattern, and make the extrema it notes exact."""
     chains = case.counts.size
     chain = place % chains
     count = case.counts[chain] if case.meetings.size == chains else NO_PANELS
@@ -109,16 +120,18 @@ def _engage(case, place, w, request):
     store = Store(rows, case.store.workspace)
     scene = _scene(case.shared, case.meetings[place])
     found = march(
-        case.addresses, scene, case.none, store, count, request, w, 0.0, case.events, NO_EVENTS
+        case.addresses, scene, case.none, store, count, request, w, rising, case.events, NO_EVENTS
     )
     case.counts[chain] = found.panels
+    for i in range(found.used):
+        refine(case.addresses, scene, store, case.events, i)
     return found
 
 
 @jit(allocates=True)
 def pattern_handoffs(addresses, shared, none, meetings, w, limit, rtol, clock, times, speeds):
     """As `handoffs.handoffs`; speeds are those behind a blow."""
-    case, status = _case(addresses, shared, none, meetings)
+    case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
     if status != OK:
         return status, 0, 0.0
     loose, strict = tolerances(rtol)
@@ -126,7 +139,7 @@ def pattern_handoffs(addresses, shared, none, meetings, w, limit, rtol, clock, t
     size, time, carry, slope, start, began = meetings.size, 0.0, 0.0, 0.0, w, 0.0
     for k in range(times.size):
         place = k % size
-        found = _engage(case, place, w, request)
+        found = engage(case, place, w, 0.0, request)
         if found.status != OK:
             times[k] = (time + found.time) * clock
             return found.status, k, found.angle
@@ -169,7 +182,7 @@ def _pass(case, w, request):
     """Pass all engagements of the pattern."""
     slope, source = 0.0, 0.0
     for place in range(case.meetings.size):
-        found = _engage(case, place, w, request)
+        found = engage(case, place, w, 0.0, request)
         if found.status != OK:
             return Round(found.status, w, slope, source, place, found.angle)
         w = found.w * case.shares[place] ** 2
@@ -180,6 +193,15 @@ def _pass(case, w, request):
 
 @jit(allocates=True)
 def pattern_cycle(addresses, shared, none, meetings, w, rtol):
+    """As `find_cycle` of a pattern."""
+    case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
+    if status != OK:
+        return status, 0.0, 0.0, 0.0, 0
+    return find_cycle(case, w, rtol)
+
+
+@inner_jit
+def find_cycle(case, w, rtol):
     """The w with which the pattern begins in the terminal cycle, from a motion that starts with w.
 
     The motion itself is followed, and after 1, 2, 4, .. rounds Newton's method is tried from
@@ -190,12 +212,9 @@ def pattern_cycle(addresses, shared, none, meetings, w, rtol):
     status, w, slope, angle, engagement
         `slope` is log(dw_out/dw_in) over the pattern. Of a stall the place comes last.
     """
-    case, status = _case(addresses, shared, none, meetings)
-    if status != OK:
-        return status, 0.0, 0.0, 0.0, 0
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.TIME), loose, strict)
-    size, next_try = meetings.size, 1
+    size, next_try = case.meetings.size, 1
     for k in range(1, MAX_ENGAGEMENTS):
         found = _pass(case, w, request)
         if found.status != OK:
