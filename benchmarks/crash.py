@@ -27,7 +27,7 @@ def failing_calls(folder: Path, every: int) -> str:
     for begun in (False, True):
         call, more = 0, True
         while more:
-            hits = [tools.fail_once(folder, call, code, begun) for code in tools.ERRORS]
+            hits = [tools.fail_once(folder / "a.h5", call, code, begun) for code in tools.ERRORS]
             injected += sum(hits)
             more, call = all(hits), call + every
     return f"{injected} failing calls"

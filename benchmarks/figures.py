@@ -15,6 +15,8 @@ from escapement.plots.style import (
     BLACK,
     BLUE,
     GREY,
+    LABEL_SIZE,
+    LIGHT_GREY,
     LOOKS,
     ONE_COLUMN,
     SMALL_SIZE,
@@ -24,10 +26,12 @@ from escapement.plots.style import (
     legend_above,
     new_axes,
     new_figure,
+    number_text,
 )
 
 RESULTS = Path(__file__).resolve().parent / "results"
-LEAST = 1e-17  # an error of nothing, on a logarithmic axis
+ZERO, LEAST = 1.7e-17, 4e-17
+"""Where an error of exactly zero stands on a logarithmic axis, and the top of that strip."""
 
 
 def table(name):
@@ -50,6 +54,23 @@ def columns(rows, *names):
 def grouped(rows, *names):
     """(values of `names`, rows) of each run of equal ones."""
     return groupby(rows, key=lambda row: tuple(row[name] for name in names))
+
+
+def plot_errors(axes, x, errors, **look):
+    """A curve of errors, broken where one is exactly zero: that point is in a strip at the foot."""
+    zero = errors == 0.0
+    axes.loglog(x, np.where(zero, np.nan, errors), **look)
+    axes.plot(x[zero], np.full(zero.sum(), ZERO), **{**look, "ls": "", "label": "_"})
+
+
+def zero_strip(axes):
+    """The strip of exact zeros below the decades from 1e-16 to 1e-13."""
+    foot, powers = ZERO**2 / LEAST, range(-16, -12)
+    axes.axhspan(foot, LEAST, color=LIGHT_GREY, alpha=0.35, lw=0)
+    axes.set_ylim(bottom=foot)
+    names = ["0", *(f"$10^{{{power}}}$" for power in powers)]
+    axes.set_yticks([ZERO, *(10.0**power for power in powers)], names)
+    axes.set_yticks([], minor=True)
 
 
 def above(figure, axes, columns):
@@ -90,7 +111,7 @@ def tolerance():
         axes.loglog(rtol, rtol, color=BLACK, lw=0.8, label="asked for")
         axes.loglog(rtol, 10 * rtol, color=BLACK, ls=":", lw=1.0, label="ten times that")
         axes.set_xlabel("Relative error asked for")
-        axes.set_title(f"{engine}, {cases[0]:.0f} random cases")
+        axes.set_title(f"{engine}, {cases[0]:.0f} random cases", fontsize=LABEL_SIZE)
     panels[0].set_ylabel("Relative error got")
     above(figure, panels[0], 5)
     return figure
@@ -128,11 +149,12 @@ def painleve():
             "mfc": None if engine == "energy" else "white",
             "ms": 4,
         }
-        left.loglog(gap, np.maximum(error, LEAST), label=f"{engine}, {int(slots)} slots", **style)
+        plot_errors(left, gap, error, label=f"{engine}, {int(slots)} slots", **style)
         right.loglog(gap, spent, **style)
     for axes in (left, right):
         axes.set_xlabel("Distance to the limit, $1 - \\mu/\\mu_c$")
         axes.invert_xaxis()
+    zero_strip(left)
     left.set_ylabel("Relative error")
     right.set_ylabel("Run time (ms)")
     above(figure, left, 3)
@@ -141,22 +163,23 @@ def painleve():
 
 def long_run():
     """Relative drift of time and of energy over a million engagements."""
-    figure = new_figure(TWO_COLUMN, 2.7)
+    figure = new_figure(TWO_COLUMN, 2.9)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, name in zip(panels, ("time", "energy"), strict=True):
         dress(axes)
-        for ((friction,), rows), look in zip(
-            grouped(table("long_run"), "friction"), LOOKS, strict=False
-        ):
+        drifts = grouped(table("long_run"), "friction")
+        for ((friction,), rows), look, size in zip(drifts, LOOKS, (4, 7), strict=False):
             count, drift = columns(list(rows), "engagements", f"{name} drift")
-            label = "no friction" if friction == 0.0 else f"friction {friction:g}"
-            axes.loglog(
-                count, np.maximum(drift, LEAST), look.marker, ls=look.linestyle,
-                color=look.color, ms=4, label=label,
+            plot_errors(
+                axes, count, drift, marker=look.marker, ls="", color=look.color, ms=size,
+                mfc=look.color if friction == 0.0 else "none",
+                label=f"friction {number_text(friction)}" if friction else "no friction",
             )  # fmt: skip
         axes.loglog(count, 2.0**-53 * np.sqrt(count), color=GREY, lw=0.9, label="a random walk")
         axes.set_xlabel("Engagements")
-        axes.set_title(name.capitalize())
+        axes.set_title(name.capitalize(), fontsize=LABEL_SIZE)
+    for axes in panels:
+        zero_strip(axes)
     panels[0].set_ylabel("Relative drift")
     above(figure, panels[0], 3)
     return figure

@@ -81,7 +81,7 @@ def force_at(theta, speed, plain):
     """A number with the sign of the contact force."""
     scene, w = scene_of(plain), speed * speed
     g, _c, k = bent_pose(theta, 1.0, scene)
-    return contact(g, k, w, root_of(w, scene), scene)
+    return contact(g, k, 1.0 - scene.bearing, w, root_of(w, scene), scene)
 
 
 @jit(allocates=True)
@@ -89,7 +89,8 @@ def acceleration_at(theta, speed, side, plain):
     """Driver acceleration in natural units."""
     scene, w = scene_of(plain), speed * speed
     g, c, k = bent_pose(theta, side, scene)
-    return net_torque(g, c, k, w, root_of(w, scene), scene) / reduced_inertia(g, c, scene)
+    torque = net_torque(g, c, k, 1.0 - scene.bearing, w, root_of(w, scene), scene)
+    return torque / reduced_inertia(g, c, scene)
 
 
 def plain_loop(escapement, rtol):

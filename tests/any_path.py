@@ -33,7 +33,9 @@ class Plain:
 def series_of(path):
     """Edges and coefficients of a table, as it was made from them."""
     pieces, order = (int(x) for x in path.numbers[:2])
-    return path.numbers[2 : 3 + pieces], path.numbers[3 + pieces :].reshape(pieces, order)
+    return path.numbers[2 : 3 + pieces], path.numbers[
+        3 + pieces : 3 + pieces * (1 + order)
+    ].reshape(pieces, order)
 
 
 def plain(wheel):

@@ -9,6 +9,7 @@ import sys
 import time
 from contextlib import contextmanager
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from unittest import mock
 
@@ -18,6 +19,8 @@ from escapement.study.writer import partial_path, study_writer
 from study_tools import block, study
 
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EACCES, errno.EROFS, errno.ENOENT)
+NAMES = ["a.h5", "a.csv", *["a.parquet"] * (find_spec("pyarrow") is not None)]
+"""Of outputs, one of each format that is to be had here."""
 CASES = 40
 """Of the small study: ten blocks of four cases."""
 
@@ -60,7 +63,7 @@ def kill_one(path, delay, number=signal.SIGKILL):
 
 def kill_until_done(path, kills, rng):
     """Kill writers of one file, one after the other; how many kills hit a running one."""
-    reference = path.with_name("reference.h5")
+    reference = path.with_stem("reference")
     if not reference.exists():
         write(reference, small_study())
     hits = 0
@@ -168,16 +171,15 @@ def faults(failing=None, code=None):
         yield plan
 
 
-def fail_once(folder, failing, code, begun):
+def fail_once(path, failing, code, begun):
     """A run of which one call fails, then one that resumes it; False where none failed.
 
     `begun` : whether the failing run itself resumes another.
     """
-    path, whole = folder / "a.h5", small_study()
-    reference = folder / "reference.h5"
+    folder, reference, whole = path.parent, path.with_stem("reference"), small_study()
     if not reference.exists():
         write(reference, whole)
-    for leftover in [*folder.glob("a.h5*"), *folder.glob(".escapement*")]:
+    for leftover in [*folder.glob(f"{path.name}*"), *folder.glob(".escapement*")]:
         leftover.unlink()
     if begun:
         leave_half(path)

@@ -29,6 +29,7 @@ def execute(folder, paths):
     kernel = {"argv": command, "display_name": "this", "language": "python"}
     (kernels / "kernel.json").write_text(json.dumps(kernel))
     folders = {"JUPYTER_PATH": str(folder / "jupyter"), "IPYTHONDIR": str(folder / "ipython")}
+    folders["ESCAPEMENT_QUIET"] = "1"  # whether anything had to be compiled is no result
     hidden = ("MPLBACKEND", "PYTHONWARNINGS")
     environment = {name: text for name, text in os.environ.items() if name not in hidden} | folders
     # in a process of its own: what a notebook server warns of is none of our business; the

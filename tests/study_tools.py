@@ -10,7 +10,8 @@ from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.study.block import blocks_of, encode_block
 from escapement.study.reader import read_study
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study
+from escapement.study.result import RESULTS, Study
+from escapement.study.stored import LAYOUT
 from escapement.study.writer import study_writer
 
 TIMER = Escapement(Geneva(slots=4), Inertia(3.39e-7, 5.65e-6), 0.0113, 0.35)
@@ -28,7 +29,7 @@ engine = "ivp"
 """
 ATTRIBUTES = {
     "title": "a study – of µ",
-    "schema_version": SCHEMA_VERSION,
+    **LAYOUT,
     "package_version": "0.1.0",
     "engine": "energy",
     "rtol": 1e-12,
@@ -41,7 +42,7 @@ def assert_as_alone(plan, results):
     for case in range(plan.cases):
         speed = plan.values(case)["initial_speed"]
         alone = simulation.terminal(plan.escapement(case), initial_speed=speed)
-        for name in RESULTS:
+        for name in plan.results:
             value = results[name].reshape(-1)[case]
             assert value == pytest.approx(getattr(alone, name), rel=1e-11, nan_ok=True), name
 
@@ -66,14 +67,16 @@ def study(shape=(3, 5), seed=0, **attributes):
         results[name] = values.astype(result.dtype)
     for name in results.keys() - {"status"}:
         results[name][results["status"] > 0] = np.nan
-    units = dict.fromkeys(axes, "1") | {"torque": "in lbf"}
+    fixed = {"driver_inertia": 3e-6, "pins": 1}
+    units = dict.fromkeys((*axes, *fixed), "1") | {"torque": "in lbf"}
     return Study(
         axes=axes,
         results=results,
         units=units | {name: result.units for name, result in RESULTS.items()},
-        long_names=dict.fromkeys(axes, "an axis") | {n: r.long_name for n, r in RESULTS.items()},
+        long_names=dict.fromkeys(units, "a number") | {n: r.long_name for n, r in RESULTS.items()},
         configuration={"sweep": {name: values.tolist() for name, values in axes.items()}},
         attributes=ATTRIBUTES | attributes,
+        fixed=fixed,
     )
 
 
@@ -100,12 +103,21 @@ def assert_same(one, other):
     for name in RESULTS:
         np.testing.assert_array_equal(one.results[name], other.results[name])
     assert one.attributes == other.attributes
+    assert one.fixed == other.fixed
     assert one.configuration == other.configuration
 
 
+def read_whole(path):
+    """A study with every array read, each at its first use."""
+    study = read_study(path)
+    for values in study.columns.values():
+        np.asarray(values)
+    return study
+
+
 def a_file(tmp_path):
-    (tmp_path / "file").write_text("precious")
-    return tmp_path / "file"
+    (tmp_path / "file.h5").write_text("precious")
+    return tmp_path / "file.h5"
 
 
 def without_date(path):

@@ -92,7 +92,7 @@ def test_a_refusal_names_the_unit(refusal):
     with pytest.raises(InvalidValue, match=r"give the crank radius in m \(in with units in-lbf-s"):
         wheel(crank_radius=0.0)
     assert "give the driver speed in rad/s, 0 to start" in refusal(2, "run", "--initial-speed", "x")
-    assert "give the angle in degree, " in refusal(2, "run", "--cell-angle", "x")
+    assert "give the angle in deg, " in refusal(2, "run", "--cell-angle", "x")
 
 
 OBJECTS = [(built, "mechanism", value) for value in (4, None, "geneva", esc.Geneva, INERTIA)]

@@ -42,7 +42,7 @@ def test_references_belong_to_the_problems_as_stated():
     for problem in PROBLEMS:
         record = json.loads(text)[problem.name]
         for name in ("friction", "slots", "driver_inertia", "follower_inertia", "torque"):
-            assert record[name] == getattr(problem, name)
+            assert record[name] == pytest.approx(getattr(problem, name), rel=4e-16)
         assert record["pins"] == problem.escapement.mechanism.pins
         assert float(record["error"]) <= 1e-20
         assert [len(values) for values in problem.reference] == [problem.engagements] * 2

@@ -40,6 +40,7 @@ def folder(tmp_path):
     (tmp_path / "t.csv").write_text("1,2\n")
     (tmp_path / "link.csv").symlink_to("t.csv")
     (tmp_path / "loop").symlink_to("loop")
+    (tmp_path / "loop.h5").symlink_to("loop.h5")
     (tmp_path / "there.h5").write_text("mine")
     (tmp_path / "folder.h5").mkdir()
     return tmp_path
@@ -54,7 +55,7 @@ WRONG = {
     "misspelt option": ("RUN --frictoin .3", 2, "'--frictoin'", "did you mean '--friction'?"),
     "abbreviated option": ("RUN --fric .3", 2, "'--fric'", "did you mean '--friction'?"),
     "misspelt before missing": ("run --torqe 1", 2, "did you mean '--torque'?"),
-    "unlike a short option": ("bench --foo", 2, "'--foo'; see 'escapement bench --help'"),
+    "unlike a short option": ("bench --xyz", 2, "'--xyz'; see 'escapement bench --help'"),
     "missing torque": ("run --driver-inertia 1 --follower-inertia 1", 2, "required: --torque"),
     "missing inertia": ("run --torque 1 --follower-inertia 1", 2, "required: --driver-inertia"),
     "option without value": ("run --torque", 2, "--torque", "expected one argument"),
@@ -98,17 +99,17 @@ WRONG = {
     "picture nowhere": ("RUN --plot none/v.png", 73, "none"),
     "drawing nowhere": ("mechanism --plot none/v.png", 73, "none"),
     "figure over its data": ("plot text.h5 -o text.h5", 2, "text.h5", "suffix"),
-    "picture over the motion": ("RUN -o a.png --plot ./a.png", 73, "own"),
-    "study over itself": ("sweep good.toml -o good.toml --force", 73, "good.toml", "own"),
+    "motion of no format": ("RUN -o a.png --plot ./a.png", 2, ".h5, .hdf5, .nc, .csv, got '.png'"),
+    "study of no format": ("sweep good.toml -o good.toml --force", 2, ".parquet, got '.toml'"),
     "figure in the place of its data": ("plot data.png", 73, "data.png", "own"),
     "motion over its study": ("run --from text.h5 -o ./text.h5 --force", 73, "text.h5", "own"),
     "over its table": ("RUN tabulated --table t.csv -o link.csv --force", 73, "link.csv", "t.csv"),
     "errors over it": ("measure text.h5 tabulated --table t.csv -o t.csv --force", 73, "own"),
     "figure of this folder": ("plot .", 65, "ordinary file"),
     "figure of a loop": ("plot loop", 66, "loop"),
-    "motion into a loop": ("RUN -o loop", 73, "loop", "ordinary file"),
+    "motion into a loop": ("RUN -o loop.h5", 73, "loop", "ordinary file"),
     "picture into a loop": ("mechanism --plot loop/x.png", 73, "loop"),
-    "study into a loop": ("sweep good.toml -o loop", 73, "loop"),
+    "study into a loop": ("sweep good.toml -o loop.h5", 73, "loop"),
     "readings from a loop": ("measure loop -o x.csv", 65, "loop"),
     "table from a loop": ("mechanism tabulated --table loop", 65, "loop"),
     "table too short": ("mechanism tabulated --table t.csv", 65, "table t.csv: theta must be"),

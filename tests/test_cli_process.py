@@ -69,9 +69,9 @@ class Finder:
     def find_spec(self, name, *_):
         if name == "numpy":
             try:
-                os.kill(os.getpid(), signal.SIGINT)
+                os.kill(os.getpid(), signal.{1})
             except KeyboardInterrupt:
-                {}
+                {0}
 sys.meta_path.insert(0, Finder())
 from escapement.cli import program
 program()
@@ -80,10 +80,13 @@ program()
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 @pytest.mark.parametrize("error", ["raise", "raise ImportError('numpy') from None"])
-def test_an_interrupt_while_a_library_is_loaded(error):
+@pytest.mark.parametrize(
+    ("name", "number", "said"), [("SIGINT", 130, "interrupted"), ("SIGTERM", 143, "terminated")]
+)
+def test_a_signal_while_a_library_is_loaded(error, name, number, said):
     """NumPy makes another error of it."""
-    done = code(LOADING.format(error), "mechanism", "--slots", "5")
-    assert (done.returncode, done.stderr) == (130, "escapement: error: interrupted\n")
+    done = code(LOADING.format(error, name), "mechanism", "--slots", "5")
+    assert (done.returncode, done.stderr) == (number, f"escapement: error: {said}\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")

@@ -9,7 +9,7 @@ import pytest
 import escapement as esc
 from escapement.cli.sweep import load_case, spread
 from escapement.study.reader import read_study
-from escapement.study.result import SCHEMA_VERSION
+from escapement.study.stored import SCHEMA_VERSION
 from escapement.units import INCH_POUND
 
 STUDY = """
@@ -108,7 +108,8 @@ def test_plot_names_the_cases_that_leave_gaps(command, study):
     command("sweep", study("[1e-13, 0.2, 0.5]"))
     code, _, err = command("plot", "four.h5")
     assert code == 0
-    gaps = "escapement: of 12 cases these leave gaps: 4 painleve, 4 without a rise time\n"
+    gaps = "escapement: of 12 cases these leave gaps: 4 painleve, 4 without rise time, "
+    gaps += "4 without settling time\n"
     assert err == "escapement: study drawn in four.png\n" + gaps
 
 
@@ -159,7 +160,8 @@ REFUSED = {
     "torque=0.1": "--select must choose one of the 2 values of friction in s.h5, got none",
     "slots=4": "--select must name axes of s.h5, got 'slots'; it has friction, torque, load_torque",
     "friction": "--select must be NAME=VALUE[,NAME=VALUE...], got 'friction'",
-    "friction=nan,torque=.1": "friction must be a value of s.h5, got nan",
+    "friction=nan,torque=.1": "--select friction must be a finite number, got nan; give the value",
+    "friction=0.25,torque=5 N": "--select torque must be in in-lbf or a unit of the same kind",
     "torque=.1,friction=.2, torque=.12": "--select must give torque once, got 'torque=.1,friction",
 }
 WRONG = [(("--from", "s.h5", "--select", chosen), 2, said) for chosen, said in REFUSED.items()]

@@ -203,20 +203,54 @@ except numba.core.errors.NumbaError as error:
     assert run(call, **cached) == "26.0 78.0 4"
 
 
-@pytest.mark.parametrize("terminal", [True, False])
-def test_compiling_is_announced_once_and_on_a_terminal_only(toy, terminal):
-    code = f"""
-import io, sys
+ANNOUNCED = """
+import io, multiprocessing, sys
 class Stream(io.StringIO):
     def isatty(self):
         return {terminal}
 sys.stderr = Stream()
-from toy.f import f
-f(1.0), f(1)
-print(sys.stderr.getvalue().count("compiling"), sys.stderr.getvalue().count(chr(10)))
+def call():
+    from toy.f import f
+    f(1.0), f(1)
+    sys.stdout.write(sys.stderr.getvalue())
+    sys.stdout.flush()
+{call}
 """
-    assert run(code, **toy) == ("1 1" if terminal else "0 0")
-    assert run(code, **toy) == "0 0"
+
+
+def announced(environment, terminal=False, call="call()"):
+    code = ANNOUNCED.format(terminal=terminal, call=call)
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        capture_output=True,
+        env=os.environ | {"ESCAPEMENT_QUIET": ""} | environment,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    return done.stdout.decode()
+
+
+def test_compiling_is_announced_in_one_line(toy, tmp_path):
+    """Where its output is kept; not for code of the cache, but where there can be no cache."""
+    line = "escapement: compiling for this machine, once; it takes up to a minute\n"
+    assert announced(toy) == line
+    assert announced(toy) == ""
+    (tmp_path / "file").touch()
+    assert announced(toy | {"NUMBA_CACHE_DIR": str(tmp_path / "file")}) == line
+
+
+def test_a_terminal_counts_what_is_compiled_and_is_left_clean(toy):
+    *drawn, last = announced(toy, terminal=True).split("\r")[1::2]
+    assert [re.sub(r"\d+ s", "", text).strip() for text in drawn[:3]] == [
+        f"escapement: compiling for this machine, once: {count} functions," for count in (0, 0, 1)
+    ]
+    assert last.strip() == ""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs fork")
+def test_a_worker_of_a_cluster_compiles_in_silence(toy):
+    call = "multiprocessing.get_context('fork').Process(target=call).start()"
+    assert announced(toy, call=call) == ""
+    assert announced(toy) == ""  # it was compiled there
 
 
 def test_the_cache_is_kept_where_it_was_asked_for(toy, tmp_path):

@@ -3,6 +3,7 @@
 A sample of `benchmarks/crash.py`, which goes through every call, error and many instants.
 """
 
+import json
 import random
 import signal
 import subprocess
@@ -19,11 +20,12 @@ from study_tools import IVP_STUDY, without_date
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and locks")
 
 
-def test_killed_at_ten_random_instants(tmp_path):
-    assert tools.kill_until_done(tmp_path / "a.h5", 10, random.Random(7)) > 0
+@pytest.mark.parametrize("name", tools.NAMES)
+def test_killed_at_ten_random_instants(tmp_path, name):
+    assert tools.kill_until_done(tmp_path / name, 10, random.Random(7)) > 0
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 130)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143)])
 def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
     tmp_path, monkeypatch, capsys, number, code
 ):
@@ -31,6 +33,7 @@ def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
     text = IVP_STUDY.replace("num = 40", "num = 60_000").replace('"ivp"', '"energy"')
     (tmp_path / "s.toml").write_text(text)
     command = [sys.executable, "-m", "escapement", "sweep", "s.toml", "--quiet", "--workers", "1"]
+    command += ["--log", "log.jsonl"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         log = tmp_path / "s.h5.partial-wal"
         while not log.exists() or log.stat().st_size < 100_000:
@@ -40,6 +43,11 @@ def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
         _, errors = process.communicate(timeout=60)
     assert process.returncode == code
     assert ("what was finished is in s.h5.partial" in errors) == (number == signal.SIGTERM)
+    lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    assert (lines[-1]["event"] == "end") == (number == signal.SIGTERM)
+    if number == signal.SIGTERM:
+        assert lines[-3]["file"].endswith("s.h5.partial")
+        assert [lines[-2]["message"], lines[-1]["exit_code"]] == ["terminated", 143]
     assert not (tmp_path / "s.h5").exists()
     assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
     assert " of them from before" in capsys.readouterr().err
@@ -47,11 +55,15 @@ def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
     assert without_date(tmp_path / "s.h5") == without_date(tmp_path / "t.h5")
 
 
+@pytest.mark.parametrize("name", tools.NAMES)
 @pytest.mark.parametrize("begun", [False, True], ids=["fresh", "resumed"])
-def test_a_call_that_fails_costs_one_line(tmp_path, begun):
-    calls = [*range(40), *range(40, 140, 20)]
+def test_a_call_that_fails_costs_one_line(tmp_path, name, begun):
+    # a table is written in fewer calls
+    calls = [*range(40), *range(40, 140, 20)] if name == "a.h5" else range(48)
     codes = cycle(tools.ERRORS[:5])
-    assert all(tools.fail_once(tmp_path, call, next(codes), begun) for call in calls)
+    failed = [tools.fail_once(tmp_path / name, call, next(codes), begun) for call in calls]
+    assert failed == sorted(failed, reverse=True)
+    assert sum(failed) > 35
 
 
 @pytest.mark.filterwarnings("ignore:a.h5.partial is damaged")

@@ -193,8 +193,9 @@ def dimensionless():
 
 def scene(rho, mu_plus, mu_minus, load, *, table=False):
     nothing, numbers = np.empty(0), (rho, mu_plus, mu_minus, load)
-    absent = (0.0,) * (len(Scene._fields) - 3 - len(numbers))
-    return Scene(Path(table, nothing, nothing), nothing, 0.0, *numbers, *absent)
+    absent = (0.0,) * (len(Scene._fields) - 5 - len(numbers))
+    constant = np.array([0.0, 0.0, 1.0]), 0.0
+    return Scene(Path(table, nothing), nothing, 0.0, *constant, *numbers, *absent)
 
 
 def test_kernels_follow_the_lagrangian(dimensionless):
@@ -206,14 +207,14 @@ def test_kernels_follow_the_lagrangian(dimensionless):
     def acceleration(g, u, dg, w, s, rho, mu, load):
         here = scene(rho, mu, mu, load)
         c = bend(g, u, 1.0, s, here)
-        return net_torque(g, c, dg, w, 0.0, here) / inertia(g, c, here)
+        return net_torque(g, c, dg, 1.0, w, 0.0, here) / inertia(g, c, here)
 
     def moment(g, u, dg, w, s, rho, mu, load):
         here = scene(rho, mu, mu, load)
-        return contact_of(g, dg, w, 0.0, here) / inertia(g, bend(g, u, 1.0, s, here), here)
+        return contact_of(g, dg, 1.0, w, 0.0, here) / inertia(g, bend(g, u, 1.0, s, here), here)
 
     def contact(g, dg, w, rho, load):
-        return contact_of(g, dg, w, 0.0, scene(rho, 0.0, 0.0, load))
+        return contact_of(g, dg, 1.0, w, 0.0, scene(rho, 0.0, 0.0, load))
 
     kernels = {"acceleration": acceleration, "moment": moment}
     for name, kernel in kernels.items():

@@ -91,7 +91,7 @@ def test_values_print_in_short_with_their_units(motion):
     cycle, timer = esc.terminal(motion.escapement), motion.escapement
     study = esc.sweep(timer, friction=[0.2, 0.3], torque=[0.01, 0.02])
     wheel = esc.Geneva(4, crank_radius=0.02, pin_radius=1e-3)
-    inertia = "inertia=Inertia(driver=3.39e-07 kg m^2, follower=5.65e-06 kg m^2)"
+    inertia = "inertia=Inertia(driver=3.39e-07 kg m², follower=5.65e-06 kg m²)"
     parts = [
         (motion, "engagements=3, end_time=0.134541 s, handoff_velocity=74.6835 rad/s"),
         (motion.ledger, "load=0 J, friction="),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement import metrics
 from escapement.status import Status
 from random_drives import drive
 
@@ -148,19 +149,23 @@ def test_a_load_that_turns_the_pin_twice_between_points(slots, pins, ratio, fric
 
 
 @pytest.mark.parametrize("engine", BOTH)
-def test_peaks_are_sampled_only_when_asked_for(engine, monkeypatch):
-    """Speeds and times of the fast engine need no state of any motion; peaks need one each."""
-    looked, state = [], esc.Motion._state
-    monkeypatch.setattr(esc.Motion, "_state", lambda *given: looked.append(given) or state(*given))
+def test_peaks_are_looked_for_once_and_only_when_asked_for(engine, monkeypatch):
+    """Speeds and times need no peaks of any motion; all peaks are found together."""
+    looked, find = [], metrics.find_peaks
+    monkeypatch.setattr(metrics, "find_peaks", lambda motion: looked.append(motion) or find(motion))
     figures = esc.terminal(drive(mu=0.3), engine=engine)
     assert figures.rise_time > 0.0
-    if engine == "energy":
-        assert not looked
-    before = len(looked)
+    assert not looked
     assert figures.acceleration_max > 0.0
-    assert (once := len(looked)) > before
     assert figures.follower_acceleration_max > 0.0
-    assert len(looked) == once
+    assert looked == [figures.motion]
+
+
+def test_both_engines_find_the_same_peaks():
+    """One looks on the panels of its pieces, the other at samples."""
+    one, other = (esc.terminal(drive(mu=0.3), engine=engine) for engine in BOTH)
+    for name in ("acceleration_max", "follower_acceleration_max", "contact_moment_max"):
+        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-7)
 
 
 def test_terminal_motion_is_the_engagement_that_repeats_itself():

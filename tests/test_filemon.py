@@ -192,7 +192,7 @@ def test_torque_figure_is_in_the_units_asked_for(report, monkeypatch, tmp_path):
     options = ("--slots", "8", "--speed", "10", *inches, "--plot", str(tmp_path / "t.png"))
     record = report("drive-torque", *options)
     (ax,) = drawn
-    assert ax.get_ylabel() == "Torque (in·lbf)"
+    assert ax.get_ylabel() == "Torque (in-lbf)"
     by_label = {line.get_label(): line for line in ax.lines}
     for name, key in (("greatest torque", "torque_max"), ("mean of the first half", "torque_mean")):
         assert by_label[name].get_ydata()[0] == pytest.approx(record[key], rel=1e-12)
@@ -241,7 +241,7 @@ def test_drive_torque_table_and_picture(command, tmp_path):
     assert (code, err) == (0, "")
     rows = dict(line.split("  ", 1) for line in out.splitlines())
     assert rows["reversals"].strip() == "none"
-    assert rows["greatest speed without reversal"].split()[1] == "rad"
+    assert rows["greatest speed without reversal"].split()[1] == "rad/s"
     assert (tmp_path / "torque.png").read_bytes().startswith(b"\x89PNG")
 
 

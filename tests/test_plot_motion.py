@@ -46,6 +46,7 @@ def test_velocities_reach_every_extremum(motion):
     assert legend_of(ax) == ["driver", "follower", "pin reversal", "handoff"]
     assert driver.get_ydata().max() == pytest.approx(motion.extrema.theta_dot.max(), rel=1e-12)
     assert driver.get_xdata()[-1] == pytest.approx(1e3 * motion.end_time)
+    assert ax.get_xlim()[1] > 1.01 * driver.get_xdata()[-1]  # the last spike is not cut
     assert follower.get_ydata().min() >= -1e-9
 
 
@@ -79,7 +80,7 @@ def test_phase_portrait_shades_the_dwell(dwelling):
 def test_contact_moment_jumps_are_gaps(motion, dwelling):
     for case in (motion, dwelling):
         ax = plots.plot_contact_moment(case)
-        assert ax.get_ylabel() == "Moment on the follower (mN·m)"
+        assert ax.get_ylabel() == "Moment on the follower (mN m)"
         (line,) = [line for line in ax.lines if line.get_label() == "contact moment"]
         x, y = line.get_xdata() / 1e3, line.get_ydata()
         gaps = np.flatnonzero(np.isnan(y))[1:-1]

@@ -121,7 +121,7 @@ def test_python_sweeps_pins_and_mechanisms_of_the_users_own():
     widest = IDEAL.mechanism.widest_pin * CRANK
     grid = esc.sweep(IDEAL, pin_radius=[0.0, 5e-4, widest], driver_drag=[0.0, 1e-8])
     assert grid.results["status"].tolist() == [[0, 0], [0, 0], [Status.INVALID] * 2]
-    assert grid.units["driver_drag"] == "N m s2"
+    assert grid.units["driver_drag"] == "N m s2 rad-2"
 
     @dataclass(frozen=True)
     class Own(esc.Geneva):
@@ -158,10 +158,11 @@ def test_a_study_file_has_units_and_converts_drag_by_its_kind(command, tmp_path)
     assert cases[3]["driver_drag"] == pytest.approx(1e-6 * INCH_POUND)
     study = esc.read_study("pins.h5")
     assert study.long_names["pin_radius"] == "radius of the pins"
-    shown = {"pin_radius": "in", "driver_drag": "in lbf s2", "driver_viscous": "in lbf s"}
+    shown = {"pin_radius": "in", "driver_drag": "in lbf s2 rad-2"}
+    shown |= {"driver_viscous": "in lbf s rad-1"}
     assert {name: study.units[name] for name in shown} == shown
     metric = in_units(study, "SI")
-    assert [metric.units[name] for name in shown] == ["m", "N m s2", "N m s"]
+    assert [metric.units[name] for name in shown] == ["m", "N m s2 rad-2", "N m s rad-1"]
     assert metric.axes["driver_viscous"][0] == pytest.approx(1e-5 * INCH_POUND)
     (panel, *_) = esc.plots.plot_study(study).axes[-1:]
     assert panel.get_xlabel() == "Radius of the pins (in)"
@@ -193,7 +194,7 @@ def test_run_tells_what_is_there_and_nothing_that_is_absent(command):
     assert record["inputs"].keys().isdisjoint({"roller_radius", "follower_drag", *JOURNALS})
     table = command(*RUN, *options)[1]
     assert "uniqueness friction" in table
-    assert "in lbf s = 1.12985e-06 N m s" in table
+    assert "in-lbf-s/rad = 1.12985e-06 N m s/rad" in table
     assert "uniqueness friction" not in command(*RUN)[1]
 
 

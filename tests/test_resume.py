@@ -18,8 +18,8 @@ from escapement.metrics import Figures
 from escapement.study import run
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
-from escapement.study.result import SCHEMA_VERSION
 from escapement.study.run import sweep, write_plan
+from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import partial_path
 from study_tools import IVP_STUDY, TIMER, let_go, without_date
 
@@ -239,12 +239,12 @@ def test_the_second_of_two_is_told_so(tmp_path):
 
 
 def test_a_link_and_its_file_are_one_output(tmp_path):
-    (tmp_path / "link").symlink_to(tmp_path / "real.h5")
+    (tmp_path / "link.h5").symlink_to(tmp_path / "real.h5")
     with tools.start_writer(tmp_path / "real.h5", pause=60.0) as first:
         first.stdout.readline()
         first.stdout.readline()
         with pytest.raises(CannotCreate, match="is writing it"):
-            tools.write(tmp_path / "link", tools.small_study())
+            tools.write(tmp_path / "link.h5", tools.small_study())
         first.kill()
 
 

@@ -58,7 +58,8 @@ def test_the_default_grid_is_even_between_handoffs_with_all_events(engine):
     motion = esc.simulate(drive(5, 1), 3, engine=engine)
     assert motion.t[0] == 0.0
     assert motion.t[-1] == motion.end_time
-    events = {*motion.handoff_times, *motion.reversals.time, *motion.extrema.time}
+    events = {*motion.handoff_times, *motion.trajectory.start[1:]}
+    events |= {*motion.reversals.time, *motion.extrema.time}
     assert events <= set(motion.t)
     even = np.sort([*set(motion.t) - events, *motion.handoff_times])
     steps = np.diff(even).reshape(3, -1)

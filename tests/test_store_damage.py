@@ -11,9 +11,9 @@ import crash_tools as tools
 from escapement import files
 from escapement.errors import InputFileError, MissingInput, StorageError
 from escapement.study.reader import read_study
-from escapement.study.result import SCHEMA_VERSION
+from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import write_study
-from study_tools import a_file, assert_same, study, write_in_blocks
+from study_tools import a_file, assert_same, read_whole, study, write_in_blocks
 
 
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
@@ -84,13 +84,15 @@ def flipped(path):
 
 
 def changed(name, values):
-    """A study with other values of one dataset; None deletes it."""
+    """A study with other values of one dataset or root attribute; None deletes it."""
 
     def make(path):
         write_study(study(), path)
         with h5py.File(path, "r+") as file:
             if values is None:
                 del file[name]
+            elif name in file.attrs:
+                file.attrs[name] = values
             else:
                 file[name][...] = values
 
@@ -102,11 +104,11 @@ INPUTS = [
     (lambda path: path.mkdir(), InputFileError, 65, "must be an ordinary file"),
     (lambda path: path.write_text("a,b\n1,2\n"), InputFileError, 65, "must be an HDF5 file"),
     (lambda path: path.write_bytes(b""), InputFileError, 65, "must be an HDF5 file"),
-    (not_ours, InputFileError, 65, "must hold a study, and lacks configuration, velocity_max"),
+    (not_ours, InputFileError, 65, "must hold a study, and lacks configuration, status"),
     (newer, InputFileError, 65, f"schema_version {SCHEMA_VERSION} or less, got"),
     (cut_short, InputFileError, 65, "is damaged"),
     (flipped, InputFileError, 65, "is damaged"),
-    (changed("period", None), InputFileError, 65, "lacks period"),
+    (changed("period", None), InputFileError, 65, "object 'period' doesn't exist"),
     (changed("status", 77), InputFileError, 65, "status must hold known values"),
     (changed("friction", float("nan")), InputFileError, 65, "friction must be finite"),
     (changed("configuration", "[]"), InputFileError, 65, "must be a JSON object, got []"),
@@ -118,7 +120,7 @@ def test_an_unreadable_study_is_refused_in_one_line(tmp_path, make, error, code,
     path = tmp_path / "a.h5"
     make(path)
     with pytest.raises(error) as caught:
-        read_study(path)
+        read_whole(path)
     assert message in str(caught.value)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)

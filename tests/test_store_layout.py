@@ -1,5 +1,6 @@
 """The result file: its layout, its bytes and its round trip."""
 
+import json
 from dataclasses import replace
 
 import h5py
@@ -31,14 +32,13 @@ def test_layout(tmp_path):
     whole = study((3, 5, 2))
     write_study(whole, tmp_path / "a.h5")
     with h5py.File(tmp_path / "a.h5") as file:
-        assert dict(file.attrs) == ATTRIBUTES
-        assert set(file) == {*whole.axes, *RESULTS, "configuration"}
+        assert dict(file.attrs) == ATTRIBUTES | {"configuration": json.dumps(whole.configuration)}
+        assert set(file) == {*whole.axes, *whole.fixed, *RESULTS}
         for name, dataset in file.items():
             assert dataset.attrs["units"]
             assert dataset.attrs["long_name"]
-            if name == "configuration":
-                assert dataset.shape == ()
-                assert h5py.check_string_dtype(dataset.dtype).encoding == "utf-8"
+            if name in whole.fixed:
+                assert dataset[()] == whole.fixed[name]
                 continue
             assert dataset.dtype.str == {"status": "|u1", "slots": "<i8"}.get(name, "<f8")
             filters = (dataset.compression, dataset.shuffle, dataset.fletcher32)

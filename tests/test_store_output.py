@@ -80,9 +80,9 @@ def test_force_replaces_a_file_only_by_a_complete_one(tmp_path):
 
 
 def test_a_link_stays_a_link(tmp_path):
-    (tmp_path / "link").symlink_to(tmp_path / "real.h5")
-    write_study(study(), tmp_path / "link")
-    assert (tmp_path / "link").is_symlink()
+    (tmp_path / "link.h5").symlink_to(tmp_path / "real.h5")
+    write_study(study(), tmp_path / "link.h5")
+    assert (tmp_path / "link.h5").is_symlink()
     assert_same(read_study(tmp_path / "real.h5"), study())
 
 

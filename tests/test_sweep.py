@@ -283,6 +283,13 @@ def test_a_terminal_gets_one_line_that_is_drawn_again(show):
     assert "[##############..........]  60 % 3 of 5 cases, 15/s, 0.1 s left, 1 failed" in text
 
 
+def test_a_log_for_programs_gets_counts_and_rate_once_a_second_and_at_the_end(show):
+    seen = []
+    times = [0.5, 0.6, 1.4, 1.6, 4.0, 5.0]
+    show(io.StringIO(), times, quiet=True, log=lambda *counts: seen.append(counts))
+    assert seen == [(1, 6, 0, 2.0), (4, 6, 2, 2.5), (5, 6, 2, 1.25), (6, 6, 3, 1.2)]
+
+
 def test_quiet_is_silent_and_a_closed_stream_no_trouble(show):
     assert show(io.StringIO(), [100], quiet=True) == ""
     stream = io.StringIO()

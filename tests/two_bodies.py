@@ -245,8 +245,9 @@ def law(drive, theta, speed, side):
     """The package's rows at one state, in SI but for X: acceleration, N, losses, and X."""
     w = np.array([(speed * drive.time_unit) ** 2])
     table, losses = np.empty((5, 1)), np.empty((1 + len(dynamics.LOSSES), 1))
-    dynamics.tabulate(drive.scene, np.array([theta]), w, side, table)
-    dynamics.tabulate_losses(drive.scene, np.array([theta]), w, side, losses)
+    place = drive.scene, np.array([theta]), np.zeros(1), w, side
+    dynamics.tabulate(*place, table)
+    dynamics.tabulate_losses(*place, losses)
     lost = dict(zip(dynamics.LOSSES, drive.torque * speed * losses[1:, 0], strict=True))
     force = losses[0, 0] * drive.torque / drive.mechanism.crank_radius
     return table[2, 0] / drive.time_unit**2, force, lost, table[4, 0]

@@ -7,17 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import escapement as esc
+from escapement.plots.style import LOOKS
 from escapement.sources import meyer
 from escapement.units import INCH_POUND
 
 RUNS = Path(__file__).resolve().parents[2] / "runs"
-LINES = (
-    ("#0072B2", "-"),
-    ("#D55E00", "--"),
-    ("#009E73", "-."),
-    ("#CC79A7", ":"),
-    ("#E69F00", (0, (5, 1, 1, 1))),
-)
+LINES = tuple(look[:2] for look in LOOKS)
+"""Colour and line style of curves: those of the package's own figures."""
 
 FIGURES: dict[str, Callable[[], Figure]] = {}
 

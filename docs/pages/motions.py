@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
+from escapement.plots import style
 from pages import LINES, drawn, panels, timer
 
 
@@ -36,12 +37,12 @@ def dwell_and_internal() -> Figure:
 def transmission() -> Figure:
     """Transmission function and sliding of the three continuous drives."""
     figure, axes = panels(2, 2.8)
-    for slots, (color, style) in zip((3, 4, 6), LINES, strict=False):
+    for slots, (color, dashes) in zip((3, 4, 6), LINES, strict=False):
         wheel = esc.Geneva(slots)
         theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 400)
         table = wheel.transmission(theta)
         for ax, values in zip(axes, (table.g, table.u), strict=True):
-            ax.plot(np.degrees(theta), values, ls=style, color=color, label=f"{slots} slots")
+            ax.plot(np.degrees(theta), values, ls=dashes, color=color, label=f"{slots} slots")
     for ax, name in zip(axes, ("Transmission g", "Sliding u"), strict=True):
         ax.set(xlabel="Driver angle from dead centre (°)", ylabel=name, xlim=(-60, 60))
     axes[0].legend(frameon=False)
@@ -73,19 +74,30 @@ def phase_portrait() -> Figure:
 @drawn
 def handoff_map() -> Figure:
     """Squared handoff speed against the one before, and the handoff speeds."""
-    figure, (left, right) = panels(2, 3.1)
-    entry = np.linspace(0.0, 350.0, 15)
-    for mu, (color, style) in zip((0.0, 0.05, 0.1, 0.2, 0.35), LINES, strict=True):
+    figure, (left, right) = panels(2, 3.3)
+    least, most = 0.0, 170.0  # of the squared speed, in 1000 rad²/s²
+    entry = np.sqrt(1e3 * np.linspace(least, most, 15))
+    for mu, (color, dashes) in zip((0.0, 0.05, 0.1, 0.2, 0.35), LINES, strict=False):
         design = timer(4, mu, 0.10)
         leave = [esc.simulate(design, 1, initial_speed=v).handoff_velocities[0] for v in entry]
-        name = f"µ = {mu:.2f}"
-        left.plot(entry**2 / 1e3, np.square(leave) / 1e3, ls=style, color=color, label=name)
+        look = {"ls": dashes, "color": color}
+        left.plot(entry**2 / 1e3, np.square(leave) / 1e3, label=f"µ = {mu:.2f}", **look)
+        if mu > 0.0:
+            fixed = esc.terminal(design).handoff_velocity ** 2 / 1e3
+            left.plot(fixed, fixed, "o", color=color, ms=6, mec="black", mew=0.8, zorder=4)
         speeds = [0.0, *esc.simulate(design, 8).handoff_velocities]
-        right.plot(range(9), speeds, ls=style, marker="o", ms=4, mfc="white", color=color)
-    left.plot([0, 122], [0, 122], color="grey", lw=0.8)
-    left.set(xlim=(0, 122), ylim=(0, 230))
+        right.plot(range(9), speeds, marker="o", ms=4, mfc="white", **look)
+    left.plot([], [], "o", color="white", ms=6, mec="black", mew=0.8, label="fixed point")
+    left.plot([least, most], [least, most], color=style.GREY, lw=0.8)
+    left.text(
+        0.61 * most, 0.61 * most - 4.0, "w unchanged", color=style.GREY, va="top",
+        fontsize=style.SMALL_SIZE, ha="center", rotation=45.0,
+        rotation_mode="anchor", transform_rotates_text=True,
+    )  # fmt: skip
+    left.set(xlim=(least, most), ylim=(0, 280))
     left.set_xlabel("w at a handoff (1000 rad²/s²)")
     left.set_ylabel("w at the next (1000 rad²/s²)")
     right.set(xlabel="Engagement", ylabel="Handoff velocity (rad/s)", ylim=(0, 1000))
-    figure.legend(loc="outside upper center", ncols=5, frameon=False, fontsize=8)
+    where = {"loc": "outside upper center", "columnspacing": 1.2}
+    style.add_legend(figure, 6, handlelength=style.HANDLE, **where)
     return figure

@@ -28,6 +28,8 @@ from escapement.motion import Motion as Motion
 from escapement.motion_file import read_motion as read_motion
 from escapement.motion_file import write_motion as write_motion
 from escapement.painleve import critical_friction as critical_friction
+from escapement.run_down import Rundown as Rundown
+from escapement.run_down import rundown as rundown
 from escapement.simulation import simulate as simulate
 from escapement.simulation import terminal as terminal
 from escapement.solver import Solver as Solver
@@ -37,5 +39,6 @@ from escapement.study.result import Study as Study
 from escapement.study.run import run_plan as run_plan
 from escapement.study.run import sweep as sweep
 from escapement.study.writer import write_study as write_study
+from escapement.torque_curve import TorqueCurve as TorqueCurve
 
 __version__: str

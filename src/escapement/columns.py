@@ -67,6 +67,7 @@ def read_columns(
     names: tuple[str | None, str | None] = (None, None),
     unit: str | None = None,
     by_order: bool = False,
+    default: str = "deg",
 ) -> Columns:
     """Read two columns of angles from a text file.
 
@@ -85,6 +86,8 @@ def read_columns(
         "deg" or "rad". Default: the last word of a column's name, else degrees.
     by_order : bool
         Whether, of two columns with other names, the input's is taken to be the first.
+    default : str
+        Unit of a column of which nothing tells another.
 
     Raises
     ------
@@ -103,8 +106,8 @@ def read_columns(
         # plain numbers take half the time, but a pipe can be read only once
         if os.path.isfile(path):
             with suppress(_BrokenLine):
-                return _read(lines, layout, plain=True)
-        return _read(lines, layout, plain=False)
+                return _read(lines, layout, default, plain=True)
+        return _read(lines, layout, default, plain=False)
     except _BrokenLine as error:
         (rule, remedy), text = error.args, lines.text.strip()
         shown = text if len(text) <= 60 else text[:57] + "..."
@@ -145,7 +148,7 @@ class _Lines:
                     yield self.text
 
 
-def _read(lines: _Lines, find: Callable[[str], _Layout], plain: bool) -> Columns:
+def _read(lines: _Lines, find: Callable[[str], _Layout], default: str, plain: bool) -> Columns:
     """Both columns, of `plain` numbers or of all that is allowed; an error is of the last line."""
     rows = iter(lines)
     separator, header, width, places, units = find(next(rows))
@@ -171,7 +174,8 @@ def _read(lines: _Lines, find: Callable[[str], _Layout], plain: bool) -> Columns
         raise _BrokenLine(rule, "correct it, or leave the field empty") from None
     line = np.delete(np.arange(lines.number + 1), lines.passed_over)
     first, second = (
-        table[str(place)] * UNITS[unit or "deg"] for place, unit in zip(places, units, strict=True)
+        table[str(place)] * UNITS[unit or default]
+        for place, unit in zip(places, units, strict=True)
     )
     return Columns((first, second), line, units, lines.comments)
 

@@ -5,6 +5,7 @@ inertia, torque and time, a `Scene` holds what remains beside the mechanism. Len
 the unit of the mechanism's path, such as the crank radius.
 
     rho           driver over follower inertia
+    T             torque of the drive, linear between angles turned since the start
     mu            friction of each side, mu_plus and mu_minus
     load, bearing load torque, and constant torque of the driver's bearing
     c_d, c_f      drag of driver and follower that grows with the square of the speed
@@ -16,7 +17,7 @@ the unit of the mechanism's path, such as the crank radius.
 With w = theta_dot^2 and the side s = +1 or -1 of the slot that carries the force, the drive D
 and the resistance F of the follower are
 
-    D = 1 - bearing - c_d w - nu_d sqrt(w)
+    D = pull - c_d w - nu_d sqrt(w),                            pull = T - bearing
     F = k w + load + nu_f g sqrt(w),                            k = g' + c_f g |g|
 
 and with the pin's distance R from the follower's axis and its slide V = u R, the sliding speed
@@ -40,6 +41,7 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
+from escapement.drive import torque_after
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
@@ -52,7 +54,7 @@ LOSSES = ("friction", "driver_bearing", "follower_bearing", "driver_drag", "foll
 def scene_of(scene_tuple):
     """Scene from the nested tuples that `scene.scene_tuple` makes."""
     path = scene_tuple[0]
-    return Scene(Path(path[0], path[1], path[2]), *scene_tuple[1:])
+    return Scene(Path(path[0], path[1]), *scene_tuple[1:])
 
 
 @inner_jit
@@ -138,22 +140,16 @@ def root_of(w, scene):
     return np.sqrt(max(w, 0.0)) if is_viscous(scene) else 0.0
 
 
-@jit
-def constant_drive(scene):
-    """Torque of the drive less that of the driver's bearing, in units of the driving torque."""
-    return 1.0 - scene.bearing
-
-
 @inner_jit
-def drive(w, root, scene):
+def drive(pull, w, root, scene):
     """D: torque that is left of the drive at the squared speed w; `root` is as of `root_of`."""
-    return constant_drive(scene) - scene.driver_drag * w - scene.driver_viscous * root
+    return pull - scene.driver_drag * w - scene.driver_viscous * root
 
 
 @inner_jit
-def drive_sign(w, scene):
+def drive_sign(pull, w, scene):
     """Whether the driver gains speed, 1, or loses it, -1, where there is no contact force."""
-    return 1.0 if drive(w, root_of(w, scene), scene) > 0.0 else -1.0
+    return np.sign(drive(pull, w, root_of(w, scene), scene))
 
 
 @inner_jit
@@ -163,19 +159,19 @@ def resistance(g, k, w, root, scene):
 
 
 @inner_jit
-def contact(g, k, w, root, scene):
+def contact(g, k, pull, w, root, scene):
     """X = N h (rho + g p): its sign is the side of the slot that carries the force.
 
     It depends neither on the side itself nor on losses that grow with the contact force, so
     the side is explicit and unique below the Painleve limit. Its zero is Filemon's pin reversal.
     """
-    return scene.rho * resistance(g, k, w, root, scene) + g * drive(w, root, scene)
+    return scene.rho * resistance(g, k, w, root, scene) + g * drive(pull, w, root, scene)
 
 
 @inner_jit
-def net_torque(g, c, k, w, root, scene):
+def net_torque(g, c, k, pull, w, root, scene):
     """Torque that is left to accelerate the driver, J_s theta_ddot = D - p F."""
-    return drive(w, root, scene) - (g + c) * resistance(g, k, w, root, scene)
+    return drive(pull, w, root, scene) - (g + c) * resistance(g, k, w, root, scene)
 
 
 @inner_jit
@@ -185,9 +181,9 @@ def reduced_inertia(g, c, scene):
 
 
 @inner_jit
-def free_gain(angle, w, scene):
+def free_gain(angle, pull, w, scene):
     """What a driver that turns free of the follower gains in w over a small angle."""
-    return 2.0 * angle * drive(w, root_of(w, scene), scene) / scene.rho
+    return 2.0 * angle * drive(pull, w, root_of(w, scene), scene) / scene.rho
 
 
 @jit
@@ -203,7 +199,7 @@ def left_by_blow(scene):
 
 
 @inner_jit
-def energy_rates(g, c, k, inverse_inertia, dtheta_dx, root, scene):
+def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene):
     """Coefficients of dE/dx = A - B E for E = (rho + g^2) w, twice the kinetic energy.
 
     With J = rho + g^2 + g c
@@ -211,7 +207,7 @@ def energy_rates(g, c, k, inverse_inertia, dtheta_dx, root, scene):
         A = 2 theta' [(D - g M) - c (rho M + g D)/J]
         B = 2 theta'/J {c rho k/(rho + g^2) + c_d + [1 + g c/(rho + g^2)] c_f g^2 |g|}
 
-    where D and M are the torques of drive and load that do not depend on w. Both are
+    where D and M are the torques of drive, `pull`, and load that do not depend on w. Both are
     written in c, so that without a loss B is exactly zero and A is exact. Viscous drag is
     linear about the speed `root`, sqrt(w) = root/2 + w/(2 root): it adds to both D and M, and
     to c_d and k.
@@ -228,7 +224,7 @@ def energy_rates(g, c, k, inverse_inertia, dtheta_dx, root, scene):
         `amplification` is (rho + g^2)/J. It is large near the Painleve limit, where J is a
         difference of nearly equal terms, and multiplies the rounding error of A and B.
     """
-    torque, load, drag = constant_drive(scene), scene.load, scene.driver_drag
+    torque, load, drag = pull, scene.load, scene.driver_drag
     air = scene.follower_drag * (g * g * abs(g))
     if root > 0.0:
         half = 0.5 * root
@@ -248,14 +244,14 @@ def energy_rates(g, c, k, inverse_inertia, dtheta_dx, root, scene):
 
 
 @inner_jit
-def losses_per_angle(g, u, radius, k, w, side, scene, way=0.0, turn=0.0):
+def losses_per_angle(g, u, radius, k, pull, w, side, scene, way=0.0, turn=0.0):
     """Contact force N, and the work lost per driver angle in each of `LOSSES`."""
     ratio = sign_of(g, turn) * g
     root = np.sqrt(max(w, 0.0))
     force = slot = at_driver = at_follower = 0.0
     if radius > 0.0:
         slide, lever = grip(g, u, radius, side, scene, way, turn)
-        moment = contact(g, k, w, root_of(w, scene), scene)
+        moment = contact(g, k, pull, w, root_of(w, scene), scene)
         moment /= reduced_inertia(g, bend(g, u, radius, side, scene, way, turn), scene)
         force = moment / lever
         # with the sign of N they are smooth where a trial step of a solver passes a reversal
@@ -278,7 +274,7 @@ def ends_alike(g_in, g_out, rho):
 
 
 @inner_jit
-def side_at(g, k, w, scene):
+def side_at(g, k, pull, w, scene):
     """Side that carries the force where a piece begins: +1 or -1.
 
     It is the sign of X. At pin entry g is zero up to rounding, and X is too when the driver
@@ -286,7 +282,7 @@ def side_at(g, k, w, scene):
     entry. At the stop of a mesh g and g' are both zero, or the rounding errors of a table;
     the driver is then about to push the follower, and the side is +1.
     """
-    value = contact(g, k, w, root_of(w, scene), scene)
+    value = contact(g, k, pull, w, root_of(w, scene), scene)
     # g' below 1e-9 is taken for a table's rounding
     if abs(value) <= 1e-12 * (1.0 + abs(scene.rho * k * w)):
         value = k if abs(k) > 1e-9 else 1.0
@@ -303,21 +299,25 @@ def bent_pose(theta, side, scene):
 
 
 @jit
-def tabulate(scene, theta, w, side, out):
-    """Fill out[0:5] with g, g', theta_ddot, contact moment N h and X at each angle."""
+def tabulate(scene, theta, turned, w, side, out):
+    """Fill out[0:5] with g, g', theta_ddot, contact moment N h and X at each angle.
+
+    `turned` are the driver angles turned since the start of the motion.
+    """
     for i in range(theta.size):
         g, c, k = bent_pose(theta[i], side, scene)
+        pull = torque_after(turned[i], scene)[0] - scene.bearing
         root, inertia = root_of(w[i], scene), reduced_inertia(g, c, scene)
         out[0, i] = g
         out[1, i] = k - scene.follower_drag * (g * abs(g))
-        out[2, i] = net_torque(g, c, k, w[i], root, scene) / inertia
+        out[2, i] = net_torque(g, c, k, pull, w[i], root, scene) / inertia
         # in a dwell nothing touches
-        out[4, i] = contact(g, k, w[i], root, scene) if side != 0.0 else 0.0
+        out[4, i] = contact(g, k, pull, w[i], root, scene) if side != 0.0 else 0.0
         out[3, i] = out[4, i] / inertia
 
 
 @jit
-def tabulate_losses(scene, theta, w, side, out):
+def tabulate_losses(scene, theta, turned, w, side, out):
     """Fill out[0] with the contact force N and out[1:] with each of `LOSSES` per driver angle.
 
     `side` is 0 in a dwell. The force is in units of torque over the path's unit of length.
@@ -327,5 +327,6 @@ def tabulate_losses(scene, theta, w, side, out):
         if side != 0.0:
             g, u, dg, radius = pose_at(scene.path, theta[i])
             k = dragged_slope(g, dg, scene)
-        row = losses_per_angle(g, u, radius, k, w[i], side, scene)
+        pull = torque_after(turned[i], scene)[0] - scene.bearing
+        row = losses_per_angle(g, u, radius, k, pull, w[i], side, scene)
         out[0, i], out[1, i], out[2, i], out[3, i], out[4, i], out[5, i] = row

@@ -23,6 +23,10 @@ class UnknownArgument(EscapementError, TypeError):
     """A call has a keyword that there is none of."""
 
 
+class MissingPackage(EscapementError, ImportError):
+    """A package that something optional needs is not installed."""
+
+
 class InputFileError(EscapementError):
     """An input file exists but cannot be understood."""
 

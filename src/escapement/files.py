@@ -23,6 +23,12 @@ FORMATS = (".png", ".pdf", ".svg")
 """Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
 FILMS = (".gif",)
 """Suffixes of films."""
+HDF5 = (".h5", ".hdf5", ".nc")
+"""Suffixes of HDF5 files."""
+STUDIES = (*HDF5, ".csv", ".parquet")
+"""Suffixes of what a study may be written to."""
+MOTIONS = (*HDF5, ".csv")
+"""Suffixes of what a motion may be written to."""
 
 # A disk tells that it is full, or failing, by one of these.
 _DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
@@ -43,8 +49,8 @@ def check_input(path: AnyPath, what: str) -> None:
         )
 
 
-def picture_format(path: AnyPath, formats: tuple[str, ...] = FORMATS) -> str:
-    """The suffix of a figure's name, one of `formats`; raises InvalidValue for another."""
+def file_format(path: AnyPath, formats: tuple[str, ...] = FORMATS) -> str:
+    """The suffix of an output's name, one of `formats`; raises InvalidValue for another."""
     suffix = Path(path).suffix
     if suffix.lower() not in formats:
         raise InvalidValue(
@@ -162,13 +168,15 @@ def temporary_path(target: Path, word: str) -> Path:
     return target.with_name(f".escapement-{word}.partial")
 
 
-def write_file(path: AnyPath, parts: Iterable[bytes], force: bool = False) -> None:
+def write_file(
+    path: AnyPath, parts: Iterable[bytes], force: bool = False, temporary: Path | None = None
+) -> None:
     """Write a file that consists of these parts, one after the other.
 
     Parameters
     ----------
-    path, force :
-        As for `check_target`.
+    path, force, temporary :
+        As for `pending_file`.
     parts : iterable of bytes
         Its content. If the iterable raises an error, no file is left behind.
 
@@ -177,7 +185,7 @@ def write_file(path: AnyPath, parts: Iterable[bytes], force: bool = False) -> No
     CannotCreate, StorageError
         As `pending_file`.
     """
-    with pending_file(path, force) as handle:
+    with pending_file(path, force, temporary) as handle:
         for part in parts:
             write_all(handle, part)
 
@@ -196,12 +204,14 @@ def replace_file(path: AnyPath, parts: Iterable[bytes]) -> None:
 
 
 class DeferredErrorFile:
-    """A file object for HDF5 that never raises and keeps its first error.
+    """A file object for HDF5 and Parquet that never raises and keeps its first error.
 
     HDF5 does not survive a write that fails while it closes a file: the handle stays open
     and the process crashes at exit. After the first error all writes are therefore dropped,
     so that HDF5 can close, and the caller raises the kept error after that.
     """
+
+    closed = False
 
     def __init__(self, handle: BinaryIO) -> None:
         self._handle = handle
@@ -222,7 +232,8 @@ class DeferredErrorFile:
         size = memoryview(data).nbytes
         if self.error is None:
             self._tried(partial(write_all, self._handle), data)
-        self._end = max(self._end, self._position + size)
+        self._position += size
+        self._end = max(self._end, self._position)
         return size
 
     def truncate(self, size: int) -> None:

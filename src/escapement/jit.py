@@ -8,8 +8,10 @@ a directory named after a digest of every kernel source of the package instead.
 import contextlib
 import hashlib
 import os
+import shutil
 import sys
 import tempfile
+import time
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -53,14 +55,56 @@ def _cache_directory() -> str | None:
         return None
 
 
-@cache
-def _say_that_it_compiles() -> None:
-    """Explain the wait to a user at a terminal, once in a process."""
-    # standard error may be None, or closed
-    with contextlib.suppress(AttributeError, OSError, ValueError):
-        if sys.stderr.isatty():
-            text = "escapement: compiling for this machine, once; it takes up to a minute"
-            print(text, file=sys.stderr)
+class Notice:
+    """Explains the wait of a first use: one line, at a terminal drawn again as kernels are done.
+
+    A terminal's line goes when nothing is compiled any more, so it disturbs no bar of progress.
+    Numba compiles under a lock, so calls never meet.
+
+    silent : whether it says nothing; the environment variable ESCAPEMENT_QUIET asks for that.
+    spent : time that compiling took so far [s].
+    """
+
+    def __init__(self) -> None:
+        self.silent = bool(os.environ.get("ESCAPEMENT_QUIET"))
+        self._depth = self._done = 0
+        self._start = self.spent = 0.0
+        self._told = False
+
+    def begin(self) -> None:
+        """A kernel has to be compiled, and perhaps others for it."""
+        if self._depth == 0:
+            self._start = time.monotonic() - self.spent
+        self._depth += 1
+        self._show()
+
+    def end(self) -> None:
+        """It is compiled."""
+        self._depth, self._done = self._depth - 1, self._done + 1
+        self.spent = time.monotonic() - self._start
+        self._show()
+
+    def _show(self) -> None:
+        from multiprocessing import parent_process
+
+        text = "escapement: compiling for this machine, once"
+        # standard error may be None, or closed
+        with contextlib.suppress(AttributeError, OSError, ValueError):
+            # of the workers of a cluster on this machine, each would say the same
+            if self.silent or parent_process() is not None:
+                return
+            if sys.stderr.isatty():
+                columns = shutil.get_terminal_size().columns - 1
+                text += f": {self._done} functions, {time.monotonic() - self._start:.0f} s"
+                sys.stderr.write(f"\r{text * (self._depth > 0):{columns}.{columns}}\r")
+                sys.stderr.flush()
+            elif not self._told:
+                self._told = True
+                print(f"{text}; it takes up to a minute", file=sys.stderr)
+
+
+notice = Notice()
+"""That of this process."""
 
 
 def _watch_cache(dispatcher: Any) -> None:
@@ -71,7 +115,8 @@ def _watch_cache(dispatcher: Any) -> None:
     needs only the runtime that allocates arrays.
     """
     store = dispatcher._cache
-    load, save = store._load_overload, store.save_overload
+    load = getattr(store, "_load_overload", store.load_overload)  # there may be no cache
+    save = store.save_overload
 
     def load_or_say(signature: Any, context: Any) -> Any:
         rtsys.initialize(context)
@@ -80,13 +125,14 @@ def _watch_cache(dispatcher: Any) -> None:
         with contextlib.suppress(OSError):
             found = load(signature, context)
         if found is None:
-            _say_that_it_compiles()
+            notice.begin()
         return found
 
     def save_or_skip(signature: Any, data: Any) -> None:
         # the kernel itself is ready, so that it works without a copy on disk
         with contextlib.suppress(OSError):
             save(signature, data)
+        notice.end()
 
     store.load_overload = load_or_say
     store.save_overload = save_or_skip
@@ -127,11 +173,11 @@ def jit(function: Any = None, **traits: bool) -> Any:
         options |= _TRAITS[trait]
     folder = _cache_directory()
     config: Any = numba.config
-    if folder is None or config.DISABLE_JIT:
+    if config.DISABLE_JIT:
         return numba.njit(**options)(function)
-    previous, config.CACHE_DIR = config.CACHE_DIR, folder
+    previous, config.CACHE_DIR = config.CACHE_DIR, folder or config.CACHE_DIR
     try:
-        dispatcher = numba.njit(cache=True, **options)(function)
+        dispatcher = numba.njit(cache=folder is not None, **options)(function)
     finally:
         config.CACHE_DIR = previous
     _watch_cache(dispatcher)

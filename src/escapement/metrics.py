@@ -1,7 +1,8 @@
 """Figures of merit: the numbers that a designer reads off a motion.
 
 The terminal figures are those of the cycle that repeats itself. Rise and settling
-time compare the extrema of the motion from its start with that cycle.
+time compare the extrema of the motion from its start with that cycle, and
+`rise_time_63` and `rise_time_98` its handoffs.
 """
 
 import math
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from escapement.merits import FIGURES
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
@@ -22,6 +24,10 @@ RISE_BAND = 0.02
 """A rise is over at the first extremum this close to its terminal value [-]."""
 SETTLING_BAND = 0.01
 """A motion is settled when every later extremum is this close [-]."""
+FALL_63, FALL_98 = math.exp(-1.0), 0.02
+"""Shares of the first deviation at which `rise_time_63` and `rise_time_98` are read [-]."""
+LEAST_RATIO = 1e-9
+"""A deviation of the handoff speed that has fallen further than this is lost in rounding [-]."""
 MAX_ENGAGEMENTS = 1_000_000
 """A rise or settling time beyond this many engagements is not given."""
 BOUNDLESS = 1e-12
@@ -52,9 +58,14 @@ class Figures(Shown):
     velocity_mean : cell angle over period [rad/s].
     period : time of one terminal engagement, dwell included [s]; with imperfect parts the mean
         over the engagements after which pins and slots meet again.
-    rise_time : first velocity extremum within 2 % of its terminal value [s].
+    rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
+        half an engagement or so, where a change of the design brings an earlier extremum
+        into the band or takes one out.
     settling_time : first extremum from which on every engagement's extremes
-        are within 1 % [s].
+        are within 1 % [s]; it jumps likewise.
+    rise_time_63, rise_time_98 : when the deviation of the handoff speed from its terminal
+        value has fallen to 1/e and to 0.02 of that at the start [s], see `fall_times`. They
+        do not jump.
     handoff_velocity : driver speed at the terminal handoff [rad/s].
     contraction : factor by which the cycle shrinks a small deviation of the squared handoff
         speed from its terminal value [-].
@@ -66,7 +77,9 @@ class Figures(Shown):
     energy_residual : energy unaccounted for over the terminal cycle, of the
         work done [-].
     reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
+    last_reversal_angle : the last of them; NaN where there is none [rad].
     critical_friction : Painleve limit, from which on no motion exists [-].
+    jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
     uniqueness_friction : friction from which on another motion exists beside this one [-].
     beats, beat_error : times of these engagements, and the greatest less the least [s].
     blow_max : greatest energy that is lost in a blow where a pin takes over [J].
@@ -82,18 +95,20 @@ class Figures(Shown):
     period: float = _NAN
     rise_time: float = _NAN
     settling_time: float = _NAN
+    rise_time_63: float = _NAN
+    rise_time_98: float = _NAN
     handoff_velocity: float = _NAN
     contraction: float = _NAN
     critical_friction: float = _NAN
     uniqueness_friction: float = _NAN
+    jam_margin: float = _NAN
     motion: Motion | None = field(default=None, repr=False)
     status: Status = Status.OK
     message: str = MESSAGES[Status.OK]
 
     @property
     def _units(self) -> dict[str, str]:  # type: ignore[override]
-        kinds = {"handoff_velocity": "speed", **FIGURES}
-        return {name: printed(kind, "SI") for name, kind in kinds.items()}
+        return {name: printed(figure.kind, "SI") for name, figure in FIGURES.items()}
 
     @property
     def velocity_average_published(self) -> float:
@@ -102,7 +117,7 @@ class Figures(Shown):
 
     @cached_property
     def _peaks(self) -> list[float]:
-        return [_NAN] * 4 if self.motion is None else _find_peaks(self.motion)
+        return [_NAN] * 4 if self.motion is None else find_peaks(self.motion)
 
     acceleration_max = _peak(0, "Greatest driver acceleration [rad/s^2].")
     follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
@@ -138,34 +153,52 @@ class Figures(Shown):
         turned, cell = self.motion.reversals, self.motion.escapement.mechanism.cell_angle
         return tuple((turned.theta - turned.engagement * cell).tolist())
 
+    @property
+    def last_reversal_angle(self) -> float:
+        """The last pin reversal, from dead centre [rad]; NaN where there is none."""
+        return max(self.reversal_angles, default=_NAN)
+
     def as_dict(self) -> dict[str, Any]:
         """All figures by name, with the published average beside the mean."""
         return {name: getattr(self, name) for name in _NAMES}
 
 
-FIGURES = {
-    "velocity_max": "speed",
-    "velocity_min": "speed",
-    "velocity_mean": "speed",
-    "velocity_average_published": "speed",
-    "period": "time",
-    "beat_error": "time",
-    "blow_max": "energy",
-    "rise_time": "time",
-    "settling_time": "time",
-    "critical_friction": "ratio",
-    "uniqueness_friction": "ratio",
-    "acceleration_max": "acceleration",
-    "follower_acceleration_max": "acceleration",
-    "contact_moment_max": "torque",
-    "contact_force_max": "force",
-}
-"""Figures of merit in the order in which they are reported, with the kind of unit of each."""
-_NAMES = (
-    *FIGURES,
-    *("beats", "handoff_velocity", "contraction", "energy_residual", "reversal_angles"),
-    *("status", "message"),
-)
+_NAMES = (*FIGURES, "beats", "reversal_angles", "status", "message")
+
+
+def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, float]:
+    """`rise_time_63` and `rise_time_98` [s] of a motion.
+
+    They are the times at which |v - v_terminal|/|v_0 - v_terminal| has fallen to 1/e and to
+    0.02. At time 0 it is 1, at each handoff v is the speed there, and in between its
+    logarithm is linear in time. Motions do not cross, so that it falls from handoff to
+    handoff; should rounding say otherwise, the first time counts. Below 1e-9 it is taken
+    for 1e-9, as its digits are lost.
+
+    Parameters
+    ----------
+    motion : Motion
+        From the start on.
+    start, terminal : float
+        Speed at the first pin entry, and at the terminal handoff [rad/s].
+
+    Returns
+    -------
+    float, float
+        0 where the motion starts at the terminal speed, to within the motion's rtol; NaN
+        where it ends too early.
+    """
+    # imperfect parts come back to the same speed after a whole pattern
+    size = len(motion.escapement.meetings)
+    speeds, times = (x[size - 1 :: size] for x in (motion.handoff_velocities, motion.handoff_times))
+    deviation = np.abs(np.append(start, speeds) - terminal)
+    if deviation[0] <= motion.rtol * terminal:
+        return 0.0, 0.0
+    depth = -np.log(np.maximum(deviation / deviation[0], LEAST_RATIO))
+    levels = -np.log([FALL_63, FALL_98])
+    times = np.append(0.0, times)
+    one, two = np.interp(levels, np.maximum.accumulate(depth), times, right=_NAN)
+    return float(one), float(two)
 
 
 def read_cycle(cycle: Motion, base: Figures) -> Figures:
@@ -232,12 +265,23 @@ def _extremes(extrema: Extrema) -> np.ndarray:
     return np.sort(order[np.unique(kinds, axis=0, return_index=True)[1]])
 
 
-def _find_peaks(motion: Motion) -> list[float]:
+def find_peaks(motion: Motion) -> list[float]:
     """Greatest accelerations of driver and follower, contact moment and force of a motion.
 
-    These are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
+    They are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
     without a crank radius.
     """
+    # one engine finds them itself, and the motion of the other is sampled
+    found = getattr(motion.trajectory, "peaks", None)
+    if found is None:
+        return _sampled_peaks(motion)
+    *others, force = found.max(axis=1).tolist()
+    crank = getattr(motion.escapement.mechanism, "crank_radius", None)
+    return [*others, _NAN if crank is None else force / crank]
+
+
+def _sampled_peaks(motion: Motion) -> list[float]:
+    """The same from states of the motion."""
     names = ["theta_ddot", "phi_ddot", "contact_moment"]
     if getattr(motion.escapement.mechanism, "crank_radius", None) is not None:
         names.append("contact_force")

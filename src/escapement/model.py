@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from escapement import validate
 from escapement.lazy import Lazy
-from escapement.quantity import Declared, quantities, quantity
+from escapement.quantity import Declared, quantities, quantity, setting
 from escapement.scene import Meeting, Path, Scene, smooth_intervals, writeable
+from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 
 if TYPE_CHECKING:
     import numpy as np
@@ -185,8 +186,9 @@ class Escapement(Declared):
         Geometry, for example `Geneva(slots=4)`.
     inertia : Inertia
         Moments of inertia [kg m^2].
-    torque : float
-        Constant torque on the driver [N m], > 0. Meyer's "spring rate" K.
+    torque : float or TorqueCurve
+        Torque on the driver [N m], > 0, at the start of the motion; constant unless there is a
+        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned.
     friction : float
         Coefficient of friction between pin and slot [-], >= 0.
     load_torque : float
@@ -205,6 +207,9 @@ class Escapement(Declared):
         Drag torque over the square of the speed, as of air [N m s^2/rad^2].
     driver_viscous, follower_viscous : float
         Drag torque over the speed, as of oil [N m s/rad].
+    spring_rate : float
+        Torque that a spring loses per driver angle turned since the start of the motion
+        [N m/rad], >= 0, down to none: a spent spring pulls no more.
 
     Lengths need the length of the mechanism, `crank_radius` or `fixed_radius`.
 
@@ -213,9 +218,11 @@ class Escapement(Declared):
 
     mechanism: Mechanism
     inertia: Inertia
-    torque: float = field(metadata=quantity(
-        "driving torque", "torque", exclusive=True, remedy="give the constant driving torque"
-    ))  # fmt: skip
+    torque: float | TorqueCurve = field(metadata=setting(Torque(
+        long_name="driving torque", unit="torque", exclusive=True, metavar="M",
+        note=", or FILE.csv with driver angles turned and torques",
+        remedy="give the constant driving torque"
+    )))  # fmt: skip
     friction: float = field(default=0.0, metadata=quantity(
         "coefficient of friction between pin and slot", metavar="MU", slotted=True,
         instead="efficiency", remedy="give a coefficient of friction, 0 for none"
@@ -240,6 +247,10 @@ class Escapement(Declared):
     follower_drag: float = field(default=0.0, metadata=_drag("follower"))
     driver_viscous: float = field(default=0.0, metadata=_viscous("driver"))
     follower_viscous: float = field(default=0.0, metadata=_viscous("follower"))
+    spring_rate: float = field(default=0.0, metadata=quantity(
+        "torque that the spring loses per driver angle", "rate", metavar="K",
+        remedy="give the loss of torque over the angle, 0 for a constant torque"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
         checked(self.mechanism, perfect=False)
@@ -252,8 +263,51 @@ class Escapement(Declared):
             remedy = "make it with two_vector_path or chebyshev_table"
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
+        self._check_curve()
+        if self.curve is not None and not getattr(self.mechanism, "perfect", True):
+            rule, remedy = "constant with errors of the parts", "leave out one or the other"
+            raise validate.fail("torque", rule, self.torque, remedy)
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
+
+    def _check_curve(self) -> None:
+        """Refuse a curve beside a spring rate, and one with too many points for a cell."""
+        if isinstance(self.torque, TorqueCurve):
+            if self.spring_rate > 0.0:
+                remedy = "let its torque fall by itself"
+                raise validate.fail(
+                    "spring_rate", "0 with a torque curve", self.spring_rate, remedy
+                )
+            most = self.torque.most_within(self.mechanism.cell_angle)
+            if most > MOST_KNOTS:
+                rule = f"a torque curve with at most {MOST_KNOTS} points in a cell"
+                raise validate.fail("torque", rule, most, "leave out points")
+
+    @cached_property
+    def curve(self) -> TorqueCurve | None:
+        """The torque over the driver angle turned, None where it is constant."""
+        if isinstance(self.torque, TorqueCurve):
+            return self.torque
+        # a rate that takes nothing within any motion is none
+        if self.spring_rate > self.torque / MOST_UNEQUAL:
+            spent = max(self.torque / self.spring_rate, 1.0 / MOST_UNEQUAL)
+            return TorqueCurve((0.0, spent), (self.torque, 0.0))
+        return None
+
+    @property
+    def held(self) -> Escapement:
+        """The escapement with the torque of its start for good."""
+        if self.curve is None:
+            return self
+        return replace(self, torque=self.curve.torque[0], spring_rate=0.0)
+
+    def after(self, turned: float) -> Escapement:
+        """The escapement once its driver has turned by an angle [rad]."""
+        if isinstance(self.torque, TorqueCurve):
+            return replace(self, torque=self.torque.after(turned))
+        if self.curve is None:
+            return self
+        return replace(self, torque=self.torque - self.spring_rate * turned)
 
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
@@ -265,12 +319,14 @@ class Escapement(Declared):
         """The escapement as an engine sees it in each of its `meetings`."""
         mechanism, own = self.mechanism, self.inertia
         values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
+        values["torque"] = self.torque_unit
         for name in LENGTHS:
             values[name] = getattr(mechanism, name, None) or 0.0
         meshed = self.meetings[0].path.table
         numbers: dict[str, Any]
         numbers = {name: float(value) for name, value in natural(values, meshed).items()}
-        return tuple(Scene(*meeting[:3], **numbers) for meeting in self.meetings)
+        torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
+        return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.meetings)
 
     @cached_property
     def scene(self) -> Scene:
@@ -302,7 +358,20 @@ class Escapement(Declared):
         In it the motion depends on the mechanism, friction and the ratios of inertias,
         lengths, torques and drag alone: torque is a pure change of clock.
         """
-        return math.sqrt(self.inertia.follower / self.torque)
+        return math.sqrt(self.inertia.follower / self.torque_unit)
+
+    @property
+    def torque_unit(self) -> float:
+        """Natural unit of torque, the greatest torque of the drive [N m]."""
+        return self.torque.greatest if isinstance(self.torque, TorqueCurve) else self.torque
+
+    def turned_before(self, engagement: Any) -> Any:
+        """Driver angle turned before an engagement [rad]; 0 where the torque is constant."""
+        return 0.0 if self.curve is None else engagement * self.mechanism.cell_angle
+
+    def drive_work(self, turned: Any) -> Any:
+        """Work of the drive from the start of the motion over a driver angle [J]."""
+        return self.torque * turned if self.curve is None else self.curve.work(turned)
 
     def load_work(self, turned: Any) -> Any:
         """Work that the load takes while the follower turns by angles [rad] on its way [J]."""

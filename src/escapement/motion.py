@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +24,11 @@ from escapement.status import Status
 from escapement.text import Shown
 from escapement.trajectory import Events, Extrema, Handoffs, NoTrajectory, Trajectory
 from escapement.validate import fail
+from escapement.variables import as_dataframe, as_dataset
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
 _SAMPLES = 100  # per engagement on the default grid: a curve over a full page looks smooth
 
@@ -59,7 +64,8 @@ class State:
 class Ledger(Shown):
     """Where the work of the drive went over a motion [J].
 
-    work = kinetic + load + all that is lost, up to `residual`, which is a share of the work or
+    work is that of the drive, which a spring gives of the energy that it holds. It is
+    kinetic + load + all that is lost, up to `residual`, which is a share of the work or
     of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
     the slot or the mesh, into either bearing, into drag on either body and into blows.
     """
@@ -78,12 +84,12 @@ class Ledger(Shown):
     residual: float
 
 
-def stall_message(angle: float, engagement: int) -> str:
+def stall_message(angle: float, engagement: int, status: Status = Status.STALL) -> str:
     """Message of a motion that stops at `angle` [rad] of an engagement, counted from 0."""
-    return (
-        f"the mechanism stalls {np.degrees(angle):.3f} degrees from dead centre of engagement "
-        f"{engagement + 1}: the drive cannot carry the load torque"
-    )
+    spent = status is Status.SPENT
+    place = f"{np.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
+    reason = "the spring is spent" if spent else "the drive cannot carry the load torque"
+    return f"the mechanism {'stops' if spent else 'stalls'} {place}: {reason}"
 
 
 def _on_grid(name: str, meaning: str) -> cached_property[FloatArray]:
@@ -266,6 +272,7 @@ class Motion(Shown):
         mechanism, owners = escapement.mechanism, pieces.reshape(-1)
         theta, speed = self._driver(owners, times.reshape(-1))
         engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
+        turned = theta - mechanism.breaks[0] + engagement * mechanism.cell_angle
         g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
         losses = np.zeros((1 + len(LOSSES), theta.size))
         phi, late = engagement * mechanism.follower_step, np.zeros(theta.size)
@@ -279,12 +286,12 @@ class Motion(Shown):
                 angles, w = theta[held], (speed[held] * clock) ** 2
                 part = np.empty((len(table), angles.size))
                 lost = np.empty((len(losses), angles.size))
-                tabulate(scene, angles, w, side, part)
-                tabulate_losses(scene, angles, w, side, lost)
+                tabulate(scene, angles, turned[held], w, side, part)
+                tabulate_losses(scene, angles, turned[held], w, side, lost)
                 table[:, held], losses[:, held] = part, lost
-        moment *= escapement.torque
+        moment *= escapement.torque_unit
         rate /= clock**2
-        losses *= escapement.torque
+        losses *= escapement.torque_unit
         crank = getattr(mechanism, "crank_radius", None)
         columns: dict[str, FloatArray | None] = {
             "theta": theta + engagement * mechanism.cell_angle + late,
@@ -328,11 +335,13 @@ class Motion(Shown):
         """Default grid of times [s]: a hundred even ones an engagement, and all events.
 
         The exact times of handoffs, reversals and extrema of the driver speed are among
-        them, so that the samples show every peak of `theta_dot` in full.
+        them, so that the samples show every peak of `theta_dot` in full, and the start of
+        every piece.
         """
         ends = np.concatenate([[0.0], self.handoff_times, [self.end_time]])
         even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
-        times = np.concatenate([even, self.reversals.time, self.extrema.time, ends[-1:]])
+        starts, peaks = self.trajectory.start, self.extrema.time
+        times = np.concatenate([even, starts, self.reversals.time, peaks, ends[-1:]])
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
 
     @cached_property
@@ -353,6 +362,28 @@ class Motion(Shown):
         """Force on the pin on the default grid [N]; None without a crank radius."""
         return self.samples.contact_force
 
+    def to_xarray(self) -> "Dataset":
+        """Samples over `t`, handoffs, events and pieces as an `xarray.Dataset`, in SI.
+
+        Names are those of a file of the motion.
+
+        Raises
+        ------
+        MissingPackage
+            When xarray is not installed.
+        """
+        return as_dataset(self)
+
+    def to_dataframe(self) -> "DataFrame":
+        """The samples as a `pandas.DataFrame` in SI, its index `t`; `attrs` has the units.
+
+        Raises
+        ------
+        MissingPackage
+            When pandas is not installed.
+        """
+        return as_dataframe(self)
+
     @cached_property
     def ledger(self) -> Ledger:
         """Energy balance from start to end; it closes up to the engine's error."""
@@ -362,7 +393,7 @@ class Motion(Shown):
         ends = self.at([0.0, self.end_time])
         driver, follower = escapement.inertia.driver, escapement.inertia.follower
         energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
-        work = escapement.torque * (ends.theta[1] - ends.theta[0])
+        work = escapement.drive_work(ends.theta[1] - ends.theta[0])
         # at the end of the motion a handoff is still to come
         passed = self.handoffs.time < self.end_time
         load = escapement.load_work(ends.phi[1] - ends.phi[0] - self.handoffs.jump[passed].sum())

@@ -4,10 +4,14 @@ import math
 import shutil
 import sys
 import time
+from collections.abc import Callable
 from typing import Self, TextIO
+
+from escapement.jit import notice
 
 _REDRAW = 0.1  # s between two drawings of the bar
 _LINE = 30.0  # s between two lines in a log
+_LOG = 1.0  # s between two lines of a log for programs
 _BAR = 24  # characters
 
 
@@ -22,42 +26,63 @@ class Progress:
         Default: standard error; where that is closed, nothing is shown.
     quiet : bool
         Show nothing.
-    before : int
-        Cases that were done already; they do not count in the rate.
     what : str
         Plural of what is counted.
+    log : callable, optional
+        Gets the numbers and the rate [1/s] as well, once a second at most and at the end.
+
+    Attributes
+    ----------
+    before : int
+        Cases that were done already; they do not count in the rate.
     """
+
+    before = 0
 
     def __init__(
         self,
         stream: TextIO | None = None,
         *,
         quiet: bool = False,
-        before: int = 0,
         what: str = "cases",
+        log: Callable[[int, int, int, float], object] | None = None,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
         # sys.stderr is None where standard error was closed before Python started
         closed = getattr(self._stream, "closed", self._stream is None)
         self._terminal = not closed and self._stream.isatty()
-        self._quiet, self._before, self._what = quiet or closed, before, what
-        self._start = time.monotonic()
+        self._quiet, self._what, self._log = quiet or closed, what, log
+        self._start, self._compiled = time.monotonic(), notice.spent
+        self._logged = -math.inf
         self._shown = -math.inf if self._terminal else self._start
         self._counts = (0, 0, 0)
 
     def __call__(self, done: int, total: int, failed: int) -> None:
         """Note the cases done, their total and those failed; show them if it is time."""
-        self._counts = (done, total, failed)
+        self._counts, now = (done, total, failed), time.monotonic()
         interval = _REDRAW if self._terminal else _LINE
-        if done < total and time.monotonic() - self._shown >= interval:
-            self._shown = time.monotonic()
+        if done >= total:
+            return  # the end is shown once
+        if now - self._shown >= interval:
+            self._shown = now
             self._show("")
+        if self._log is not None and now - self._logged >= _LOG:
+            self._logged = now
+            self._log(*self._counts, self._rate)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
         self._show("\n")
+        if self._log is not None:
+            self._log(*self._counts, self._rate)
+
+    @property
+    def _rate(self) -> float:
+        """Cases done in a second, in which nothing was compiled."""
+        solving = time.monotonic() - self._start - (notice.spent - self._compiled)
+        return (self._counts[0] - self.before) / solving if solving > 0.0 else 0.0
 
     def _show(self, end: str) -> None:
         done, total, _ = self._counts
@@ -77,8 +102,7 @@ class Progress:
     def _text(self) -> str:
         """The share done, counts, rate, time left or taken, and failures."""
         done, total, failed = self._counts
-        elapsed = time.monotonic() - self._start
-        rate = (done - self._before) / elapsed if elapsed > 0.0 else 0.0
+        elapsed, rate = time.monotonic() - self._start, self._rate
         told = f"{duration((total - done) / rate)} left" if rate > 0.0 else "starting"
         if done >= total:
             told = f"took {duration(elapsed)}"

@@ -47,7 +47,8 @@ class Setting:
     typical : value that the command line takes where none is typed, in place of the default.
     required : whether files and the command line must give it.
     axis : whether a study may vary it.
-    unit : its kind, a key of `escapement.units`.
+    unit : its kind, as in `escapement.units.factor`.
+    system : unit system of numbers that are read without a unit.
     slotted : True for what only a mechanism with a slot has, False for what only one without
         it has; there it keeps its default.
     instead : name of what the other mechanisms have in its place.
@@ -64,6 +65,7 @@ class Setting:
     required: bool = False
     axis: bool = False
     unit: str = "ratio"
+    system: str = units.SYSTEMS[0]
     slotted: bool | None = None
     instead: str = ""
     key: str = ""
@@ -94,6 +96,11 @@ class Setting:
         """Whether a mechanism without a slot (`meshed`), or one with it, has this."""
         return self.slotted is None or self.slotted is not meshed
 
+    def idle(self, value: Any) -> bool:
+        """Whether `value` is the zero of what need not be told: a bearing that does not rub."""
+        told = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
+        return not told and value == self.default == 0.0
+
     def check(self, label: str, value: Any) -> Any:
         """`value` as Python is to hold it; raises InvalidValue where it breaks the rule."""
         return value
@@ -106,9 +113,9 @@ class Setting:
         """As `check`, of a word on the command line."""
         return self.check(label, text)
 
-    def to_si(self, values: Any, system: str) -> Any:
-        """Values in units of `system` in SI; what has no unit, as a whole number, stays."""
-        scale = units.factor(self.unit, system)
+    def to_si(self, values: Any) -> Any:
+        """Values that were read, in SI; what has no unit, as a whole number, stays."""
+        scale = units.factor(self.unit, self.system)
         return values if scale == 1.0 else values * scale
 
 
@@ -162,9 +169,18 @@ class Quantity(Setting):
         return low if math.isinf(self.maximum) else f"{low} and {high}"
 
     def read(self, label: str, value: Any) -> Any:
-        """As `check`; in a file 4.0 is a whole number too, and a fraction becomes a double."""
+        """As `check`; in a file 4.0 is a whole number too, and a fraction becomes a double.
+
+        A number may come with its unit, "5 mN m", and is then returned in that of the system.
+        """
         if self.whole and isinstance(value, float) and value.is_integer():
             value = int(value)
+        if isinstance(value, str) and not (self.whole or self.fraction):
+            remedy = _with_unit(self.remedy, self.unit)
+            number = units.measured(label, value, self.unit, self.system, remedy)
+            if not self._within(number):
+                raise validate.fail(label, self.rule, value, remedy)
+            value = number
         checked = self.check(label, value)
         return float(checked) if self.fraction else checked
 
@@ -183,13 +199,13 @@ class Quantity(Setting):
         return values.astype(np.int64) if self.whole else values
 
     def parse(self, label: str, text: str) -> Any:
-        """As `check`, of a word on the command line."""
+        """As `read`, of what was typed on the command line; a fraction stays one."""
         value: Any = text
         if not self.fraction:
             # what is no number is refused by the check, which shows it as typed
             with contextlib.suppress(ValueError):
                 value = int(text) if self.whole else float(text)
-        return self.check(label, value)
+        return self.check(label, value) if self.fraction else self.read(label, value)
 
 
 @cache
@@ -223,13 +239,18 @@ class Choice(Setting):
 
 
 class Numbers(Setting):
-    """A list of numbers; the constructor that takes them looks closer."""
+    """A list of numbers, with units or without; the constructor that takes them looks closer."""
 
     def read(self, label: str, value: Any) -> tuple[float, ...]:
         """`value` as a list of finite numbers."""
         if isinstance(value, str | Mapping) or not hasattr(value, "__iter__"):
             raise validate.fail(label, "a list of numbers", value, self.remedy)
-        return tuple(validate.number(f"{label}[{i}]", x, self.remedy) for i, x in enumerate(value))
+        found = []
+        for i, item in enumerate(value):
+            place = f"{label}[{i}]"
+            number = units.measured(place, item, self.unit, self.system, self.remedy)
+            found.append(validate.number(place, number, self.remedy))
+        return tuple(found)
 
     def parse(self, label: str, text: str) -> Any:
         """As `read`, of numbers with commas between them."""
@@ -240,9 +261,9 @@ class Numbers(Setting):
                 words[i] = float(word)
         return self.read(label, words)
 
-    def to_si(self, values: Any, system: str) -> Any:
-        """Values in units of `system` in SI."""
-        scale = units.factor(self.unit, system)
+    def to_si(self, values: Any) -> Any:
+        """Values that were read, in SI."""
+        scale = units.factor(self.unit, self.system)
         return values if scale == 1.0 else tuple(scale * value for value in values)
 
 

@@ -26,13 +26,22 @@ class Path(NamedTuple):
     table : whether `numbers` tabulate g over the driver angle, as `mechanisms.table` makes
         them; otherwise they describe the path of a pin in a slot, see `mechanisms.slotted`.
     numbers : shape (n,), as the maker lays them out.
-    corners : driver angles [rad], shape (k,), at which the transmission of a table is not
-        smooth. A pin path has none, because its mechanism names them among its breaks.
     """
 
     table: bool
     numbers: NDArray[np.float64]
-    corners: NDArray[np.float64]
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Driver angles [rad], shape (k,), at which the transmission of a table is not smooth.
+
+        They follow its pieces. A pin path has none, because its mechanism names them among its
+        breaks.
+        """
+        if not self.table:
+            return self.numbers[:0]
+        pieces, order = self.numbers[:2].astype(int)
+        return self.numbers[3 + pieces * (1 + order) :]
 
 
 class Scene(NamedTuple):
@@ -42,6 +51,8 @@ class Scene(NamedTuple):
     edges : driver angles [rad], shape (k,), ascending, from pin entry to pin exit; the motion
         is smooth between neighbours but for pin reversals.
     dwell : driver angle after the exit in which the follower is locked [rad].
+    torque : the torque of the drive, linear between knots, as the file `drive` lays it out.
+    turned : driver angle turned before the cell that is looked at [rad].
     rho : inertia ratio I_d/I_f.
     mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
         other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
@@ -57,6 +68,8 @@ class Scene(NamedTuple):
     path: Path
     edges: NDArray[np.float64]
     dwell: float
+    torque: NDArray[np.float64]
+    turned: float
     rho: float
     mu_plus: float
     mu_minus: float
@@ -109,8 +122,7 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
 def writeable(path: Path) -> Path:
     """A copy of a path; kernels are compiled for contiguous arrays that may be written to."""
     # read-only arrays and those with gaps have types of their own, for which nothing is compiled
-    numbers, corners = (np.array(row, dtype=float) for row in path[1:])
-    return Path(path.table, numbers, corners)
+    return Path(path.table, np.array(path.numbers, dtype=float))
 
 
 def scene_tuple(scene: Scene) -> tuple[Any, ...]:

@@ -1,12 +1,13 @@
 """`simulate` gives a motion, `terminal` the figures of merit of its terminal cycle."""
 
+import math
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from typing import Any
 
 from escapement import validate
-from escapement.dynamics import constant_drive, ends_alike, is_lossless
+from escapement.dynamics import ends_alike, is_lossless
 from escapement.errors import InvalidValue
 from escapement.jit import as_python
 from escapement.mechanisms.slotted import transmission_at
@@ -21,6 +22,9 @@ from escapement.status import MESSAGES, Status
 LONGEST = {"energy": 10_000_000, "ivp": 10_000}
 """Engagements of one motion: they take up to a gigabyte, and seconds or, with "ivp", a minute."""
 _FOLDERS = {"energy": "energy", "ivp": "time"}
+_FULL = "the figures are those of the full spring, whose torque falls as it runs down"
+_AT_START = "the figures are those of the torque at the start of the motion"
+_NO_START = "the torque curve begins with no torque, which has no cycle"
 _TOO_UNEQUAL = (
     f"the numbers differ by a factor of more than {MOST_UNEQUAL:g}, whose square no double holds; "
     "choose inertias, torques and a speed of similar size"
@@ -68,7 +72,9 @@ def simulate(
     Returns
     -------
     Motion
-        Its `status` tells whether it ran to its end.
+        Its `status` tells whether it ran to its end: it is STALL where a load stops it, and
+        SPENT where the spring is spent and nothing moves, which is from pin entry on once the
+        driver speed is below a thousandth of sqrt(torque/I_f). `end_time` then is that time.
 
     Raises
     ------
@@ -157,13 +163,21 @@ def terminal(
     Figures
         Their `status` is NO_TERMINAL where no loss grows with the speed, STALL when the drive
         cannot carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
+        Of a spring that runs down they are those of the full spring, and of a torque curve
+        those of its first torque, as the message says.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
     if why := _impossible(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=why)
-    critical, uniqueness = friction_limits(escapement)
-    base = Figures(critical_friction=critical, uniqueness_friction=uniqueness)
+    base = limits(escapement)
+    if escapement.curve is not None:
+        first = escapement.curve.torque[0]
+        if first == 0.0:
+            return replace(base, status=Status.STALL, message=_NO_START)
+        found = terminal(escapement.held, initial_speed=settings["initial_speed"], solver=solver)
+        note = _FULL if escapement.spring_rate else _AT_START
+        return replace(found, message=_joined(found.message, note))
     # the limit is decided before anything is integrated
     if message := painleve_message(escapement):
         return replace(base, status=Status.PAINLEVE, message=message)
@@ -171,18 +185,27 @@ def terminal(
     if is_lossless(escapement.scene) and _ends_alike(escapement) and not struck:
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
-        first = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)
-        status, message = first.status, first.message
+        one = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)
+        status, message = one.status, one.message
         if status is Status.OK:
             mechanism = escapement.mechanism
-            gain = constant_drive(escapement.scene) * escapement.torque * mechanism.cell_angle
+            pull = escapement.torque_unit - escapement.driver_bearing_torque
+            gain = pull * mechanism.cell_angle
             carries = gain > escapement.load_work(mechanism.follower_step)
             status = Status.NO_TERMINAL if carries else Status.STALL
             message = MESSAGES[status]
         return replace(base, status=status, message=message)
     figures: Figures = _engine(engine, "terminal")(escapement, base, **settings)
-    note = uniqueness_note(escapement)
-    return replace(figures, message=_joined(figures.message, note)) if note else figures
+    if limit := uniqueness_note(escapement):
+        figures = replace(figures, message=_joined(figures.message, limit))
+    return figures
+
+
+def limits(escapement: Escapement) -> Figures:
+    """The figures that belong to an escapement whether it moves or not."""
+    critical, uniqueness = friction_limits(escapement)
+    margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
+    return Figures(critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin)
 
 
 def _ends_alike(escapement: Escapement) -> bool:

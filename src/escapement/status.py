@@ -12,6 +12,7 @@ class Status(IntEnum):
     PAINLEVE = 3
     NOT_CONVERGED = 4
     INVALID = 5
+    SPENT = 6
 
     @property
     def label(self) -> str:
@@ -20,8 +21,8 @@ class Status(IntEnum):
 
     @property
     def failed(self) -> bool:
-        """Whether the case has no answer (no terminal speed *is* an answer)."""
-        return self not in (Status.OK, Status.NO_TERMINAL)
+        """Whether the case has no answer; no terminal speed and a spent spring *are* answers."""
+        return self not in (Status.OK, Status.NO_TERMINAL, Status.SPENT)
 
 
 MESSAGES = {
@@ -36,5 +37,6 @@ MESSAGES = {
     Status.NOT_CONVERGED: (
         "the iteration did not converge within its limit; try the other engine, or a larger rtol"
     ),
+    Status.SPENT: "the spring is spent and nothing moves any more",
     Status.INVALID: "the parameters of this case break a rule",
 }

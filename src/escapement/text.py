@@ -21,6 +21,12 @@ def as_csv(rows: Iterable[Sequence[Any]]) -> str:
     return text.getvalue()
 
 
+def csv_lines(columns: Iterable[Any]) -> bytes:
+    """Lines of a table of numbers, given as arrays; each text reads as exactly its number."""
+    cells = [map(repr, column.tolist()) for column in columns]
+    return "".join(",".join(row) + "\n" for row in zip(*cells, strict=True)).encode()
+
+
 def plain(value: Any) -> Any:
     """`value` as types that JSON has, with None for NaN and infinity."""
     if isinstance(value, Mapping):
@@ -37,8 +43,8 @@ def plain(value: Any) -> Any:
 def print_values(rows: Iterable[tuple[str, Any, str]]) -> None:
     """Print name, value and unit, one row each."""
     shown = [(name, show(value), unit) for name, value, unit in rows]
-    # neither a pure number nor an empty list has a unit
-    lines = [(name, it, "" if unit == "1" or it == "none" else unit) for name, it, unit in shown]
+    # an empty list has no unit
+    lines = [(name, it, "" if it == "none" else unit) for name, it, unit in shown]
     wide = max(len(name) for name, _, _ in lines)
     far = max((len(value) for _, value, unit in lines if unit), default=0)
     for name, value, unit in lines:

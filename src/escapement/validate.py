@@ -5,10 +5,11 @@ import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from importlib import import_module
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
-from escapement.errors import InvalidValue
+from escapement.errors import InvalidValue, MissingPackage
 
 if TYPE_CHECKING:
     from numpy import float64
@@ -137,3 +138,14 @@ def known_keys(
             home = (elsewhere or {}).get(key)
             remedy = nearest(key, allowed) if home is None else f"it belongs in {home}"
             raise InvalidValue(f"unknown key {str(key)!r} {where}; {remedy}")
+
+
+def package(name: str, what: str) -> Any:
+    """The module `name` of the extra `data`, which `what` needs."""
+    try:
+        return import_module(name)
+    except ModuleNotFoundError:
+        raise MissingPackage(
+            f"{what} needs {name}, which is not installed; "
+            "install it with: pip install 'geneva-escapement[data]'"
+        ) from None

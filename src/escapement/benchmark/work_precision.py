@@ -25,13 +25,14 @@ COMPARED_AT = 1e-10
 """Error at which solvers are compared [-]."""
 
 # The package itself does not measure heyoka and CyRK; `benchmarks/standings.py` does.
-_COLORS = {
-    "energy": style.BLACK, "ivp": style.GREY, "heyoka": style.VERMILLION, "CyRK": style.ORANGE,
-    "DOP853": style.BLUE, "RK45": style.SKY, "RK23": style.LIGHT_GREY, "LSODA": style.GREEN,
-    "Radau": style.PURPLE, "BDF": "#8c6bb1",
+_LOOKS = {
+    "energy": (style.BLACK, "o"), "ivp": (style.GREY, "s"), "heyoka": (style.VERMILLION, "^"),
+    "CyRK": (style.ORANGE, "D"), "DOP853": (style.BLUE, ">"), "RK45": (style.SKY, "v"),
+    "RK23": (style.LIGHT_GREY, "<"), "LSODA": (style.GREEN, "X"), "Radau": (style.PURPLE, "P"),
+    "BDF": ("#8c6bb1", "*"),
 }  # fmt: skip
-_MARKERS = {"energy": "o", "ivp": "s", "heyoka": "^", "CyRK": "D", "solve_ivp": "."}
-_DASHED = ("Vern8", "Taylor, angle")
+"""Colour and marker of a package, and of a method of solve_ivp."""
+_HOLLOW = ("Vern8", "Taylor, angle")  # second methods of a package
 
 _FULL: dict[str, Any] = {"decades": 1, "longest": 1.0, "rounds": 5}
 """Effort of a version of many minutes, as `sweep_tolerances` takes it."""
@@ -220,20 +221,25 @@ def time_at(points: Sequence[Point], error: float) -> float:
 
 
 def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> Figure:
-    """A panel for each problem: measured error to the right, run time upwards."""
+    """A panel for each problem: measured error to the right, run time upwards.
+
+    Of solve_ivp only the lines with a Numba right-hand side are drawn. The legend has the
+    slowest solver first, which is at the top of a panel.
+    """
+    drawn = [point for point in points if point.language != "Python"]
     names = {point.problem for point in points}
     problems = [problem for problem in PROBLEMS if problem.name in names]
-    figure = style.new_figure(style.TWO_COLUMN, 0.58 * style.TWO_COLUMN)
-    panels = figure.subplots(1, len(problems), sharey=True, squeeze=False)[0]
+    figure = style.new_figure(style.TWO_COLUMN, 0.6 + 2.9 * len(problems))
+    panels = style.new_panels(figure, len(problems))
+    panels[0].invert_xaxis()  # of all, for they share it
     for ax, problem in zip(panels, problems, strict=True):
-        _plot_solvers([point for point in points if point.problem == problem.name], ax)
-        ax.set_title(problem.title)
+        _plot_solvers([point for point in drawn if point.problem == problem.name], ax)
+        ax.set_title(problem.title, fontsize=style.LABEL_SIZE)
         ax.label_outer()
-    handles, labels = panels[0].get_legend_handles_labels()
-    foot = "solve_ivp: solid with a Numba right-hand side, dashed in plain Python\n"
-    foot += benchmark.machine_in_a_line(machine)
-    look: dict[str, Any] = {"handles": handles, "labels": labels, "loc": "outside lower center"}
-    style.add_legend(figure, 4, foot, **look)
+    lines = sorted(panels[0].lines, key=lambda line: -np.max(line.get_ydata()))
+    style.add_legend(figure, 1, handles=lines, loc="outside right center")
+    foot = "solve_ivp with a Numba right-hand side\n" + benchmark.machine_in_a_line(machine)
+    figure.supxlabel(foot, fontsize=style.SMALL_SIZE)
     return figure
 
 
@@ -242,15 +248,11 @@ def _plot_solvers(points: Sequence[Point], ax: Axes) -> None:
     for name, group in groupby(points, key=lambda point: point.solver):
         line = sorted(group, key=lambda point: -point.rtol)
         first = line[0]
-        plain, own = first.language == "Python", first.family == "energy"
-        size, width, above = (5, 2, 3) if own else (3, 1, 2)
+        color, marker = _LOOKS[first.method if first.family == "solve_ivp" else first.family]
+        size, width, above = (7, 2, 3) if first.family == "energy" else (5, 1, 2)
         ax.loglog(
-            [point.error for point in line], [point.time for point in line],
-            color=_COLORS[first.method if first.family == "solve_ivp" else first.family],
-            linestyle="--" if plain or first.method in _DASHED else "-",
-            marker=_MARKERS[first.family], markersize=size, linewidth=width, zorder=above,
-            label="_" if plain else name.removesuffix(" Numba"),
+            [point.error for point in line], [point.time for point in line], marker, ls="-",
+            color=color, mfc="white" if first.method in _HOLLOW else color, ms=size, lw=width,
+            zorder=above, label=name.removesuffix(" Numba"),
         )  # fmt: skip
     ax.set(xlabel="Largest relative error", ylabel="Warm run time (s)")
-    ax.invert_xaxis()
-    style.dress(ax)

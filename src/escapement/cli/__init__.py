@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 COMMANDS = {
     "run": "one motion and its figures of merit",
+    "rundown": "a timer whose spring runs down: rate, turns and stop",
     "sweep": "a study on a grid or a sample, to an HDF5 file",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",
@@ -32,8 +33,15 @@ COMMANDS = {
 
 SOME_FAILED = 3
 """Exit code where the work is done and some cases have no answer."""
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
+INTERRUPTED, TERMINATED = 130, 143
+"""Exit codes after Ctrl-C, and after SIGTERM, by which job schedulers end a process."""
+
+
+class Terminated(KeyboardInterrupt):
+    """The process was asked to end: it keeps what is finished, as after Ctrl-C."""
+
+
+_STRUCK = ("interrupted", INTERRUPTED), ("terminated", TERMINATED)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -49,8 +57,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit code: 0 done; 2 wrong usage or invalid value; 3 done, some cases
         failed; 65 unreadable input file; 66 missing input; 73 cannot create
-        output; 74 input/output error; 130 interrupted.
+        output; 74 input/output error; 130 interrupted; 143 terminated.
     """
+    code = _answer(sys.argv[1:] if argv is None else argv)
+    _end_log(code)
+    return code
+
+
+def _answer(argv: Sequence[str]) -> int:
+    """Run one command; whatever goes wrong becomes one line and an exit code."""
     try:
         import warnings
 
@@ -59,13 +74,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.stdout.reconfigure(errors="backslashreplace")
         with warnings.catch_warnings():
             warnings.showwarning = _warn
-            code = _dispatch(sys.argv[1:] if argv is None else argv)
+            code = _dispatch(argv)
             sys.stdout.flush()
             return code
     except EscapementError as error:
         return _complain(str(error), error.exit_code)
-    except KeyboardInterrupt:
-        return _complain("interrupted", INTERRUPTED)
+    except KeyboardInterrupt as error:
+        return _complain(*_STRUCK[isinstance(error, Terminated)])
     except BrokenPipeError:
         _drop_output()
         return 0  # the reader has seen enough, as in `escapement ... | head`
@@ -85,23 +100,26 @@ def program() -> NoReturn:
     """The command line as a process of its own."""
     struck = []
 
-    def interrupt(*_: object) -> None:
-        struck.append(True)
-        raise KeyboardInterrupt
+    def strike(number: int, _: object) -> None:
+        struck.append(number == signal.SIGTERM)
+        raise Terminated if struck[-1] else KeyboardInterrupt
 
     try:
         import signal
 
         # a shell's background job ignores Ctrl-C, and is to go on doing so
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, interrupt)
+            signal.signal(signal.SIGINT, strike)
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, strike)
         code = main()
     except BaseException:
         # libraries that are being loaded turn Ctrl-C into errors of their own
         if not struck:
             raise
-        code = _complain("interrupted", INTERRUPTED)
-    if code == INTERRUPTED:
+        code = _complain(*_STRUCK[struck[-1]])
+        _end_log(code)
+    if code in (INTERRUPTED, TERMINATED):
         # an orderly exit would wait for threads that nobody wants any more; all files are closed
         os._exit(code)
     sys.exit(code)
@@ -109,6 +127,7 @@ def program() -> NoReturn:
 
 def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
+    from escapement.cli import _log
     from escapement.cli._arguments import parser_of, understand_command
 
     try:
@@ -116,13 +135,15 @@ def _dispatch(argv: Sequence[str]) -> int:
         args = parser.understand(argv[1:])
     except SystemExit:  # argparse ends so after help, or the version
         return 0
+    if args.log is not None:
+        _log.start(args.log, argv)
     code: int = command.execute(args)
     return code
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
     """A library's warning as one line, without its place in the source."""
-    print("escapement: warning: " + " ".join(str(message).split()), file=sys.stderr)
+    _tell("warning", str(message))
 
 
 def _complain(message: str, code: int) -> int:
@@ -130,8 +151,23 @@ def _complain(message: str, code: int) -> int:
     import contextlib
 
     with contextlib.suppress(OSError):  # of a reader that left, as in `escapement ... 2>&1 | head`
-        print("escapement: error: " + " ".join(message.split()), file=sys.stderr)
+        _tell("error", message)
     return code
+
+
+def _tell(event: str, message: str) -> None:
+    """One line on stderr, and in the log."""
+    from escapement.cli import _log
+
+    line = " ".join(message.split())
+    _log.record(event, message=line)
+    print(f"escapement: {event}: {line}", file=sys.stderr)
+
+
+def _end_log(code: int) -> None:
+    from escapement.cli import _log
+
+    _log.end(code)
 
 
 def _drop_output() -> None:

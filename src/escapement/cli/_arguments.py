@@ -1,14 +1,15 @@
 """The parser of all commands, options that several share, and the objects they describe.
 
 Options of numbers follow from their declarations, see `escapement.quantity`. Values are
-checked as typed, in the user's units, so that a message shows what the user wrote; the
-conversion to SI follows.
+checked as typed, in the user's units or with a unit of their own, so that a message shows what
+the user wrote; the conversion to SI follows.
 """
 
 import argparse
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
@@ -20,7 +21,7 @@ from escapement.errors import EscapementError, InvalidValue
 from escapement.files import FORMATS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.kind import Kind
-from escapement.quantity import Choice, Quantity, Setting, Truth
+from escapement.quantity import Choice, Numbers, Quantity, Setting, Truth
 from escapement.units import SYSTEMS
 
 Arguments = argparse.Namespace
@@ -64,7 +65,12 @@ class Parser(argparse.ArgumentParser):
                 longer = [word for word in known if word.startswith(name)] or known
                 remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
                 raise UsageError(f"unknown option {name!r}; {remedy}")
-        return self.parse_args(argv)
+        args = self.parse_args(argv)
+        # numbers wait for --units, wherever it stands
+        for name, value in vars(args).items():
+            if callable(value):
+                setattr(args, name, value(args.units or SYSTEMS[0]))
+        return args
 
 
 def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str:
@@ -94,7 +100,12 @@ def parser_of(name: str) -> tuple[ModuleType, Parser]:
 def add_common(parser: Parser, own: str | None = None) -> None:
     """Add what every command takes; `own` explains units that are not SI where none are typed."""
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
-    text = own or "units of what goes in and what comes out (default: SI)"
+    text = "add what happens to FILE as JSON lines, for job scripts"
+    parser.add_argument("--log", type=Path, metavar="FILE", help=text)
+    text = own or (
+        "units of what goes in and what comes out (default: SI); a number may bring its own: "
+        "'5 mN m'"
+    )
     default, rule = None if own else SYSTEMS[0], one_of("--units", SYSTEMS)
     shown = "|".join(SYSTEMS)
     parser.add_argument("--units", type=rule, default=default, metavar=shown, help=text)
@@ -106,9 +117,14 @@ def option(name: str) -> str:
 
 
 def reader(label: str, entry: Setting) -> Callable[[str], Any]:
-    """An argparse type: what was typed, checked as declared; `label` names it in messages."""
+    """An argparse type: what was typed, checked as declared; `label` names it in messages.
+
+    A number becomes a function of the unit system, which `Parser.understand` calls.
+    """
 
     def read(text: str) -> Any:
+        if isinstance(entry, Quantity | Numbers):
+            return lambda system: replace(entry, system=system).parse(label, text)
         try:
             return entry.parse(label, text)
         except InvalidValue as error:
@@ -136,7 +152,7 @@ def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: A
 def add_number(
     group: argparse._ActionsContainer, name: str, text: str, metavar: str, **rule: Any
 ) -> None:
-    """Add the option of a number that has no unit; `rule` has attributes of `Quantity`."""
+    """Add the option of a number; `rule` has attributes of `Quantity`."""
     add_setting(group, Quantity(name=name, long_name=text, metavar=metavar, **rule))
 
 
@@ -153,7 +169,7 @@ def typed(args: Arguments, settings: Mapping[str, Setting]) -> dict[str, Any]:
     for name, entry in settings.items():
         # the classes have defaults of their own for what was not typed
         if (value := getattr(args, name)) is not None:
-            found[entry.key] = entry.to_si(value, args.units)
+            found[entry.key] = replace(entry, system=args.units).to_si(value)
         elif entry.typical is not None:
             found[entry.key] = entry.typical
     return found

@@ -12,18 +12,19 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
+from escapement.cli import _log
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
-from escapement.files import check_target, creating, picture_format
+from escapement.files import check_target, creating, file_format
 from escapement.text import as_json, plain, print_columns, print_values, words
-from escapement.units import factor, unit_name
+from escapement.units import factor, printed
 
 Record = Mapping[str, Any]
 """What a command found, by JSON key."""
 Kinds = Mapping[str, str]
 """Kind of unit, see `escapement.units`, of those that have one, by JSON key."""
 
-_INPUTS = ("data", "study", "table")
+_INPUTS = ("data", "study", "table", "log")
 _LABELS = {
     "inertia_ratio": "inertia ratio F",
     "reversal_limits": "reversal limits F12, F23",
@@ -39,6 +40,7 @@ _REASONS = {
     "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
     "stops in the same direction again",
     "critical_friction": "a mesh has no Painleve limit",
+    "last_reversal_angle": "the pin does not reverse",
     "inertia_ratio": "there is no F without a load",
     "reversal_limits": "the follower's deceleration ends at zero, so no inertia ratio lets it "
     "drive up to the end",
@@ -82,7 +84,10 @@ def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> 
             # a single row repeats what stands above
             if len(shown[key]) > 1:
                 print(f"\n{words(key)}")
-                header = [words(name) + " (deg)" * name.endswith("_deg") for name in shown[key][0]]
+                columns = rows(dict.fromkeys(shown[key][0]), kinds, args.units)
+                header = [
+                    name + f" ({unit})" * (unit not in ("", "1")) for name, _, unit in columns
+                ]
                 print_columns([header], [line.values() for line in shown[key]])
 
     tell(args, shown | ({"message": message} if message else {}), table, message)
@@ -92,7 +97,8 @@ def rows(record: Record, kinds: Kinds, system: str) -> list[tuple[str, Any, str]
     """Name, value and unit for a table of numbers in the user's units, angles in degrees."""
 
     def unit(key: str) -> str:
-        return "deg" if key.endswith("_deg") else unit_name(kinds.get(key, "ratio"), system)
+        kind = "degrees" if key.endswith("_deg") else kinds.get(key, "ratio")
+        return printed(kind, system)
 
     return [(_LABELS.get(key, words(key)), value, unit(key)) for key, value in record.items()]
 
@@ -117,7 +123,8 @@ def in_units(value: Any, quantity: str, system: str) -> Any:
 
 
 def note(message: str) -> None:
-    """A line on stderr."""
+    """A line on stderr, and in the log."""
+    _log.record("note", message=message)
     print(f"escapement: {message}", file=sys.stderr)
 
 
@@ -126,9 +133,12 @@ def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
     # a plotting library is loaded for a figure alone
     if path is not None:
         esc.plots.save(plot(esc.plots), path)
+        _log.record("saved", file=str(path))
 
 
-def check_wanted(args: Arguments, file: str = "FILE") -> None:
+def check_wanted(
+    args: Arguments, file: str = "FILE", formats: tuple[str, ...] | None = None
+) -> None:
     """Look at the places that --output with --force, and --plot name, where they do.
 
     None of them may be an input of the command.
@@ -139,6 +149,8 @@ def check_wanted(args: Arguments, file: str = "FILE") -> None:
         With `_arguments.add_plot`, and `_arguments.add_output` or without it.
     file : str
         What the command's help calls its output.
+    formats : tuple of str, optional
+        Suffixes that the output may have.
 
     Raises
     ------
@@ -150,6 +162,8 @@ def check_wanted(args: Arguments, file: str = "FILE") -> None:
     given = vars(args)
     inputs = [given[name] for name in _INPUTS if given.get(name) is not None]
     if given.get("output") is not None:
+        if formats:
+            file_format(args.output, formats)
         check_output(args.output, *inputs, force=args.force)
         inputs.append(args.output)
     elif given.get("force"):
@@ -181,7 +195,7 @@ def check_output(path: Path, *others: Path, force: bool = False, picture: bool =
         When the suffix of a picture is that of none.
     """
     if picture:
-        picture_format(path)
+        file_format(path)
     folder = check_target(path, force or picture, writable=picture).parent
     for other in others:
         # links are followed, or a result would replace what it is computed from

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from escapement.cli import _arguments, _output
+from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.text import print_columns
 
@@ -36,6 +36,7 @@ def execute(args: Arguments) -> int:
         finally:  # neither a full disk nor a reader that left may cost many minutes of work
             for path in work_precision.write(results, folder) if folder is not None else []:
                 _output.note(f"wrote {path}")
+                _log.record("saved", file=str(path))
     return 0
 
 

@@ -9,7 +9,7 @@ from escapement.cli._arguments import Arguments, Parser
 from escapement.constant_speed import Case
 from escapement.errors import InvalidValue
 from escapement.quantity import declared
-from escapement.units import unit_name
+from escapement.units import printed
 
 if TYPE_CHECKING:
     from escapement.constant_speed import DriveTorque
@@ -66,6 +66,6 @@ def _doubt(result: "DriveTorque", units: str) -> str:
     doubt = _output.in_units(result.moment_deviation, "torque", units)
     return (
         f"the scatter of the table leaves the contact moment uncertain by {doubt:.2g} "
-        f"{unit_name('torque', units)} (standard deviation), the torque by that times the "
+        f"{printed('torque', units)} (standard deviation), the torque by that times the "
         "ratio, and reversals between which the moment is smaller may be none"
     )

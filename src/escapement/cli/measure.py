@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import _arguments, _output
+from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, add_number, one_of
 from escapement.text import print_columns, print_values
 from escapement.units import SYSTEMS
@@ -35,10 +35,11 @@ def configure(parser: Parser) -> None:
     text = "unit of both (default: as in the columns' names, else deg)"
     columns.add_argument("--angle-unit", type=unit, metavar="deg|rad", help=text)
     zeros = parser.add_argument_group("zeros of the encoders, fitted where not given")
-    rule: dict[str, Any] = {"minimum": -math.inf, "remedy": "give an angle in degrees"}
-    text = "driver angle from dead centre where the input reads zero [deg]"
+    rule: dict[str, Any] = {"unit": "degrees", "minimum": -math.inf, "remedy": "give an angle"}
+    text = "driver angle from dead centre where the input reads zero"
     add_number(zeros, "phase", text, "DEG", **rule)
-    add_number(zeros, "offset", "reading of the output at follower angle zero [deg]", "DEG", **rule)
+    text = "reading of the output at follower angle zero"
+    add_number(zeros, "offset", text, "DEG", **rule)
     statistics = parser.add_argument_group("statistics")
     text = (
         "classes: a number, or sturges (default), scott, freedman-diaconis, square-root; "
@@ -91,6 +92,7 @@ def execute(args: Arguments) -> int:
         from escapement.measurement import write_errors
 
         write_errors(result, args.output, force=args.force)
+        _log.record("saved", file=str(args.output))
     _output.draw(args.plot, lambda plots: plots.plot_measurement(result))
     record = summarise(result)
     _output.tell(args, record, lambda: _print_tables(record), result.message)

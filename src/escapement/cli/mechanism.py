@@ -17,8 +17,8 @@ def configure(parser: Parser) -> None:
     drawing = parser.add_argument_group("drawing")
     _arguments.add_plot(drawing, "draw it to scale")
     text = "driver angle of the drawing from dead centre (default: 0)"
-    remedy = "give a driver angle in degrees"
-    _arguments.add_number(drawing, "angle", text, "DEG", minimum=-math.inf, remedy=remedy)
+    rule = {"unit": "degrees", "minimum": -math.inf, "remedy": "give a driver angle"}
+    _arguments.add_number(drawing, "angle", text, "DEG", **rule)
 
 
 def execute(args: Arguments) -> int:

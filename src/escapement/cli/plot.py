@@ -1,5 +1,6 @@
 """The right figures for what a file holds: a study or a motion."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,8 +11,10 @@ from escapement.cli.sweep import in_system, parse_selection
 from escapement.errors import InvalidValue
 from escapement.files import check_input
 from escapement.status import Status
+from escapement.text import words
+from escapement.units import SYSTEMS
 
-UNITS = "units of the axes of a study (default: those of the file); motions are drawn in SI"
+UNITS = "units of a study (default: those of the file); motions are drawn in SI"
 
 
 def configure(parser: Parser) -> None:
@@ -21,10 +24,12 @@ def configure(parser: Parser) -> None:
     text = ".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)"
     add("-o", "--output", type=Path, metavar="OUT", help=text)
     text = (
-        "only the cases at these values, in the units of the file: slots=6 of a study of "
-        "slots, friction and torque"
+        "only the cases at these values, in the units of the file or with their own: slots=6 of a "
+        "study of slots, friction and torque"
     )
     add("--select", metavar="NAME=VALUE,...", help=text)
+    text = "only these results, of those that the study keeps: period,rise_time"
+    add("--result", metavar="NAME,...", help=text)
 
 
 def execute(args: Arguments) -> int:
@@ -37,7 +42,8 @@ def execute(args: Arguments) -> int:
     # a file of a motion says so itself; every other one is taken for a study
     holds, gaps = "motion", ""
     if is_motion(args.file):
-        for option, value in (("--select", args.select), ("--units", args.units)):
+        given = {"--select": args.select, "--result": args.result, "--units": args.units}
+        for option, value in given.items():
             if value not in (None, "SI"):
                 raise UsageError(
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
@@ -46,35 +52,40 @@ def execute(args: Arguments) -> int:
     else:
         holds, study = "study", esc.read_study(args.file)
         try:
-            study = study.at(**parse_selection(args.select or ""))
+            own = study.configuration.get("units", SYSTEMS[0])
+            study = study.at(**parse_selection(args.select or "", own))
         except InvalidValue as error:
             raise UsageError(f"--select, of {args.file}: {error}") from None
-        gaps = _gaps(study)
-        _output.draw(path, lambda plots: plots.plot_study(in_units(study, args.units)))
+        study = in_units(study, args.units)
+        wanted = args.result and [name.strip() for name in args.result.split(",")]
+        _output.draw(path, lambda plots: plots.plot_study(study, wanted))
+        gaps = _gaps(study, wanted or study.results)
     record = {"input": str(args.file), "holds": holds, "output": str(path)}
     _output.tell(args, record, lambda: _output.note(f"{holds} drawn in {path}"), gaps)
     return 0
 
 
-def _gaps(study: "esc.Study") -> str:
+def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
     """How many cases have no number to draw, and why; "" for none."""
     import numpy as np
 
     counts = {label: n for label, n in study.outcomes.items() if label != Status.OK.label}
-    lost = np.isnan(study.results["rise_time"]) & (study.results["status"] == Status.OK)
-    counts["without a rise time"] = int(np.count_nonzero(lost))
+    answered = study.results["status"] == Status.OK
+    for name in results:
+        lost = np.isnan(study.results[name]) & answered
+        counts[f"without {words(name)}"] = int(np.count_nonzero(lost))
     told = ", ".join(f"{n} {what}" for what, n in counts.items() if n)
     return told and f"of {study.cases} cases these leave gaps: {told}"
 
 
 def in_units(study: "esc.Study", system: str | None) -> "esc.Study":
-    """A study with its parameters in another unit system; None leaves them."""
+    """A study in another unit system; None leaves it."""
     from escapement.study.plan import unit_kind
 
-    axes, sampled, units = dict(study.axes), dict(study.sampled), dict(study.units)
-    own = study.configuration.get("units", "SI")
-    for values in (axes, sampled):
+    axes, sampled, results = dict(study.axes), dict(study.sampled), dict(study.results)
+    own, units = study.configuration.get("units", "SI"), dict(study.units)
+    for values in (axes, sampled, results):
         for name in values:
             scale, units[name] = in_system(unit_kind(name), own, system)
             values[name] = values[name] * scale
-    return replace(study, axes=axes, sampled=sampled, units=units)
+    return replace(study, axes=axes, sampled=sampled, results=results, units=units)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import _arguments, _output
+from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, one_of
 from escapement.files import FORMATS, replace_file
 from escapement.text import as_csv, as_json
@@ -64,6 +64,7 @@ def _reproduce(source: str, folder: Path | None, args: Arguments) -> dict[str, A
             for name, plot in made.panels().items():
                 esc.plots.save(plot(), folder / f"{name}.{args.format or FORMATS[0][1:]}")
             _output.note(f"tables and figures in {folder}")
+            _log.record("saved", file=str(folder))
     if not args.json:
         made.show()
     return dict(made.record)

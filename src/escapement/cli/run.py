@@ -6,16 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
+from escapement.files import MOTIONS
 from escapement.model import Escapement, Inertia, Run
 from escapement.quantity import Numbers, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
-from escapement.units import SYSTEMS, unit_name
+from escapement.torque_curve import TorqueCurve
+from escapement.units import SYSTEMS, printed
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
 # as it would take minutes and a gigabyte, and nothing could be told apart
@@ -29,7 +31,9 @@ def configure(parser: Parser) -> None:
     study = parser.add_argument_group("one case of a study, instead of mechanism and model")
     text = "written by escapement sweep"
     study.add_argument("--from", dest="study", type=Path, metavar="FILE.h5", help=text)
-    text = "a value of each axis in the units of FILE.h5, as friction=0.35,torque=0.1"
+    text = (
+        "a value of each axis in the units of FILE.h5 or with its own, as friction=0.35,torque=0.1"
+    )
     study.add_argument("--select", metavar="NAME=VALUE,...", help=text)
     _arguments.add_mechanism(parser)
     length = {name: entry for name, entry in declared(Run).items() if name not in _START}
@@ -37,7 +41,8 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))
     output = parser.add_argument_group("output")
-    _arguments.add_output(output, "FILE.h5", "write the motion")
+    text = "write the motion: .h5, .hdf5 or .nc (HDF5), or .csv (the samples)"
+    _arguments.add_output(output, "FILE.h5", text)
     _arguments.add_plot(output, "draw the velocities")
 
 
@@ -49,7 +54,7 @@ def _model() -> dict[str, Setting]:
 
 def execute(args: Arguments) -> int:
     """Simulate, write what was asked for, print the figures."""
-    _output.check_wanted(args, file="FILE.h5")
+    _output.check_wanted(args, "FILE.h5", MOTIONS)
     escapement, settings = _read_case(args)
     motion = esc.simulate(escapement, args.engagements, duration=args.duration, **settings)
     count = motion.handoff_times.size
@@ -69,7 +74,7 @@ def execute(args: Arguments) -> int:
     for name, value, unit in inputs:
         both = {system: _output.in_units(value, unit, system) for system in SYSTEMS}
         # a number without a unit, or with the same in both systems, is told once
-        alike = len({unit_name(unit, system) for system in SYSTEMS}) == 1
+        alike = len({printed(unit, system) for system in SYSTEMS}) == 1
         told[name] = value if alike else both
     record = _summarise(motion, figures, args.units)
     _output.tell(
@@ -119,18 +124,21 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
     if args.output is not None:
         from escapement.progress import Progress
 
-        with Progress(quiet=motion.handoff_times.size < _LONG, what="samples") as progress:
+        shown: dict[str, Any] = {"what": "samples", "log": _log.progress}
+        with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
             options = {"units": args.units, "force": args.force, "progress": progress}
             esc.write_motion(motion, args.output, **options)
+        _log.record("saved", file=str(args.output))
     _output.draw(args.plot, lambda plots: plots.plot_velocities(motion))
 
 
 def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict[str, Any]:
     """What `run` reports, by JSON key, in the user's units."""
-    from escapement.metrics import FIGURES
+    from escapement.merits import FIGURES
 
     found = {
-        key: _output.in_units(getattr(figures, key), unit, units) for key, unit in FIGURES.items()
+        name: _output.in_units(getattr(figures, name), figure.kind, units)
+        for name, figure in FIGURES.items()
     }
     if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
         del found["contact_force_max"]
@@ -138,11 +146,15 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
         found["beats"] = figures.beats
     else:
         del found["beat_error"], found["blow_max"]
-    outcome = motion if motion.status.failed else figures
+    outcome = motion if motion.status is not Status.OK else figures
     meshed = motion.escapement.mechanism.path.table
-    reasons = _output.not_given({"critical_friction": figures.critical_friction} if meshed else {})
+    may_lack = {"critical_friction"} if meshed else set()
+    may_lack |= {"last_reversal_angle"} if figures.motion is not None else set()
+    reasons = _output.not_given({name: found[name] for name in FIGURES if name in may_lack})
     if not reasons or outcome.message != MESSAGES[Status.OK]:
         reasons.insert(0, outcome.message)
+    if motion.status is Status.SPENT:
+        reasons.insert(1, figures.message)
     return found | {
         "handoff_times": motion.handoff_times,
         "handoff_velocities": motion.handoff_velocities,
@@ -166,30 +178,31 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
             if isinstance(entry, Numbers):
                 # errors are told where there are any; the angles of a table are too many
                 value = [*value] if value and not entry.required else None
-            optional = isinstance(entry.default, float) and name not in ("friction", "load_torque")
-            told = value is not None and not (optional and value == entry.default == 0.0)
+            told = value is not None and not entry.idle(value)
             if told and entry.fits(mechanism.meshed):
-                yield name, str(value) if isinstance(value, Fraction) else value, entry.unit
+                told = isinstance(value, Fraction | TorqueCurve)
+                yield name, str(value) if told else value, "ratio" if told else entry.unit
 
 
 def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> None:
     """What was simulated, with units in both systems, and what came of it."""
-    from escapement.metrics import FIGURES
+    from escapement.merits import FIGURES
 
     (other,) = (system for system in SYSTEMS if system != units)
     rows = []
     for name, value, unit in inputs:
         # speeds are the same in both systems: only this row tells of numbers typed in the other
-        shown = unit_name(unit, units)
-        if shown != unit_name(unit, other):
-            shown += f" = {show(_output.in_units(value, unit, other))} {unit_name(unit, other)}"
+        shown = printed(unit, units)
+        if shown != printed(unit, other):
+            shown += f" = {show(_output.in_units(value, unit, other))} {printed(unit, other)}"
         rows.append((words(name), _output.in_units(value, unit, units), shown))
     times, speeds = record["handoff_times"], record["handoff_velocities"]
     found = record | {"handoffs": len(times)}
     if len(times):
         found |= {"last_handoff": times[-1], "velocity_there": speeds[-1]}
-    kinds = FIGURES | {"handoffs": "ratio", "last_handoff": "time", "velocity_there": "speed"}
+    kinds = {name: figure.kind for name, figure in FIGURES.items()}
+    kinds |= {"handoffs": "ratio", "last_handoff": "time", "velocity_there": "speed"}
     if found["uniqueness_friction"] == found["critical_friction"]:
         del found["uniqueness_friction"]
-    order = [key for key in (*kinds, "energy_residual", "status", "engine") if key in found]
+    order = [key for key in (*kinds, "status", "engine") if key in found]
     print_values(rows + _output.rows({key: found[key] for key in order}, kinds, units))

@@ -3,17 +3,17 @@
 import itertools
 import math
 import os
-import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.errors import InputFileError, InvalidValue
+from escapement.quantity import Quantity
 from escapement.status import Status
 from escapement.text import print_columns, words
-from escapement.units import factor, unit_name
+from escapement.units import SYSTEMS, factor, spelt, unit_name
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 UNITS = "units of the axes printed (default: those of the study)"
 
 _ROWS = 12
-_SHOWN = ("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time")
+_RESULTS = 5  # so many of them have room in a table
 
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
     add("config", type=Path, metavar="CONFIG.toml", help="what to compute")
-    default = "default: the name of CONFIG with .h5, in the current folder"
+    default = ".h5, .hdf5 or .nc (HDF5), .csv or .parquet (a table); default: CONFIG.h5, here"
     _arguments.add_output(parser, "OUT.h5", default)
     text = "continue an interrupted run where it stopped"
     add("--resume", action="store_true", help=text)
@@ -43,6 +43,8 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Run the study, then show a dozen of its cases."""
+    from escapement.study.tables import check_format
+
     plan = esc.load_plan(args.config)
     if args.workers is not None and args.scheduler not in (None, "local"):
         raise UsageError(
@@ -50,7 +52,9 @@ def execute(args: Arguments) -> int:
             "already there; leave it out"
         )
     path = args.output or Path(f"{args.config.stem}.h5")
-    _output.check_output(path, args.config, force=args.force or args.resume)
+    check_format(path)
+    others = [other for other in (args.config, args.log) if other is not None]
+    _output.check_output(path, *others, force=args.force or args.resume)
     try:
         plan.check_mechanism()
     except InvalidValue as error:
@@ -59,7 +63,7 @@ def execute(args: Arguments) -> int:
     cases, units = some_cases(plan, path, args.units)
 
     def table() -> None:
-        below = ["" if units[name] == "1" else units[name] for name in cases[0]]
+        below = [spelt(units[name]) for name in cases[0]]
         print_columns([[*map(words, cases[0])], below], ([*case.values()] for case in cases))
         before = f", {tally.resumed} of them from before" if tally.resumed else ""
         _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
@@ -77,21 +81,24 @@ def execute(args: Arguments) -> int:
 
 def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
     """Run the study; a request to end is answered with how to go on."""
+    from escapement.jit import notice
+    from escapement.progress import Progress
     from escapement.study.run import write_plan
     from escapement.study.writer import partial_path
 
-    # a job scheduler ends a process by SIGTERM: it keeps what is finished, as after Ctrl-C
-    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    notice.silent |= args.quiet
+    workers = args.workers or os.cpu_count() or 1
     try:
         options = {"force": args.force, "resume": args.resume, "scheduler": args.scheduler}
-        workers = args.workers or os.cpu_count() or 1
-        return write_plan(plan, path, progress=not args.quiet, workers=workers, **options)
+        with Progress(quiet=args.quiet, log=_log.progress) as shown:
+            tally = write_plan(plan, path, progress=shown, workers=workers, **options)
     except KeyboardInterrupt:
         if (partial := partial_path(path)).exists():
             _output.note(f"what was finished is in {partial.name}; continue with --resume")
+            _log.record("saved", file=str(partial))
         raise
-    finally:
-        signal.signal(signal.SIGTERM, previous)
+    _log.record("saved", file=str(path))
+    return tally
 
 
 def some_cases(
@@ -99,37 +106,44 @@ def some_cases(
 ) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """At most a dozen cases of a study file, spread evenly over every dimension.
 
-    Only those are read, however large the file. Parameters are in `units`, or in the
-    study's where that is None. Returned as well: the unit of every column.
+    Only those are read, however large the file, and the first five of their results. Numbers
+    are in `units`, or in the study's where that is None. Returned as well: the unit of every
+    column.
     """
     import h5py
+    import numpy as np
 
     from escapement.study.plan import unit_kind
-    from escapement.study.result import RESULTS
+    from escapement.study.tables import is_table, read_rows
 
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
     own = plan.configuration["units"]
-    names = [name for columns in along for name in columns]
+    shown = [name for name in plan.results if name != "status"][:_RESULTS]
+    names = [*(name for columns in along for name in columns), *shown, "status"]
     scaled = {name: in_system(unit_kind(name), own, units) for name in names}
-    cases = []
-    with h5py.File(path, "r") as hdf5:
-        for place in spread(plan.shape, _ROWS):
-            case = {
-                name: values[i].item() * scaled[name][0]
-                for columns, i in zip(along, place, strict=True)
-                for name, values in columns.items()
-            }
-            case |= {name: float(hdf5[name][place]) for name in _SHOWN}
-            cases.append(case | {"status": Status(int(hdf5["status"][place])).label})
-    shown = {name: unit for name, (_, unit) in scaled.items()}
-    return cases, shown | {name: RESULTS[name].units for name in (*_SHOWN, "status")}
+    cases, places = [], spread(plan.shape, _ROWS)
+    if is_table(path):
+        numbers = [int(np.ravel_multi_index(place, plan.shape)) for place in places]
+        results: dict[str, Any] = dict(read_rows(path, numbers))
+    else:
+        with h5py.File(path, "r") as hdf5:
+            wanted = (*shown, "status")
+            results = {name: [hdf5[name][place] for place in places] for name in wanted}
+    for row, place in enumerate(places):
+        case = {
+            name: values[i].item() * scaled[name][0]
+            for columns, i in zip(along, place, strict=True)
+            for name, values in columns.items()
+        }
+        case |= {name: float(results[name][row]) * scaled[name][0] for name in shown}
+        cases.append(case | {"status": Status(int(results["status"][row])).label})
+    return cases, {name: unit for name, (_, unit) in scaled.items()}
 
 
 def in_system(kind: str, own: str, system: str | None) -> tuple[float, str]:
     """Factor that brings numbers of a kind of unit from a system into another, and the unit.
 
-    `system` None leaves them in their `own`. The name of a unit would not do: that of drag is
-    that of an inertia in inches.
+    `system` None leaves them in their `own`.
     """
     system = system or own
     scale = factor(kind, own) / factor(kind, system)
@@ -172,8 +186,8 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     from escapement.study.reader import read_configuration, read_sample_case
     from escapement.study.result import place_on
 
-    wanted = parse_selection(selection or "")
     configuration = read_configuration(path)
+    wanted = parse_selection(selection or "", configuration.get("units", SYSTEMS[0]))
     if "sample" in configuration and "case" in wanted:
         if not (case := wanted.pop("case")).is_integer():
             raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
@@ -203,19 +217,25 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     return plan, int(np.ravel_multi_index(place, plan.shape))
 
 
-def parse_selection(selection: str) -> dict[str, float]:
-    """Values by name of "friction=0.35,torque=0.1"; UsageError where it reads otherwise."""
+def parse_selection(selection: str, system: str) -> dict[str, float]:
+    """Values by name of "friction=0.35,torque=0.1"; UsageError where it reads otherwise.
+
+    Values without a unit are in those of `system`.
+    """
+    from escapement.study.plan import unit_kind
+
     wanted = {}
     for part in filter(None, (part.strip() for part in selection.split(","))):
         name, _, text = part.partition("=")
         name = name.strip()
         if name in wanted:
             raise UsageError(f"--select must give {name} once, got {selection!r}; leave one out")
-        try:
-            wanted[name] = float(text)
-        except ValueError:
+        if not (name and text):
             raise UsageError(
                 f"--select must be NAME=VALUE[,NAME=VALUE...], got {part!r}; "
                 "for example friction=0.35,torque=0.1"
-            ) from None
+            )
+        rule: dict[str, Any] = {"remedy": "give the value of a case", "minimum": -math.inf}
+        entry = Quantity(long_name=name, unit=unit_kind(name), system=system, **rule)
+        wanted[name] = entry.parse(f"--select {name}", text)
     return wanted

@@ -191,7 +191,7 @@ def reversal_study(
     zone = np.where(ratio <= lower * (1.0 + _ROUNDING), 1, late).astype(np.uint8)
     found = np.full((4, n.size), np.nan)
     every = which.flatten(), ratio.flatten(), zone.flatten()
-    _fill(np.array(paths, dtype=float, ndmin=2), np.empty(0), *angles, *every, found)
+    _fill(np.array(paths, dtype=float, ndmin=2), *angles, *every, found)
     d, a = (factor[which] for factor in mean_factors(wheels, internal))
     reversals, (top, place) = found[:2].T.reshape(*n.shape, 2), found[2:].reshape(2, *n.shape)
     return ReversalStudy(n, ratio, zone, reversals, top, place, d * (1.0 + ratio * a))
@@ -225,7 +225,7 @@ def _root(path, ratio, low, high, rising, of_torque):
 
 
 @jit
-def _fill(paths, corners, steepest, exits, wheel, ratio, zone, found):
+def _fill(paths, steepest, exits, wheel, ratio, zone, found):
     """Reversal angles and torque maxima of many wheels and inertia ratios.
 
     paths, steepest, exits hold one row a wheel: numbers of its path, angle of greatest
@@ -235,7 +235,7 @@ def _fill(paths, corners, steepest, exits, wheel, ratio, zone, found):
     """
     for i in range(ratio.size):
         k, f = wheel[i], ratio[i]
-        path = Path(False, paths[k], corners)
+        path = Path(False, paths[k])
         # g' falls from dead centre to its least value and rises again towards the exit
         if zone[i] > 1:
             found[0, i] = _root(path, f, 0.0, steepest[k], False, False)

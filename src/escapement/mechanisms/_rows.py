@@ -66,10 +66,10 @@ class Rows(Kind):
     """
 
     theta: Sequence[float] = field(metadata=setting(
-        Numbers(long_name="driver angles [rad]", remedy="give a list of angles in rad")
+        Numbers(long_name="driver angles", unit="angle", remedy="give a list of angles in rad")
     ))  # fmt: skip
     phi: Sequence[float] = field(metadata=setting(
-        Numbers(long_name="follower angles [rad]", remedy="give a list of angles in rad")
+        Numbers(long_name="follower angles", unit="angle", remedy="give a list of angles in rad")
     ))  # fmt: skip
     measured: bool = field(default=False, metadata=setting(
         Truth(long_name="the rows scatter: a smooth curve goes between them")

@@ -123,6 +123,12 @@ class Wheel(Kind):
     """Whether the driver's bearing carries the force of the contact and no other."""
 
     @property
+    def contact_radius(self) -> float:
+        """Radius of what touches the slot, a pin or its roller [-]; 0 where none is given."""
+        outer = self.roller_radius or self.pin_radius
+        return float(outer / self.crank_radius) if outer else 0.0
+
+    @property
     def widest_pin(self) -> float:
         """Radius at which a pin, or its roller, has no wall left between two slots [-]."""
         # the slots come closest to each other where the pin is closest to the axis
@@ -152,8 +158,8 @@ class Wheel(Kind):
         A pin without width does so at dead centre on both walls.
         """
         half = self.engagement_angle / 2.0
-        if outer := self.roller_radius or self.pin_radius:
-            pin, ends = outer / self.crank_radius, np.array([-half, half])
+        if pin := self.contact_radius:
+            ends = np.array([-half, half])
             return tuple(slotted.slide_edges(self.path, pin, ends).tolist())
         return -half, 0.0, half
 

@@ -85,7 +85,6 @@ def lay_pattern(internal, centre, pin, pins, slots, pattern):
     """
     sense = 1.0 if internal else -1.0
     size, m, n = pattern.size, len(pins), len(slots)
-    corners = np.empty(0)
     for k in range(size):
         meeting, offset = pattern[k], slots[k % n, 1]
         meeting.late, radius = pins[k % m, 0], pins[k % m, 1]
@@ -100,7 +99,7 @@ def lay_pattern(internal, centre, pin, pins, slots, pattern):
             meeting.numbers[i] = row[i]
         meeting.entry, meeting.exit = -half, half
         if offset != 0.0:
-            path = path_in(meeting, corners)
+            path = path_in(meeting)
             meeting.entry = _stop(path, -half, -np.pi, 0.0)
             meeting.exit = _stop(path, half, 0.0, np.pi)
     for k in range(size):
@@ -111,7 +110,7 @@ def lay_pattern(internal, centre, pin, pins, slots, pattern):
         meeting = pattern[k]
         if not meeting.edges[0] < 0.0 < meeting.edges[1]:
             return k
-        ends, path = meeting.edges[:2].copy(), path_in(meeting, corners)
+        ends, path = meeting.edges[:2].copy(), path_in(meeting)
         edges = slide_edges(path, pin, ends)
         meeting.used = len(edges)
         for i in range(len(edges)):
@@ -120,10 +119,10 @@ def lay_pattern(internal, centre, pin, pins, slots, pattern):
 
 
 @inner_jit(allocates=True, inlined=True)
-def path_in(meeting, corners):
-    """The path of an engagement; `corners` is an empty array."""
+def path_in(meeting):
+    """The path of an engagement."""
     # a slice is an array like any other, which a row of a record is not
-    return Path(False, meeting.numbers[:], corners)
+    return Path(False, meeting.numbers[:])
 
 
 @inner_jit
@@ -159,8 +158,7 @@ def _hand_over(a, b, cell, step):
     # angles are those of A; B has the angle x - shift
     shift = cell + b.late - a.late
     leaves, enters, last = a.exit, b.entry + shift, b.exit + shift
-    corners = np.empty(0)
-    path_a, path_b = path_in(a, corners), path_in(b, corners)
+    path_a, path_b = path_in(a), path_in(b)
     start, kind, found = leaves, Handoff.OVERLAP, False
     if enters <= leaves + CLOSE:
         low, high = enters, leaves
@@ -248,7 +246,7 @@ def meetings_of(pattern: np.ndarray) -> tuple[Meeting, ...]:
     """The engagements of a pattern that is possible."""
     return tuple(
         Meeting(
-            Path(False, row.numbers.copy(), np.empty(0)), row.edges[: row.used].copy(),
+            Path(False, row.numbers.copy()), row.edges[: row.used].copy(),
             float(row.dwell), float(row.late), partial(follower_angle, row),
             Handoff(row.kind).label, float(row.jump), float(row.radius),
         )

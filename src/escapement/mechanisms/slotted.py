@@ -234,7 +234,7 @@ def two_vector_path(
         With the eleven numbers that `pose_at` reads.
     """
     numbers = as_python(path_numbers)(p, a, q, b, forward, rest, 0.0)
-    return Path(False, np.array(numbers), np.empty(0))
+    return Path(False, np.array(numbers))
 
 
 @inner_jit

@@ -78,11 +78,11 @@ def table_path(edges: FloatArray, series: FloatArray) -> Path:
     series : ndarray, shape (pieces, order)
         Coefficients of g in each piece.
     """
-    numbers = np.concatenate([series.shape, edges, series.reshape(-1)])
     # A table is not smooth at the knots of a spline; series of full order are cut for accuracy
     # alone. Besides, the loss goes with the size of g, so it bends where g changes its sign.
     knots = edges[1:-1] if series.shape[1] < ORDER else edges[:0]
-    return Path(True, numbers, np.concatenate([knots, Series(edges, series).roots()[0]]))
+    roots = Series(edges, series).roots()[0]
+    return Path(True, np.concatenate([series.shape, edges, series.reshape(-1), knots, roots]))
 
 
 def resolved(function: Callable[[FloatArray], FloatArray], edges: Iterable[float]) -> Series:

@@ -7,7 +7,7 @@ dimension scale. Torque and force are in the user's units, all else is in SI.
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
@@ -17,77 +17,36 @@ import h5py
 import numpy as np
 
 from escapement import __version__
-from escapement.dynamics import LOSSES
 from escapement.errors import EscapementError, InputFileError
-from escapement.files import check_target, pending_hdf5
+from escapement.files import MOTIONS, check_target, file_format, pending_hdf5, write_file
 from escapement.mechanisms import KINDS
 from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.motion_file.sampled import SampledTrajectory
 from escapement.status import Status
+from escapement.study.hdf5 import FILTERS
 from escapement.study.parse import parse_plan, plan_from
-from escapement.study.reader import configuration_of, opened
+from escapement.study.reader import configuration_of
+from escapement.study.stored import LAYOUT, SCHEMA_VERSION, opened
+from escapement.text import csv_lines
 from escapement.trajectory import Events, Extrema
-from escapement.units import factor, unit_name
+from escapement.units import factor
+from escapement.variables import (
+    ATTRIBUTES,
+    GROUPS,
+    LOST,
+    SAMPLES,
+    Columns,
+    attributes,
+    attributes_of,
+    values_of,
+)
 
 CONTENT = "motion"
 """Root attribute `content`, by which a motion is told from a study."""
-SCHEMA_VERSION = 1
-"""Version of the file layout: raised when an older reader would misread a newer file."""
 _BLOCK = 65536  # samples computed and written at a time, and the length of a chunk
-_FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
-_ATTRIBUTES = {"engine": str, "rtol": float, "end_time": float, "message": str}
-"""Attributes of a motion that are root attributes of the file too, and their types."""
 Progress = Callable[[int, int, int], None]
 """Called with the samples written, their number and 0."""
-
-# of each dataset its key in `escapement.units`, its name for people and its type
-Columns = dict[str, tuple[str, str, str]]
-SAMPLES: Columns = {
-    "t": ("time", "time from the first pin entry", "<f8"),
-    "theta": ("angle", "driver angle from the first dead centre", "<f8"),
-    "theta_dot": ("speed", "driver velocity", "<f8"),
-    "theta_ddot": ("acceleration", "driver acceleration", "<f8"),
-    "phi": ("angle", "follower angle", "<f8"),
-    "phi_dot": ("speed", "follower velocity", "<f8"),
-    "phi_ddot": ("acceleration", "follower acceleration", "<f8"),
-    "contact_moment": ("torque", "moment of the pin on the follower", "<f8"),
-    "contact_force": ("force", "force between pin and slot, with a crank radius", "<f8"),
-    "driver_bearing_reaction": ("force", "force that the driver's bearing carries", "<f8"),
-    "follower_bearing_reaction": ("force", "force that the follower's bearing carries", "<f8"),
-}
-"""Columns over `t`, computed block by block."""
-_HANDOFFS: Columns = {
-    "handoff_times": ("time", "end of each engagement", "<f8"),
-    "handoff_velocities": ("speed", "driver velocity at each handoff", "<f8"),
-}
-_EVENTS: Columns = {
-    "time": ("time", "time of each", "<f8"),
-    "engagement": ("ratio", "engagement, from 0", "<i8"),
-    "theta": SAMPLES["theta"],
-    "theta_dot": SAMPLES["theta_dot"],
-}
-_EXTREMA: Columns = {
-    **_EVENTS,
-    "maximum": ("ratio", "kind of extremum of the driver velocity", "u1"),
-}
-_PIECES: Columns = {
-    "start": ("time", "start of each piece", "<f8"),
-    "engagement": ("ratio", "engagement, from 0", "<i8"),
-    "sign": ("ratio", "side of the slot that carries the force, 0 while locked", "<f8"),
-    **{
-        f"{name}_loss": ("energy", f"work lost in {name.replace('_', ' ')} over each piece", "<f8")
-        for name in LOSSES
-    },
-}
-_LOST = {f"{name}_loss": row for row, name in enumerate(LOSSES)}
-GROUPS = (
-    ("", "", _HANDOFFS),
-    ("reversals", "reversal_", _EVENTS),
-    ("extrema", "extremum_", _EXTREMA),
-    ("trajectory", "piece_", _PIECES),
-)
-"""Everything else: an attribute of the motion or itself, prefix and columns of its datasets."""
 
 
 def write_motion(
@@ -98,15 +57,14 @@ def write_motion(
     force: bool = False,
     progress: Progress | None = None,
 ) -> None:
-    """Write a motion to HDF5.
+    """Write a motion to HDF5, or its samples to CSV where the name ends in .csv.
 
     Parameters
     ----------
     motion : Motion
-        What `escapement.simulate` returns. The times written are its default
-        grid and the starts of its pieces.
+        What `escapement.simulate` returns. The times written are its default grid.
     path : path
-        File to create.
+        File to create; its suffix is one of `files.MOTIONS`.
     units : str
         Unit system of torque and force in the file, "SI" or "in-lbf-s".
     force : bool
@@ -121,69 +79,80 @@ def write_motion(
     StorageError
         When the disk is full or fails.
     InvalidValue
-        For a motion without length.
+        For a motion without length, or another suffix.
     """
     check_target(path, force)
+    table = file_format(path, MOTIONS) == ".csv"
     # HDF5 may crash where memory ends while it has a file
-    times = np.concatenate([motion.t, motion.trajectory.start])
-    times = np.unique(times[(times >= 0.0) & (times <= motion.end_time)])
+    blocks = _blocks(motion, motion.t, units, progress)
+    if table:
+        write_file(path, _lines(blocks), force)
+        return
     with pending_hdf5(path, force) as (hdf5, _):
         _write_root(hdf5, motion)
-        _write_samples(hdf5, motion, times, units, progress)
+        _write_samples(hdf5, motion, blocks, units)
         for owner, prefix, columns in GROUPS:
             source: Any = getattr(motion, owner) if owner else motion
             size = getattr(source, next(iter(columns))).size
             for key, dataset in _create(hdf5, prefix, columns, size, units).items():
-                lost = key in _LOST
-                dataset[...] = source.losses[_LOST[key]] if lost else getattr(source, key)
+                dataset[...] = values_of(source, key)
 
 
 def _write_root(hdf5: Any, motion: Motion) -> None:
-    hdf5.attrs.update(
-        content=CONTENT,
-        title=f"motion of an escapement, {motion.handoff_times.size} engagements",
-        schema_version=SCHEMA_VERSION,
-        package_version=__version__,
-        **{name: getattr(motion, name) for name in _ATTRIBUTES},
-        status=motion.status.label,
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
-    )
     scene = motion.escapement
     run: dict[str, Any] = {"initial_speed": float(motion.at(0.0).theta_dot), "rtol": motion.rtol}
     # so written, the file says all that it takes to simulate the motion again
-    study = plan_from(scene, {"torque": [scene.torque]}, engine=motion.engine, **run)
-    text = json.dumps(study.configuration, allow_nan=False)
-    configuration = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
-    configuration.attrs.update(units="1", long_name="the escapement as a study of one case, JSON")
+    axis = "torque" if scene.torque == scene.torque_unit else "load_torque"
+    study = plan_from(scene, {axis: [getattr(scene, axis)]}, engine=motion.engine, **run)
+    hdf5.attrs.update(
+        content=CONTENT,
+        title=f"motion of an escapement, {motion.handoff_times.size} engagements",
+        **LAYOUT,
+        package_version=__version__,
+        **attributes(motion),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        configuration=json.dumps(study.configuration, allow_nan=False),
+    )
+
+
+def _blocks(
+    motion: Motion, times: FloatArray, units: str, progress: Progress | None
+) -> Iterator[dict[str, FloatArray]]:
+    """Samples in blocks, so that memory does not grow with the motion."""
+    for start in range(0, times.size, _BLOCK):
+        state = motion.at(times[start : start + _BLOCK])
+        found = {name: (getattr(state, name), SAMPLES[name][0]) for name in SAMPLES}
+        yield {name: x / factor(unit, units) for name, (x, unit) in found.items() if x is not None}
+        if progress is not None:
+            progress(min(start + _BLOCK, times.size), times.size, 0)
+
+
+def _lines(blocks: Iterator[dict[str, FloatArray]]) -> Iterator[bytes]:
+    for number, block in enumerate(blocks):
+        if number == 0:
+            yield (",".join(block) + "\n").encode()
+        yield csv_lines(block.values())
 
 
 def _write_samples(
-    hdf5: Any, motion: Motion, times: FloatArray, units: str, progress: Progress | None
+    hdf5: Any, motion: Motion, blocks: Iterator[dict[str, FloatArray]], units: str
 ) -> None:
-    """Columns over `t` in blocks, so that memory does not grow with the motion."""
-    first = motion.at(0.0)
-    columns = {name: SAMPLES[name] for name in SAMPLES if getattr(first, name) is not None}
-    made = _create(hdf5, "", columns, times.size, units)
-    for start in range(0, times.size, _BLOCK):
-        rows = slice(start, start + _BLOCK)
-        state = motion.at(times[rows])
-        for name, dataset in made.items():
-            dataset[rows] = getattr(state, name) / factor(columns[name][0], units)
-        if progress is not None:
-            progress(min(rows.stop, times.size), times.size, 0)
+    made: dict[str, Any] = {}
+    for number, block in enumerate(blocks):
+        columns = {name: SAMPLES[name] for name in block}
+        made = made or _create(hdf5, "", columns, motion.t.size, units)
+        for name, values in block.items():
+            made[name][number * _BLOCK : number * _BLOCK + values.size] = values
 
 
 def _create(hdf5: Any, prefix: str, columns: Columns, size: int, units: str) -> dict[str, Any]:
     """Datasets of one length, the first of them the dimension scale of all."""
     # an empty one has no chunks that could be filtered
-    options = _FILTERS | {"chunks": (min(size, _BLOCK),)} if size else {}
+    options = FILTERS | {"chunks": (min(size, _BLOCK),)} if size else {}
     made = {}
-    for key, (quantity, long_name, dtype) in columns.items():
-        made[key] = hdf5.create_dataset(prefix + key, (size,), dtype, **options)
-        made[key].attrs.update(units=unit_name(quantity, units), long_name=long_name)
-        if key == "maximum":
-            flags = np.array([0, 1], "u1")
-            made[key].attrs.update(flag_values=flags, flag_meanings="minimum maximum")
+    for key, column in columns.items():
+        made[key] = hdf5.create_dataset(prefix + key, (size,), column[2], **options)
+        made[key].attrs.update(attributes_of(key, column, units))
     scale, *rest = made.values()
     scale.make_scale(scale.name.removeprefix("/"))
     for dataset in rest:
@@ -233,11 +202,11 @@ def read_motion(path: str | PathLike[str]) -> Motion:
 
 def _read(hdf5: Any) -> Motion:
     escapement = parse_plan(configuration_of(hdf5)).escapement(0)
-    attributes = {name: kind(hdf5.attrs[name]) for name, kind in _ATTRIBUTES.items()}
+    attributes = {name: kind(hdf5.attrs[name]) for name, kind in ATTRIBUTES.items()}
     samples = {name: hdf5[name][()] for name in ("t", "theta", "theta_dot")}
     groups = [
         # files of the first versions hold the loss in friction alone
-        {key: hdf5[prefix + key][()] for key in columns if key not in _LOST or prefix + key in hdf5}
+        {key: hdf5[prefix + key][()] for key in columns if key not in LOST or prefix + key in hdf5}
         for _, prefix, columns in GROUPS
     ]
     handoffs, reversals, extrema, pieces = groups
@@ -250,7 +219,7 @@ def _read(hdf5: Any) -> Motion:
         raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s, and have a piece")
     extrema["maximum"] = extrema["maximum"].astype(bool)
     none = np.zeros_like(pieces["start"])
-    pieces["losses"] = np.array([pieces.pop(key, none) for key in _LOST])
+    pieces["losses"] = np.array([pieces.pop(key, none) for key in LOST])
     pieces |= {"reversals": Events(**reversals), "extrema": Extrema(**extrema)}
     return Motion(
         escapement=escapement,

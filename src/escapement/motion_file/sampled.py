@@ -40,8 +40,9 @@ class SampledTrajectory:
         since = np.maximum(np.ascontiguousarray(t) - self.start[piece], 0.0) / clock
         angle, end, speed = (values[piece] for values in self._pieces)
         start = (angle, (speed * clock) ** 2, self.sign[piece])
-        scenes = self.escapement.scenes
-        scene = scenes[self.engagement[piece] % len(scenes)]
+        scenes, engagement = self.escapement.scenes, int(self.engagement[piece])
+        turned = self.escapement.turned_before(engagement)
+        scene = scenes[engagement % len(scenes)]._replace(turned=turned)
         theta, squares = follow(scene, start, end, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
@@ -55,7 +56,8 @@ class SampledTrajectory:
         # a piece of no length may end the motion
         sample = np.minimum(np.searchsorted(self.t, self.start), self.t.size - 1)
         angle = self.theta[sample] - self.engagement * cell - late
-        angle = np.where(self.sign == 0.0, exit_, angle)
+        locked = self.sign == 0.0
+        angle = np.where(locked & ~np.append(False, locked[:-1]), exit_, angle)
         angle = np.where(first, entry, angle)
         # a piece ends where the next one of its engagement begins, or at the end of the cell
         end = np.where(np.roll(first, -1), cell_end, np.roll(angle, -1))

@@ -4,6 +4,7 @@ Points are complex numbers x + iy, in the unit of length that each outline names
 """
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -76,6 +77,21 @@ def slotted_edge(
     sector = np.concatenate([[corner.conjugate()], end, [corner], land])
     turns = np.exp(2j * np.pi * np.arange(slots) / slots)
     return closed((turns[:, None] * sector).ravel())
+
+
+def pins_and_rollers(mechanism: Wheel, places: Iterable[complex], radius: float) -> list[Disc]:
+    """Every "pin-k" at its place, and "roller-k" about it where pins have rollers.
+
+    radius : of what touches the slot, in the unit of the places.
+    """
+    found = []
+    for k, place in enumerate(places):
+        inner = radius
+        if mechanism.roller_radius:
+            found.append(Disc(f"roller-{k}", place, radius))
+            inner *= mechanism.pin_radius / mechanism.roller_radius
+        found.append(Disc(f"pin-{k}", place, inner))
+    return found
 
 
 def closed(edge: ComplexArray) -> ComplexArray:

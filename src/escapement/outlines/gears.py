@@ -7,7 +7,15 @@ import numpy as np
 
 from escapement.mechanisms import EllipticalPlanetary, GearDriven
 from escapement.model import FloatArray
-from escapement.outlines import Body, ComplexArray, Disc, arc, locked_angle, slotted_edge
+from escapement.outlines import (
+    Body,
+    ComplexArray,
+    Disc,
+    arc,
+    locked_angle,
+    pins_and_rollers,
+    slotted_edge,
+)
 
 _TURN = 2.0 * np.pi
 
@@ -27,10 +35,9 @@ class GearDrivenOutline:
         Distance of a pin from the axis where it enters, and at dead centre.
     inward : bool
         Whether the slots open at the rim of a disc, else inside a ring.
-    pin_radius : float
-        Small beside the path, and slots must not meet.
-    half_slot : float
-        Half the slot width: the pin with a little play.
+    pin_radius, half_slot : float
+        As of a `GenevaOutline`. A radius that was not given is small beside the path, and so
+        small that slots do not meet.
     rim_radius, reach : float
         Outer radius of the wheel, and radius of the whole drawing.
     """
@@ -42,8 +49,9 @@ class GearDrivenOutline:
         self.slot_end = abs(mechanism.arms.first + mechanism.arms.second)
         self.inward = self.slot_end < self.mouth
         narrow = min(self.mouth or self.slot_end, self.slot_end)
-        self.pin_radius = min(0.05, 0.35 * narrow * math.pi / max(mechanism.slots, 3))
-        self.half_slot = 1.1 * self.pin_radius
+        chosen = min(0.05, 0.35 * narrow * math.pi / max(mechanism.slots, 3))
+        self.pin_radius = mechanism.contact_radius or chosen
+        self.half_slot = mechanism.contact_radius or 1.1 * chosen
         ring = self.slot_end + 4.0 * self.half_slot
         self.rim_radius = math.hypot(self.mouth, self.half_slot) if self.inward else ring
         self.reach = max(self.rim_radius, mechanism.reach_over_fixed + self.pin_radius)
@@ -51,15 +59,16 @@ class GearDrivenOutline:
     def bodies(self, theta: float) -> tuple[Body, Disc, Disc, *tuple[Disc, ...]]:
         """Everything where it stands at a carrier angle: wheel, pitch circles and pins.
 
-        "follower", "fixed-gear", "planet", and "pin-k" with k counted from 0.
+        "follower", "fixed-gear", "planet", "pin-k" with k counted from 0, and "roller-k" where
+        pins have rollers.
         """
         carrier = complex(self.mechanism.arms.first * np.exp(1j * theta))
-        pins = range(self.mechanism.pins)
+        places = [complex(self.pin_at(theta, k)) for k in range(self.mechanism.pins)]
         return (
             Body("follower", tuple(self.wheel_edges())).turned(self.wheel_at(theta)),
             Disc("fixed-gear", 0.0, 1.0),
             Disc("planet", carrier, self.planet_radius),
-            *(Disc(f"pin-{k}", complex(self.pin_at(theta, k)), self.pin_radius) for k in pins),
+            *pins_and_rollers(self.mechanism, places, self.pin_radius),
         )
 
     def reliefs(self, theta: float) -> list[Body]:

@@ -1,9 +1,10 @@
 """Bodies of a Geneva drive in crank radii.
 
-The kinematics need only points and lines, while a picture needs bodies. Widths are
-chosen here so that no two bodies collide in any position: slots end where the
-pin turns back, locking arcs stay clear of slots, and the driver's locking disc
-is cut by the envelope of the wheel that turns past it.
+The kinematics need little more than points and lines, while a picture needs bodies. A pin
+has the radius it was given, or one chosen here; other widths are chosen here so that no
+two bodies collide in any position: slots end where the pin turns back, locking arcs stay
+clear of slots, and the driver's locking disc is cut by the envelope of the wheel that
+turns past it.
 """
 
 import math
@@ -13,7 +14,16 @@ import numpy as np
 
 from escapement.mechanisms import Geneva
 from escapement.model import FloatArray
-from escapement.outlines import Body, ComplexArray, Disc, arc, closed, locked_angle, slotted_edge
+from escapement.outlines import (
+    Body,
+    ComplexArray,
+    Disc,
+    arc,
+    closed,
+    locked_angle,
+    pins_and_rollers,
+    slotted_edge,
+)
 
 # Rays of the locking disc; the number is twice a multiple of every possible number of pins.
 _RAYS = 720
@@ -36,13 +46,15 @@ class GenevaOutline:
     slot_end : float
         Distance of a pin from the follower's axis at dead centre.
     pin_radius, half_slot : float
-        Half the slot width is the pin's radius with a little play.
+        Radius of a pin, or of the roller on it, and half the slot width: the same where a
+        radius was given, with a little play where it was not.
     rim_radius : float
         Radius of the rim; a pin enters as its centre crosses the mouth.
     locks : bool
-        Whether there is a dwell, and so locking arcs.
+        Whether there are locking arcs: not without a dwell, nor where wide slots leave no room.
     lock_radius : float
-        Radius of the locking arcs; 0.1 of wheel is left beside each slot.
+        Radius of the locking arcs; 0.1 of wheel is left beside each slot, or half of what
+        there is.
     gap : float
         Play between the locking disc and the wheel.
     follower_radius, crank_disc_radius : float
@@ -55,11 +67,14 @@ class GenevaOutline:
         self.mechanism, internal = mechanism, mechanism.internal
         centre, self.side = mechanism.centre_distance, 1.0 if internal else -1.0
         self.slot_end = centre + self.side
-        self.pin_radius = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
-        self.half_slot = 1.08 * self.pin_radius
+        chosen = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
+        self.pin_radius = mechanism.contact_radius or chosen
+        self.half_slot = mechanism.contact_radius or 1.08 * chosen
         self.rim_radius = math.hypot(centre * math.cos(math.pi / mechanism.slots), self.half_slot)
-        self.locks = not mechanism.continuous
-        self.lock_radius = 0.9 - self.half_slot
+        wall = 1.0 - self.half_slot
+        self.lock_radius = wall - min(0.1, 0.5 * wall)
+        room = self.lock_radius - abs(centre - self.rim_radius)
+        self.locks = not mechanism.continuous and room > 0.0
         self.gap = min(0.02, 0.2 * abs(centre - self.rim_radius))
         ring = self.slot_end + self.half_slot + 0.18
         self.follower_radius = ring if internal else self.rim_radius
@@ -71,24 +86,24 @@ class GenevaOutline:
         """Everything that is drawn, where it stands at a driver angle.
 
         "follower", "crank-disc", "driver-shaft" and "pin-k" with k counted from 0 are always
-        there; "locking-disc" only with a dwell, "follower-shaft" only of an external wheel.
+        there; "locking-disc" only with a dwell and room for it, "follower-shaft" only of an
+        external wheel, "roller-k" only where pins have rollers.
         """
         mechanism, centre = self.mechanism, self.mechanism.centre_distance
         outside = (arc(self.follower_radius, 2.0 * np.pi, 0.0),) if mechanism.internal else ()
         follower = Body("follower", (self.follower_edge, *outside))
         found: list[Body | Disc] = [follower.turned(locked_angle(mechanism, theta))]
-        if self.locks:
-            disc = Body("locking-disc", (locking_disc(mechanism),))
-            found.append(disc.turned(self.side * theta, centre))
+        if self.locks and (edge := locking_disc(mechanism)).size:
+            found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
         shaft = 0.12 if mechanism.internal else min(0.14, 0.5 * (centre - self.rim_radius))
         discs: dict[str, tuple[complex, float]] = {}
         discs |= {"crank-disc": (centre, self.crank_disc_radius), "driver-shaft": (centre, shaft)}
         if not mechanism.internal:
             discs["follower-shaft"] = 0.0, min(0.12, 0.5 * (self.slot_end - self.half_slot))
-        for k in range(mechanism.pins or 1):
-            turn = np.exp(1j * self.side * (theta - k * mechanism.cell_angle))
-            discs[f"pin-{k}"] = complex(centre + self.side * turn), self.pin_radius
-        return found + [Disc(name, *round_) for name, round_ in discs.items()]
+        found += [Disc(name, *round_) for name, round_ in discs.items()]
+        turned = theta - np.arange(mechanism.pins or 1) * mechanism.cell_angle
+        places = centre + self.side * np.exp(1j * self.side * turned)
+        return found + pins_and_rollers(mechanism, places.tolist(), self.pin_radius)
 
     def _land(self) -> ComplexArray:
         """From slot 0 to slot 1, the corners left out."""
@@ -127,8 +142,9 @@ def locking_disc(mechanism: Geneva) -> ComplexArray:
     """Closed edge of the driver's locking disc about its axis, pin 0 at dead centre.
 
     An external wheel leaves a disc with a hollow for each pin, an internal one
-    a crescent opposite the pin. Every ray from the driver's axis is followed
-    until the turning wheel, in any of its positions, comes within the gap.
+    a crescent opposite the pin, or nothing where wide slots leave no room for it. Every
+    ray from the driver's axis is followed until the turning wheel, in any of its
+    positions, comes within the gap.
     """
     outline, side = GenevaOutline(mechanism), 1.0 if mechanism.internal else -1.0
     ends = mechanism.breaks[0], mechanism.breaks[-1]
@@ -149,6 +165,8 @@ def locking_disc(mechanism: Geneva) -> ComplexArray:
     rays = np.concatenate([rays, rays[-2:0:-1].conj()])
     if mechanism.internal:
         solid = radius < edge - 1e-6
+        if not solid.any():
+            return rays[:0]
         return closed(np.concatenate([edge * rays[solid], (radius * rays)[solid][::-1]]))
     pins = mechanism.pins or 1
     hollows = [np.roll(radius, k * _RAYS // pins) for k in range(pins)]

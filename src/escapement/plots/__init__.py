@@ -20,6 +20,7 @@ from escapement.plots.motion import plot_contact_moment as plot_contact_moment
 from escapement.plots.motion import plot_phase_portrait as plot_phase_portrait
 from escapement.plots.motion import plot_velocities as plot_velocities
 from escapement.plots.planetary import plot_planetary as plot_planetary
+from escapement.plots.rundown import plot_rundown as plot_rundown
 from escapement.plots.sample import plot_sample as plot_sample
 from escapement.plots.saving import save as save
 from escapement.plots.study import plot_lines as plot_lines

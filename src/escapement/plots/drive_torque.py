@@ -1,6 +1,7 @@
 """Torque of a drive at constant speed over the driver angle, reversals marked."""
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -88,5 +89,5 @@ def _write(ax: Axes, text: str, place: tuple[float, float], above: float) -> flo
     points = 72.0 * ax.bbox.width / ax.figure.dpi
     half = 0.3 * style.SMALL_SIZE * len(text) * (end - start) / points
     side = "left" if place[0] - start < half else "right" if end - place[0] < half else "center"
-    style.annotate(ax, text.replace("-", "−"), place, (0.0, above), side)
+    style.annotate(ax, re.sub(r"-(?=\d)", "−", text), place, (0.0, above), side)
     return half

@@ -46,8 +46,8 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     Parameters
     ----------
     mechanism : GearDriven
-        What to draw. Pin and slot widths are the drawing's choice. Where unused
-        lobes pass through the locked wheel it is cut away.
+        What to draw. The width of pins without a `pin_radius` and of their slots is the
+        drawing's choice. Where unused lobes pass through the locked wheel it is cut away.
     theta : float
         Carrier angle from dead centre of the first pin [rad], of any size; in a
         dwell the wheel stands locked.
@@ -138,8 +138,10 @@ def _draw(ax: Axes | None, outline: GearDrivenOutline, theta: float, *, wheel: b
         for relief in outline.reliefs(theta):  # the wheel is cut away where unused lobes pass
             drawing.bodies(ax, [relief], _EDGE)["relief"].set_clip_path(solid)
             drawing.bodies(ax, [relief], _ROOM)
-    # pins are drawn large enough to be seen
-    least = 0.018 * outline.reach
+    rollers = {"roller": {"facecolor": "white", "edgecolor": _PIN, "zorder": 2.9}}
+    drawing.bodies(ax, pins, rollers, linewidth=0.9)
+    # pins of no given radius are drawn large enough to be seen
+    least = 0.0 if outline.mechanism.contact_radius else 0.018 * outline.reach
     seen = [pin._replace(radius=max(pin.radius, least)) for pin in pins]
     drawing.bodies(ax, [fixed, planet, *seen], _LOOKS, linewidth=0.9)
     arm = np.array([0.0, planet.centre])

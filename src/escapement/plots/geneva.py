@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from escapement import validate
 from escapement.mechanisms import Geneva
-from escapement.outlines import arc, locked_angle
+from escapement.outlines import Disc, arc, locked_angle
 from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import drawing, style
 
@@ -19,6 +19,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "follower-shaft": {"facecolor": "white", "zorder": 2.1},
     "locking-disc": {"facecolor": "#9cc7e8", "zorder": 2.5},
     "driver-shaft": {"facecolor": "white", "zorder": 2.6},
+    "roller": {"facecolor": "#dcebf7", "edgecolor": "#00466f", "zorder": 2.9},
     "pin": {"facecolor": "#00466f", "edgecolor": "#00466f", "linewidth": 0, "zorder": 3},
 }
 _BROKEN = {"fill": False, "ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5)), "zorder": 2.2}
@@ -35,8 +36,8 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     Parameters
     ----------
     mechanism : Geneva
-        What to draw. Pin and slot widths are the drawing's choice: the model
-        has none.
+        What to draw. The width of pins without a `pin_radius` and of their slots is the
+        drawing's choice.
     theta : float
         Driver angle from dead centre of the reference pin [rad], of any size;
         in a dwell the follower stands locked.
@@ -48,7 +49,7 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     -------
     Axes
         Artists carry ids: "follower", "crank-disc", "locking-disc", and
-        "pin-k" and "slot-k" (its centre line) with k counted from 0.
+        "pin-k", "roller-k" and "slot-k" (its centre line) with k counted from 0.
 
     Raises
     ------
@@ -70,7 +71,7 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
 
 
 def plot_configurations(theta: float = 0.0) -> Figure:
-    """The three continuous Geneva drives side by side, crank radii equal.
+    """The three continuous Geneva drives side by side, equally wide, with their parts named.
 
     Parameters
     ----------
@@ -82,18 +83,37 @@ def plot_configurations(theta: float = 0.0) -> Figure:
     angle = validate.number("theta", theta, "give the driver angle in rad")
     drives = [GenevaOutline(Geneva(slots=n)) for n in _CONTINUOUS]
     boxes = [_extent(drive) for drive in drives]
-    widths = [box[1] - box[0] for box in boxes]
-    half = max(box[3] for box in boxes) + 0.05
+    # heights are shares of the widths, and have room for the highest drive and its bar
+    top = max((box[3] + 0.05) / (box[1] - box[0]) for box in boxes)
+    bottom = -top - 0.06
     wide = style.TWO_COLUMN
-    figure = style.new_figure(wide, 2.0 * wide * half / sum(widths) + 0.3)
-    axes = figure.subplots(1, 3, width_ratios=widths)
-    for ax, outline in zip(axes, drives, strict=True):
+    figure = style.new_figure(wide, wide / 3.0 * (top - bottom) + 0.3)
+    for ax, outline, (left, right, _, _) in zip(figure.subplots(1, 3), drives, boxes, strict=True):
         _draw(ax, outline, angle)
-        ax.set_ylim(-half, half)
-        wheel = outline.mechanism
+        width, wheel = right - left, outline.mechanism
+        ax.set_ylim(bottom * width, top * width)
         ax.set_title(f"{wheel.slots} slots, {wheel.pins} pins", fontsize=style.LABEL_SIZE)
-    _draw_scale(axes[0], drives[0])
+        _name_parts(ax, outline, angle)
+        drawing.length(ax, (left + 0.15, (bottom + 0.03) * width), 1.0, "crank radius")
     return figure
+
+
+def _name_parts(ax: Axes, outline: GenevaOutline, theta: float) -> None:
+    """Names of driver, follower, the highest pin, and a slot on the lower left."""
+    wheel, rim = outline.mechanism, outline.rim_radius
+    # of all discs a pin has the highest centre
+    centres = [body.centre for body in outline.bodies(theta) if isinstance(body, Disc)]
+    phi = locked_angle(wheel, theta) + wheel.follower_step * np.arange(wheel.slots)
+    slot = min(np.exp(1j * phi), key=lambda along: abs(along - np.exp(-2.4j)))
+    aside = 13j * slot
+    names = {
+        "driver": (wheel.centre_distance + 0.3 - 0.4j, (0.0, 0.0)),
+        "follower": (rim * np.exp(2.2j), (-8.0, 11.0)),
+        "pin": (max(centres, key=lambda centre: centre.imag), (0.0, -11.0)),
+        "slot": ((0.6 * outline.slot_end + 0.4 * rim) * slot, (aside.real, aside.imag)),
+    }
+    for name, (place, offset) in names.items():
+        style.annotate(ax, name, (place.real, place.imag), offset)
 
 
 def _draw(ax: Axes | None, outline: GenevaOutline, theta: float) -> Axes:

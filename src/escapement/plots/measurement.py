@@ -197,9 +197,9 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: boo
 
 
 def plot_measurement(result: Measurement) -> Figure:
-    """Errors, their distribution and what comes back, on one sheet."""
+    """Positions, errors, their distribution and what comes back, on one sheet."""
     figure = style.new_figure(style.TWO_COLUMN, 5.6)
-    draw = (plot_errors, plot_error_histogram, plot_periodogram, plot_frequencies)
+    draw = (plot_positions, plot_errors, plot_error_histogram, plot_periodogram)
     for ax, plot in zip(figure.subplots(2, 2).flat, draw, strict=True):
         # the heading says what is synthetic, once for all panels
         plot(result, style.dress(ax)).get_legend().set_title(None)  # type: ignore

@@ -15,6 +15,7 @@ from escapement.plots import style
 from escapement.plots.style import finished, scaled
 
 _CROWDED = 30  # lines of full height at more handoffs would grey the figure
+_ROOM = 0.02  # so much of the motion's length is left free beyond its end
 _REPEATS = 0.01  # a cycle is terminal when its two handoff speeds agree within this share
 
 
@@ -189,7 +190,8 @@ def _mark_events(ax: Axes, motion: Motion, factor: float, heights: FloatArray) -
         look: dict[str, Any] = {"color": style.LIGHT_GREY, "lw": 0.7, "ls": line, "zorder": 0}
         across = ax.get_xaxis_transform()
         ax.vlines(times, bottom, 1.0, transform=across, label="handoff", **look)
-    ax.set_xlim(0.0, motion.end_time * factor)
+    # the room at the right shows that the motion ends there, and its last handoff whole
+    ax.set_xlim(0.0, (1.0 + _ROOM) * motion.end_time * factor)
 
 
 def _mark_reversals(ax: Axes, x: FloatArray, y: FloatArray) -> None:

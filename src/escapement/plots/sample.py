@@ -13,11 +13,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from escapement import validate
+from escapement.merits import TRANSIENT
 from escapement.model import FloatArray
 from escapement.plots import style
 from escapement.plots.study_panels import dress_axis
-from escapement.plots.study_table import check_number, parameter, printed_name, refusal, single_case
+from escapement.plots.study_table import (
+    check_number,
+    chosen,
+    parameter,
+    printed_name,
+    refusal,
+    single_case,
+)
+from escapement.status import Status
 from escapement.study.result import Study
 
 _RESULTS = ("period", "velocity_max", "rise_time")
@@ -37,15 +45,16 @@ _ENDLESS = 1e300
 _APART = 0.06  # numbers closer than this share of a panel's height would overlap
 
 
-def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
+def plot_sample(study: Study, results: Sequence[str] | None = None) -> Figure:
     """Results against each sampled parameter, and how they are distributed.
 
     Parameters
     ----------
     study : Study
         A sweep's result over a sample.
-    results : sequence of str
-        Which results, by name, a row each; those without a number are left out.
+    results : sequence of str, optional
+        Which results, by name, a row each; those without a number are left out. Default:
+        period, maximum velocity and rise time, but all of a study that chose its own.
 
     Returns
     -------
@@ -62,10 +71,7 @@ def plot_sample(study: Study, results: Sequence[str] = _RESULTS) -> Figure:
     InvalidValue
         When the study is no sample, has no such result, or no case has one.
     """
-    if isinstance(results, str):
-        raise validate.fail("results", "a list of names", results, f"give [{results!r}]")
-    for name in results:
-        validate.choice("results", name, tuple(study.results))
+    results = chosen(study, results, _RESULTS)
     varied = [name for name, values in study.axes.items() if values.size > 1]
     if not study.sampled or len(varied) > 1:
         rule, got = "be a sample at one point of its grid for this figure", ", ".join(varied)
@@ -174,7 +180,7 @@ def _quantile_lines(row: Sequence[Axes], values: FloatArray) -> None:
 
 def ran(study: Study) -> np.ndarray:
     """Which cases have an answer, shape of the results."""
-    return np.asarray(np.isfinite(study.results["velocity_mean"]))
+    return np.asarray(study.results["status"] == Status.OK)
 
 
 def counted(study: Study, result: str) -> FloatArray:
@@ -185,6 +191,8 @@ def counted(study: Study, result: str) -> FloatArray:
     would be missing, and every quantile too short.
     """
     values = study.results[result]
+    if result not in TRANSIENT:
+        return np.where(ran(study), values, np.nan)
     return np.where(ran(study), np.where(np.isfinite(values), values, np.inf), np.nan)
 
 

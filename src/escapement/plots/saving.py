@@ -51,7 +51,7 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     """
     figure: Any = picture.figure if isinstance(picture, Axes) else picture
     moving = isinstance(picture, FuncAnimation)
-    suffix = files.picture_format(path, files.FILMS if moving else files.FORMATS)
+    suffix = files.file_format(path, files.FILMS if moving else files.FORMATS)
     files.check_target(path, force=True, writable=True)
     # Pillow writes films to files alone
     with (

@@ -2,25 +2,40 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import groupby
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.plots import style
 from escapement.plots.sample import QUANTILES, counted, missing, plot_sample, quantile, ran
-from escapement.plots.study_panels import draw_lines, draw_map, explain, head, legend_title
-from escapement.plots.study_table import Parameter, StudyTable, available, refusal, tabulate
+from escapement.plots.study_panels import (
+    NARROW,
+    draw_lines,
+    draw_map,
+    explain,
+    head,
+    legend_title,
+)
+from escapement.plots.study_table import (
+    Parameter,
+    StudyTable,
+    available,
+    chosen,
+    refusal,
+    tabulate,
+)
 from escapement.study.result import Study
 from escapement.study.varied import CASE
 
 _ENOUGH = 5  # a contour map needs so many points on either axis
-_FOREMOST = ("rise_time", "velocity_mean")
-_MAPS = ("period", "velocity_mean", "rise_time")
-_SINGLE = dict.fromkeys(("rise_time", "settling_time"), "time")
-_SINGLE |= dict.fromkeys(("velocity_max", "velocity_mean", "velocity_min"), "driver velocity")
+_BESIDE = 3  # so many maps have room beside one another
+_FOREMOST = ("period", "velocity_mean", "rise_time")
+_SINGLE = ("period", "rise_time", "settling_time", "velocity_max", "velocity_mean", "velocity_min")
+_SHARED = {"s": "time", "rad s-1": "driver velocity"}
+"""What results of a unit have in common, so that they share a panel."""
 
 
 def plot_lines(
@@ -45,9 +60,10 @@ def plot_lines(
     Returns
     -------
     Axes
-        Computed points are marked where they are few, and not joined over a parameter
-        that is a whole number. A note says how many have no answer, and why. Of many lines six are
-        drawn. Axes beyond two stay at their middle value, told in the legend.
+        Computed points are marked where they are few, and not joined over a parameter that
+        is a whole number, nor where a rise or settling time jumps. A note says how many
+        have no answer, and why. Of many lines six are drawn. Axes beyond two stay at their
+        middle value, told in the legend.
 
     Raises
     ------
@@ -73,14 +89,14 @@ def plot_rise_and_terminal(study: Study) -> Figure:
     Source: the figure is Meyer (1973), figures 9-11; his average velocity is
     (max + min)/2, here it is the cell angle over the period.
     """
-    return _stack(available(study, _FOREMOST))
+    return _stack(available(study, ("rise_time", "velocity_mean")))
 
 
 def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
-    Contours, but cells of one colour each for times that jump by an engagement, and
-    over parameters that are whole numbers.
+    Contours, but cells of one colour each for times that jump, with lines where they do,
+    and over parameters that are whole numbers.
 
     Parameters
     ----------
@@ -112,22 +128,23 @@ def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool 
     return ax
 
 
-def plot_spread(study: Study) -> Figure:
+def plot_spread(study: Study, results: Sequence[str] | None = None) -> Figure:
     """How far a sample scatters at each point of a grid.
 
     Parameters
     ----------
     study : Study
         A sweep's result over a sample at each point of a grid.
+    results : sequence of str, optional
+        Which results, as for `plot_study`.
 
     Returns
     -------
     Figure
-        Rise time and mean velocity against a swept parameter: the median over the
-        sample, in a band from its 5 % to its 95 % quantile; a line for each value of
-        a second one. A rise time that a case lacks although it has an answer is longer
-        than any: the median is not drawn where half of the cases lack it, nor is the
-        band where one in twenty does.
+        Each result against a swept parameter: the median over the sample, in a band from
+        its 5 % to its 95 % quantile; a line for each value of a second one. A rise time
+        that a case lacks although it has an answer is longer than any: the median is not
+        drawn where half of the cases lack it, nor is the band where one in twenty does.
 
     Raises
     ------
@@ -136,10 +153,12 @@ def plot_spread(study: Study) -> Figure:
     """
     if not study.sampled:
         raise refusal("be a sample for this figure", "a grid", "use plot_study")
-    names = [name for name in _FOREMOST if name in study.results]
-    results = {name: quantile(counted(study, name), [*QUANTILES]) for name in names}
+    names = chosen(study, results, _FOREMOST)
+    # the period tells where others jump
+    every = {*names, "period"} & {*study.results}
+    quantiles = {name: quantile(counted(study, name), [*QUANTILES]) for name in every}
     axes = {name: values for name, values in study.axes.items() if name != CASE}
-    tables = available(replace(study, axes=axes, results=results, sampled={}), names)
+    tables = available(replace(study, axes=axes, results=quantiles, sampled={}), names)
     drawn, answered = [table.results[0] for table in tables], ran(study)
     note = [f"Median and 5 % to 95 % of {answered.shape[-1]} cases"]
     if lost := int((~answered).sum()):
@@ -150,19 +169,22 @@ def plot_spread(study: Study) -> Figure:
     return _stack(tables, "\n".join(note))
 
 
-def plot_study(study: Study) -> Figure:
+def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
     """The figure that suits a study.
 
     Parameters
     ----------
     study : Study
         A sweep's result.
+    results : sequence of str, optional
+        Which results, by name. Default: period, mean velocity and rise time, over one axis
+        also settling time and the other velocities; all of a study that chose its own.
 
     Returns
     -------
     Figure
-        One varied axis: rise and settling time, and the terminal velocities.
-        Two: rise time and mean velocity, a line for each value of the second;
+        One varied axis: a panel of times, one of velocities, and one of each other result.
+        Two: a panel of each result, a line for each value of the second;
         with five points or more on both, maps below. More: the first
         two, the others at their middle value, which the title tells; `study.at(slots=6)`
         is the slice at another. A sample is drawn by `plot_sample`, or with axes beside it
@@ -174,14 +196,15 @@ def plot_study(study: Study) -> Figure:
         When nothing was varied, or no case has a result.
     """
     if study.sampled:
-        return (plot_spread if max(study.shape[:-1], default=1) > 1 else plot_sample)(study)
-    tables = available(study, _FOREMOST)
-    if not tables[0].lines.name:
-        return _plot_single(study)
+        draw = plot_spread if max(study.shape[:-1], default=1) > 1 else plot_sample
+        return draw(study, results)
+    if sum(size > 1 for size in study.shape) == 1:
+        return _plot_single(study, chosen(study, results, _SINGLE))
+    tables = available(study, chosen(study, results, _FOREMOST))
     # a contour map of fewer points would invent what lies between them
     if min(tables[0].values.shape[1:]) < _ENOUGH:
         return _stack(tables)
-    return _plot_double(tables, available(study, _MAPS))
+    return _plot_double(tables)
 
 
 def _stack(tables: Sequence[StudyTable], note: str = "") -> Figure:
@@ -197,32 +220,41 @@ def _stack(tables: Sequence[StudyTable], note: str = "") -> Figure:
     return figure
 
 
-def _plot_single(study: Study) -> Figure:
-    """Times above velocities, against the only varied parameter."""
-    found = [table.results[0] for table in available(study, _SINGLE)]
+def _plot_single(study: Study, names: Sequence[str]) -> Figure:
+    """Results against the only varied parameter, those that have much in common in one panel."""
+    groups: dict[str, list[str]] = {}
+    for (name,), *_ in available(study, names):
+        groups.setdefault(_SHARED.get(study.units.get(name, ""), name), []).append(name)
     tables = []
-    for title, group in groupby(found, _SINGLE.__getitem__):
-        table = tabulate(study, [*group])
-        entries = [name.removeprefix("velocity_").replace("_", " ") for name in table.results]
-        lines = Parameter("", "", np.array(entries))
-        tables.append(table._replace(name=title, lines=lines, values=table.values.T))
+    for title, group in groups.items():
+        table = tabulate(study, group)
+        if len(group) > 1:
+            entries = [name.removeprefix("velocity_").replace("_", " ") for name in group]
+            lines = Parameter("", "", np.array(entries))
+            shape: dict[str, Any] = {"values": table.values.T, "periods": table.periods.T}
+            table = table._replace(name=title, lines=lines, **shape)
+        tables.append(table)
     return _stack(tables)
 
 
-def _plot_double(tables: Sequence[StudyTable], maps: Sequence[StudyTable]) -> Figure:
-    """Lines above maps."""
-    figure = style.new_figure(style.TWO_COLUMN, 6.3)
-    upper, lower = figure.subfigures(2, 1, height_ratios=(1.0, 1.05))  # type: ignore[misc]
-    for ax, table in zip(style.new_panels(upper, 1, len(tables)), tables, strict=True):
-        lines = draw_lines(ax, table)
-    where: dict[str, Any] = {"handlelength": style.HANDLE, "loc": "outside upper center"}
-    style.add_legend(upper, len(lines), legend_title(table), handles=lines, **where)
-    where["loc"] = "outside lower center"
-    holes = []
-    for ax, table in zip(style.new_panels(lower, 1, len(maps)), maps, strict=True):
-        holes += draw_map(ax, table, bar="top")
-        ax.label_outer()
-    if holes:
-        style.add_legend(lower, 1, handles=holes[:1], **where)
+def _plot_double(tables: Sequence[StudyTable]) -> Figure:
+    """Lines above maps, in rows of three."""
+    rows = [tables[i : i + _BESIDE] for i in range(0, len(tables), _BESIDE)]
+    figure = style.new_figure(style.TWO_COLUMN, 6.5 * len(rows))
+    heights = [1.0, 1.1] * len(rows)
+    parts: Any = figure.subfigures(len(heights), 1, height_ratios=heights)
+    where: dict[str, Any] = {"handlelength": style.HANDLE}
+    for row, upper, lower in zip(rows, parts[::2], parts[1::2], strict=True):
+        for ax, table in zip(style.new_panels(upper, 1, len(row)), row, strict=True):
+            lines = draw_lines(ax, table, NARROW if len(row) == _BESIDE else style.LINE)
+        title, above = legend_title(table), "outside upper center"
+        style.add_legend(upper, len(lines), title, handles=lines, loc=above, **where)
+        keys = dict[Any, Artist]()
+        for ax, table in zip(style.new_panels(lower, 1, len(row)), row, strict=True):
+            keys |= {key.get_label(): key for key in draw_map(ax, table, bar="top")}
+            ax.label_outer()
+        if keys:
+            below = "outside lower center"
+            style.add_legend(lower, 2, handles=[*keys.values()], loc=below, **where)
     head(figure, table)
     return figure

@@ -1,12 +1,15 @@
 """Panels of a study's figures: lines, and contour maps with holes."""
 
+import textwrap
 from typing import Any, Literal
 
 import matplotlib
 import numpy as np
 from matplotlib import ticker
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure, SubFigure
@@ -15,45 +18,56 @@ from matplotlib.patches import Patch
 
 from escapement.model import FloatArray
 from escapement.plots import style
-from escapement.plots.study_table import Parameter, StudyTable, check_number
+from escapement.plots.study_table import STEPPED, Parameter, StudyTable, check_number
 from escapement.plots.style import LINE, number_text
 
 _FEW = 15  # a line of at most so many points has each of them marked
 _LEVELS = 7  # a map has about so many contours
 _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
 _MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
-_NARROW = 24  # characters of a label that fit below a third of a page
+NARROW = 24
+"""Characters of a label that fit below a third of a page."""
+_WIDE = 3.0  # from this ratio of the greatest result to the least, contours are in even ratios
+_STEPS = (
+    (1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
+    (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0),
+)  # fmt: skip
+"""Round numbers within a decade, in ratios that are about equal."""
 _EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
 _APART = 0.1  # numbers closer than this share of the map would overlap
-_STEPPED = ("rise_time", "settling_time")  # these jump by an engagement, so have no contours
 
 
-def draw_lines(ax: Axes, table: StudyTable) -> list[Line2D]:
+def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     """A line for each value of the second parameter, six at most; returns them.
 
     Points are marked where they are few or stand alone. Over whole numbers each is marked, and
-    none is joined to the next. Of quantiles the second and third are the ends of a band.
+    none is joined to the next. A line breaks where its result jumps. Of quantiles the second and
+    third are the ends of a band.
+    line : characters of a label that fit below the panel.
     """
     check_number(table.results, table.values[0])
     x, drawn = table.x, list[Line2D]()
     for look, column in zip(style.LOOKS, _columns_drawn(table), strict=False):
         value = table.lines.values[column].item()
         name = value if isinstance(value, str) else number_text(value)
-        y, *sides = table.values[:, :, column]
+        # a jump breaks the line, and the band with it, by a point without a value
+        behind = np.flatnonzero(table.jumps(1)[:, :, column].any(axis=0)) + 1
+        y, *sides = np.insert(table.values[:, :, column], behind, np.nan, axis=1)
+        along = np.insert(x.values.astype(float), behind, x.values[behind])
         # a point between two gaps would be invisible without a marker
         finite = np.pad(np.isfinite(y), 1)
-        marked = finite[1:-1] & ~finite[:-2] & ~finite[2:] | (x.whole or y.size <= _FEW)
+        marked = finite[1:-1] & ~finite[:-2] & ~finite[2:] | (x.whole or x.values.size <= _FEW)
         drawn += ax.plot(
-            x.values, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
+            along, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
             mfc="white", mew=0.9, label=name, marker=look.marker if marked.any() else "",
             markevery=None if marked.all() else np.flatnonzero(marked).tolist(),
         )  # fmt: skip
         band: dict[str, Any] = {"color": look.color, "alpha": 0.2}
         if sides and x.whole:
-            ax.vlines(x.values, *sides, lw=4.0, **band)
+            ax.vlines(along, *sides, lw=4.0, **band)
         elif sides:
-            ax.fill_between(x.values, *sides, lw=0.0, **band)
-    dress_axis(ax, "x", x)
+            ax.fill_between(along, *sides, lw=0.0, **band)
+    dress_axis(ax, "x", x, line)
     ax.set_ylabel(style.label(table.name, table.unit))
     return drawn
 
@@ -71,7 +85,7 @@ def explain(
 
 
 def legend_title(table: StudyTable) -> str:
-    """What the lines are, and how many of them are drawn: "Driving torque (in·lbf)"."""
+    """What the lines are, and how many of them are drawn: "Driving torque (in-lbf)"."""
     text = style.label(table.lines.name, table.lines.unit)
     count, shown = table.lines.values.size, len(_columns_drawn(table))
     return text if shown == count else f"{text}, {shown} of {count} values"
@@ -83,35 +97,35 @@ def head(figure: Figure | SubFigure, table: StudyTable) -> None:
         figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
 
 
-def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[Patch]:
+def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[Artist]:
     """Colours over both axes, named by a bar; hatched where there is no result.
 
     Between points there are labelled contours; but a result that jumps, and one over
     whole numbers, has a cell of one colour for each point.
     bar : where the colour bar goes; on top of maps that stand side by side.
-    Returns the legend's key of the hatching, or nothing where there is none.
+    Returns what a legend should have: the hatching, and the lines where a result jumps.
     """
     check_number(table.results, table.values)
     x, y = table.x, table.lines
     # contours and cells have the first axis along the columns
     z = np.ma.masked_invalid(table.values[0].T)
-    cells = table.results[0] in _STEPPED or x.whole or y.whole
-    count, darkest = (2 * _LEVELS, 0.9) if cells else (_LEVELS, 0.6)  # black can be read on 0.6
-    levels = np.asarray(ticker.MaxNLocator(count).tick_values(float(z.min()), float(z.max())))
-    colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.02, darkest, 256)))
+    cells = table.results[0] in STEPPED or x.whole or y.whole
+    count, darkest = (2 * _LEVELS, 0.95) if cells else (_LEVELS, 0.7)  # black can be read on 0.7
+    levels = _levels(float(z.min()), float(z.max()), count)
+    colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.05, darkest, 256)))
+    norm = BoundaryNorm(levels, colours.N)  # as many steps of colour as levels, wide or narrow
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
-    dress_axis(ax, "x", x, _NARROW if bar == "top" else LINE)
+    dress_axis(ax, "x", x, NARROW if bar == "top" else LINE)
     dress_axis(ax, "y", y)
     if cells:
-        norm = BoundaryNorm(levels, colours.N)
         filled: Any = ax.pcolormesh(_edges(x), _edges(y), z, cmap=colours, norm=norm)
         filled.set_rasterized(True)
         # a cell of a whole number is shown to its ends
         ends = [(_edges(it) if it.whole else it.values)[[0, -1]] for it in (x, y)]
         ax.set(xlim=ends[0], ylim=ends[1])
     else:
-        filled = ax.contourf(x.values, y.values, z, levels, cmap=colours)
+        filled = ax.contourf(x.values, y.values, z, levels, cmap=colours, norm=norm)
         inside = levels[(levels > z.min()) & (levels < z.max())]
         if inside.size:
             look: dict[str, Any] = {"colors": style.BLACK, "linewidths": 0.6}
@@ -120,7 +134,46 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(style.label(table.name, table.unit), size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)
-    return [Patch(linewidth=0.6, label="no result", **hatched)] if np.ma.is_masked(z) else []
+    found: list[Artist] = []
+    if np.ma.is_masked(z):
+        found.append(Patch(linewidth=0.6, label="no result", **hatched))
+    if sides := _jumps(table):
+        text = f"jump: {STEPPED[table.results[0]]}"
+        text = textwrap.fill(text, LINE if bar == "right" else 2 * LINE)
+        jumps = LineCollection(sides, colors=style.BLACK, lw=0.8, label=text, rasterized=True)
+        ax.add_collection(jumps)
+        found.append(jumps)
+    return found
+
+
+def _jumps(table: StudyTable) -> list[list[style.Point]]:
+    """The sides between two cells of a map from one of which to the other its result jumps."""
+    x, y, known = _edges(table.x), _edges(table.lines), np.isfinite(table.periods[0])
+    across = np.argwhere(table.jumps(1)[0] & known[1:] & known[:-1])
+    along = np.argwhere(table.jumps(2)[0] & known[:, 1:] & known[:, :-1])
+    return [
+        *([(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in across),
+        *([(x[i], y[j + 1]), (x[i + 1], y[j + 1])] for i, j in along),
+    ]
+
+
+def _levels(low: float, high: float, count: int) -> FloatArray:
+    """About so many round numbers, from `low` or below it to `high` or above it.
+
+    Over a wide range their ratios are about equal. Results often go with a power of a
+    parameter, and equal steps would crowd into one corner of the map.
+    """
+    if not 0.0 < _WIDE * low < high:
+        return np.asarray(ticker.MaxNLocator(count).tick_values(low, high))
+    first, last = np.floor(np.log10(low)), np.ceil(np.log10(high))
+    stride = 1.0 + (last - first) // count
+    decades = 10.0 ** np.arange(first, last + stride, stride)
+    found = []
+    for steps in _STEPS:
+        numbers = np.outer(decades, steps).ravel()
+        start, stop = np.searchsorted(numbers, low, "right") - 1, np.searchsorted(numbers, high)
+        found.append(numbers[start : stop + 1])
+    return min(found, key=lambda numbers: abs(numbers.size - count))
 
 
 def _label_contours(ax: Axes, lines: ContourSet) -> None:

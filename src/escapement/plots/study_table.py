@@ -10,14 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
-from escapement.plots.style import number_text, print_unit, scaled
+from escapement.plots.style import number_text, scaled
 from escapement.status import Status
-from escapement.study.result import Study
+from escapement.study.result import DEFAULT, Study
+from escapement.units import spelt
 
 _SHORT = {
     "friction": "coefficient of friction",
     "velocity_max": "maximum driver velocity",
     "velocity_mean": "mean driver velocity",
+    "rise_time_63": "rise time, 63 %",
+    "rise_time_98": "rise time, 98 %",
     "velocity_min": "minimum driver velocity",
 }
 _REASONS = {
@@ -30,6 +33,12 @@ _REASONS = {
 _WIDEST = 56  # so many characters of a note fit over one column
 _HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # a longer name makes no axis label
+STEPPED = {
+    "rise_time": "another extremum is the first within 2 %",
+    "settling_time": "another extremum is the last beyond 1 %",
+}
+"""Times of an extremum of the speed, and why they jump."""
+_LEAP = 0.25  # of a period: without a jump two neighbours differ by less, with one by more
 _DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
 
 
@@ -62,6 +71,7 @@ class StudyTable(NamedTuple):
     x, lines : parameters along the second and third, ascending; `lines` has one value where
         only one parameter varies.
     values : the results in one unit, not finite where there is none.
+    periods : of the same shape, times that may jump in periods of their own; 0 for other results.
     name, unit : of the first result, as printed.
     note : which axes were fixed, and where, and which cases have no answer; "" for none.
     """
@@ -70,9 +80,17 @@ class StudyTable(NamedTuple):
     x: Parameter
     lines: Parameter
     values: FloatArray
+    periods: FloatArray
     name: str
     unit: str
     note: str
+
+    def jumps(self, axis: int) -> NDArray[np.bool_]:
+        """Whether values and their next along an axis of `values` are not to be joined.
+
+        A time that may jump is joined nowhere where the study does not tell the period.
+        """
+        return np.asarray(~(np.abs(np.diff(self.periods, axis=axis)) < _LEAP))
 
 
 def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> StudyTable:
@@ -93,8 +111,7 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
     InvalidValue
         For an unknown result, or a study that varies nothing.
     """
-    for name in results:
-        validate.choice("result", name, tuple(name for name in study.results if name != "status"))
+    chosen(study, results)
     if study.sampled:
         raise refusal("be a grid to be drawn as lines or a map", "a sample", "use plot_study")
     varied = [name for name, values in study.axes.items() if values.size > 1]
@@ -110,11 +127,21 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
         name: values.argsort() if name in (x, lines) else np.array([values.size // 2])
         for name, values in study.axes.items()
     }
-    # the quantiles of a sample stand in front of its axes
-    values = np.concatenate([study.results[name].reshape(-1, *study.shape) for name in results])
-    values = values[np.ix_(np.arange(len(values)), *kept.values())]
-    values = np.moveaxis(values, 1 + [*kept].index(x), 1)
-    values = values.reshape(len(values), kept[x].size, -1)
+
+    def arranged(name: str) -> FloatArray:
+        # the quantiles of a sample stand in front of its axes
+        found = study.results[name].reshape(-1, *study.shape)
+        found = found[np.ix_(np.arange(len(found)), *kept.values())]
+        found = np.moveaxis(found, 1 + [*kept].index(x), 1)
+        return found.reshape(len(found), kept[x].size, -1)
+
+    period = arranged("period") if "period" in study.results else np.full(1, np.nan)
+    found = [arranged(name) for name in results]
+    in_periods = [
+        values / period if name in STEPPED else np.zeros(values.shape)
+        for name, values in zip(results, found, strict=True)
+    ]
+    values, periods = np.concatenate(found), np.concatenate(in_periods)
     factor, unit = scaled(study.units.get(results[0], ""), values)
     shown = {name: parameter(study, name, study.axes[name][index]) for name, index in kept.items()}
     at = (_fixed(shown[name], study.axes[name].size) for name in kept if name not in (x, lines))
@@ -124,7 +151,23 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
     note = "\n".join(textwrap.fill(line, _WIDEST) for line in notes if line).replace(_HARD, " ")
     across = Parameter("", "", np.zeros(1)) if lines is None else shown[lines]
     name = printed_name(study, results[0])
-    return StudyTable(results, shown[x], across, factor * values, name, unit, note)
+    return StudyTable(results, shown[x], across, factor * values, periods, name, unit, note)
+
+
+def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ()) -> list[str]:
+    """Results to draw: those named; else the usual ones, but all of a study that chose its own.
+
+    Raises
+    ------
+    InvalidValue
+        When a name is none of the study's results.
+    """
+    has = tuple(name for name in study.results if name != "status")
+    if names is None:
+        return [*(usual if {*has} == {*DEFAULT} else has)]
+    if isinstance(names, str):
+        raise validate.fail("results", "a list of names", names, f"give [{names!r}]")
+    return [validate.choice("result", name, has) for name in names]
 
 
 def available(study: Study, names: Iterable[str]) -> list[StudyTable]:
@@ -167,7 +210,7 @@ def printed_name(study: Study, name: str) -> str:
 
 def parameter(study: Study, name: str, values: NDArray[Any]) -> Parameter:
     """A parameter of a study at some of its values."""
-    return Parameter(printed_name(study, name), print_unit(study.units.get(name, "")), values)
+    return Parameter(printed_name(study, name), spelt(study.units.get(name, "")), values)
 
 
 def _unanswered(status: NDArray[Any]) -> str:

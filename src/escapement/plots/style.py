@@ -8,12 +8,11 @@ nothing here touches pyplot's global state or opens a window. A notebook shows t
 because they are pictures by themselves.
 
 Data carry units in the spelling of UDUNITS ("rad s-1", "in lbf s2"); a figure
-prints "rad/s" and "in·lbf·s²", and picks a prefix that keeps numbers short.
+prints "rad/s" and "in-lbf-s²", and picks a prefix that keeps numbers short.
 """
 
 import io
 import math
-import re
 import textwrap
 from typing import Any, NamedTuple
 
@@ -24,6 +23,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from escapement import validate
+from escapement.units import spelt
 
 BLACK, GREY, LIGHT_GREY = "#000000", "#5f5f5f", "#b8b8b8"
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -38,7 +38,7 @@ LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 
 _MOST_DRAWN = 200  # more slots or lobes could not be told apart
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N·m", "mN·m", "µN·m", "nN·m")}
+_PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N m", "mN m", "µN m", "nN m")}
 
 LINE = 34
 """Characters of a label that fit beside one panel."""
@@ -188,18 +188,6 @@ def grid(ax: Axes) -> None:
     ax.set_axisbelow(True)
 
 
-def print_unit(unit: str) -> str:
-    """A unit in UDUNITS spelling as printed: "rad s-1" becomes "rad/s".
-
-    "1" and the empty string, a pure number, become the empty string.
-    """
-    parts: dict[str, list[str]] = {"": [], "-": []}
-    for symbol, sign, power in re.findall(r"([^\d\s-]+)(-?)(\d*)", unit):
-        parts[sign].append(symbol + ("" if power == "1" else power.translate(_SUPERSCRIPTS)))
-    above = "·".join(parts[""])
-    return "/".join([above or "1", *parts["-"]]) if parts["-"] else above
-
-
 def label(name: str, unit: str = "", line: int = LINE) -> str:
     """Text of an axis: name with a capital, its printed unit in brackets.
 
@@ -229,7 +217,7 @@ def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
     largest = sizes[np.isfinite(sizes)].max(initial=0.0)
     names = _PREFIXED.get(unit)
     if names is None or largest == 0.0:
-        return 1.0, print_unit(unit)
+        return 1.0, spelt(unit)
     steps = min(max(math.ceil(-math.log10(largest) / 3.0), 0), len(names) - 1)
     return 1000.0**steps, names[steps]
 

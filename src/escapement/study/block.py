@@ -11,13 +11,12 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
-from struct import Struct
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
-from escapement.study.result import RESULTS, Study, count_failed
+from escapement.study.result import Study, count_failed
 
 CELLS = 65536
 """Values per chunk of an axis: 512 KiB, half of HDF5's default chunk cache."""
@@ -27,7 +26,6 @@ _CASES = {"energy": (1024, 16384), "ivp": (4, 4)}
 A block costs a call and a chunk, which take as long as tens of fast cases; smaller blocks
 would make that cost count.
 """
-_SIZES = Struct(f"<{len(RESULTS)}I")
 _BLOCKS = 64  # blocks of a large study, so that up to 64 cores have work
 
 
@@ -99,6 +97,13 @@ def encode(values: NDArray[np.generic], cells: int) -> bytes:
     return data + fletcher32(data).to_bytes(4, "little")
 
 
+def decode(data: bytes, dtype: DTypeLike) -> NDArray[Any]:
+    """The values of a chunk that `encode` made, the zeros at its end included."""
+    planes = np.frombuffer(zlib.decompress(data[:-4]), np.uint8)
+    rows = planes.reshape(np.dtype(dtype).itemsize, -1).T
+    return np.ascontiguousarray(rows).view(dtype)[:, 0]
+
+
 def fletcher32(data: bytes) -> int:
     """Checksum of HDF5's fletcher32 filter: sums of big-endian words mod 65535."""
     # Modulo 65535 a swap of bytes is a factor of 256, so that little-endian words do as well.
@@ -124,8 +129,8 @@ class Block(NamedTuple):
 
     number : place among the chunks.
     failed : number of its cases without an answer.
-    data : what is kept of it: for a file the encoded results in the order of `RESULTS`, one
-        after the other behind their sizes; for memory an array of each.
+    data : what is kept of it: for a file the encoded results in the order of the file, one
+        after the other behind their number and sizes; for memory an array of each.
     """
 
     number: int
@@ -136,7 +141,8 @@ class Block(NamedTuple):
     def chunks(self) -> tuple[bytes, ...]:
         """The encoded results."""
         data = BytesIO(self.data)
-        return tuple(map(data.read, _SIZES.unpack(data.read(_SIZES.size))))
+        (count,) = np.frombuffer(data.read(4), "<u4").tolist()
+        return tuple(map(data.read, np.frombuffer(data.read(4 * count), "<u4").tolist()))
 
 
 def blocks_of(frame: Study) -> Tiling:
@@ -146,10 +152,8 @@ def blocks_of(frame: Study) -> Tiling:
 
 
 def encode_block(cut: Tiling, number: int, columns: Mapping[str, NDArray[Any]]) -> Block:
-    """A block made of its results, shape (n,) each."""
-    chunks = [
-        encode(columns[name].astype(result.dtype, copy=False), cut.cells)
-        for name, result in RESULTS.items()
-    ]
-    data = b"".join((_SIZES.pack(*map(len, chunks)), *chunks))
+    """A block made of its results in the order of the file, shape (n,) each."""
+    chunks = [encode(values, cut.cells) for values in columns.values()]
+    sizes = np.array([len(chunks), *map(len, chunks)], "<u4")
+    data = b"".join((sizes.tobytes(), *chunks))
     return Block(number, count_failed(columns["status"]), data)

@@ -58,7 +58,7 @@ def part_lists(
             found[one] = Quantity(
                 long_name=f"{entry.long_name}, number {i}", unit=entry.unit, minimum=-math.inf,
                 remedy="give the error, 0 for none", name=one, key=one, section=entry.section,
-                default=value,
+                default=value, system=entry.system,
             )  # fmt: skip
     return {**content, **tables}, found
 

@@ -22,7 +22,8 @@ from typing import Any
 from escapement.errors import CannotCreate
 from escapement.files import sync_folder
 from escapement.study.block import Block
-from escapement.study.result import Study, difference
+from escapement.study.configuration import difference
+from escapement.study.result import Study
 
 SYNC_EVERY = 1.0
 """Seconds of finished work that a crash of the machine may cost; of the process, none."""

@@ -3,9 +3,9 @@
 import re
 import tomllib
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, fields
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,19 +16,28 @@ from escapement import units, validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files import AnyPath, check_input
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
+from escapement.merits import FIGURES
 from escapement.model import Escapement, Mechanism, check_lengths
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
+from escapement.study.result import DEFAULT
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
+from escapement.torque_curve import TorqueCurve
 from escapement.validate import known_keys
 
 MOST_CASES = 10**12
 
-_TOP = ("title", "units", "mechanism", "inertia", "sweep", "sample", "solver")
+_TOP = ("title", "units", "results", "mechanism", "inertia", "sweep", "sample", "solver")
 _NUMBERS = quantities(Escapement)
-_SOLVER = tuple(setting.name for setting in fields(Solver))
+_SOLVER = declared(Solver)
+# what else people write for a number, and what to tell them
+_HABITS = {
+    r"(?m)^\s*\w+\s*=\s*[-+]?\d*,\d": "write a decimal point, as 0.1",
+    r"(?m)^\s*\w+\s*=\s*[-+.\d]+(e[-+]?\d+)? ?[a-zA-Z]": "put a number with its unit in quotes: "
+    '"5 mN m"',
+}
 
 
 def load_plan(path: AnyPath) -> StudyPlan:
@@ -50,10 +59,17 @@ def load_plan(path: AnyPath) -> StudyPlan:
     except OSError as error:
         raise InputFileError(f"study file {path} must be readable, got: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
+        text = Path(path).read_text(encoding="utf-8", errors="replace")
+        remedy = next((told for habit, told in _HABITS.items() if re.search(habit, text)), "")
         raise InputFileError(
-            f"study file {path} must be valid TOML, got: {error}; correct it there"
+            f"study file {path} must be valid TOML, got: {error}; {remedy or 'correct it there'}"
         ) from None
     try:
+        if isinstance(torque := content.get("torque"), dict) and isinstance(
+            torque.get("file"), str
+        ):
+            # its name is meant from where the study lies
+            torque["file"] = Path(path).parent / torque["file"]
         return parse_plan(content)
     except InvalidValue as error:
         raise InvalidValue(f"{path}: {error}") from None
@@ -75,6 +91,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     InvalidValue
         For an unknown key, a missing parameter or a value that breaks its rule.
     """
+    configuration, curve = _with_first_torque(configuration)
     machine_table = _table(configuration, "mechanism")
     machine = {"kind": DEFAULT_KIND, **machine_table}
     build: Any = mechanism
@@ -84,11 +101,13 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     meshed = build.meshed if mechanism is None else mechanism.path.table
     counts = getattr(build, "counts", dict)
     settings: Mapping[str, Setting] = settings_of(build, meshed)
-    configuration, settings = part_lists(configuration, settings, counts(machine_table))
-    parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
-    _check_tables(configuration, settings)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
-    solver = Solver(**_table(configuration, "solver"))
+    settings = {name: replace(entry, system=system) for name, entry in settings.items()}
+    configuration, settings = part_lists(configuration, settings, counts(machine_table))
+    _check_tables(configuration, settings)
+    given = _table(configuration, "solver")
+    parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
+    solver = Solver(**{name: _SOLVER[name].read(name, value) for name, value in given.items()})
     fixed = _fixed(configuration, settings)
     varied, forms, fingerprint = _varied(configuration, parameters, fixed)
     for name in (name for along in varied.values() for name in along):
@@ -99,13 +118,18 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
             fixed.pop(name, None)
     title = _title(configuration, machine["kind"], varied)
     plain: dict[str, Any] = {"title": title, "units": system, "mechanism": machine}
+    plain |= _results(configuration)
     for name, value in fixed.items():
         section = settings[name].section
         (plain.setdefault(section, {}) if section else plain)[settings[name].key] = value
-    si = {name: settings[name].to_si(value, system) for name, value in fixed.items()}
+    if curve is not None:
+        plain["torque"] = curve.as_table()
+        curve = settings["torque"].to_si(curve)
+    si = {name: settings[name].to_si(value) for name, value in fixed.items()}
     fixed_si = dict.fromkeys(settings) | si
     plain |= forms | {"solver": solver.given}
-    plan = StudyPlan(plain, build, meshed, parameters, fixed_si, varied, solver, fingerprint)
+    drawn = varied, solver, fingerprint
+    plan = StudyPlan(plain, build, meshed, parameters, fixed_si, *drawn, curve)
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
     greatest = {name: float(np.max(values[name])) for name in parameters if name in values}
     check_lengths(greatest, plan.lengths["crank_radius"], getattr(build, "plain_crank", True))
@@ -117,12 +141,32 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     return plan
 
 
+def _with_first_torque(
+    configuration: Mapping[str, Any],
+) -> tuple[Mapping[str, Any], TorqueCurve | None]:
+    """The configuration with a number for the torque, and the curve that it begins, if any.
+
+    The results of a study are those of the torque at the start of the motion.
+    """
+    given = configuration.get("torque")
+    if not isinstance(given, Mapping | TorqueCurve):
+        return configuration, None
+    for name in ("sweep", "sample"):
+        if "torque" in _table(configuration, name):
+            raise InvalidValue(
+                f"torque must be a curve or in [{name}], got both; leave one of them out"
+            )
+    curve = given if isinstance(given, TorqueCurve) else TorqueCurve.from_table(given)
+    return {**configuration, "torque": curve.torque[0]}, curve
+
+
 def plan_from(
     escapement: Escapement,
     axes: Mapping[str, ArrayLike | Mapping[str, Any]],
     *,
     sample: Mapping[str, Any] | None = None,
     initial_speed: ArrayLike = 0.0,
+    results: Sequence[str] | None = None,
     title: str | None = None,
     **solver: Any,
 ) -> StudyPlan:
@@ -140,6 +184,8 @@ def plan_from(
         of a study, in SI, spread around the values of `escapement`.
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s], >= 0; an array is the last axis.
+    results : sequence of str, optional
+        Figures of merit to keep. Default: `result.DEFAULT`.
     title : str, optional
         One line for people.
     **solver : optional
@@ -159,7 +205,7 @@ def plan_from(
     given = {name: getattr(escapement, name) for name in _NUMBERS}
     numbers = {name: value for name, value in given.items() if value != _NUMBERS[name].default}
     tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
-    chosen = {"title": title, "sample": sample, "solver": solver}
+    chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
     chosen = {name: value for name, value in chosen.items() if value is not None}
     return parse_plan(speed | numbers | tables | chosen, mechanism=own)
 
@@ -268,6 +314,17 @@ def _varied(
             )
         varied[CASE], forms["sample"], fingerprint = sample_columns(drawn, parameters, nominal)
     return varied, forms, fingerprint
+
+
+def _results(configuration: Mapping[str, Any]) -> dict[str, list[str]]:
+    """The figures of merit to keep, where they are not those of every study."""
+    given = configuration.get("results", DEFAULT)
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+        raise validate.fail("results", "a list of names", given, 'for example ["period"]')
+    # the status is kept whatever is chosen, and a name that stands twice is kept once
+    every = (validate.choice("results", name, (*FIGURES, "status")) for name in given)
+    names = [name for name in dict.fromkeys(every) if name != "status"]
+    return {"results": names} if names != [*DEFAULT] else {}
 
 
 def _title(configuration: Mapping[str, Any], kind: str, varied: Mapping[str, Any]) -> str:

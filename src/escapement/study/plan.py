@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 
 from escapement import units
 from escapement.mechanisms import KINDS, kind_of
+from escapement.merits import FIGURES, Result
 from escapement.model import IMPERFECT, LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.elements import joined
+from escapement.study.result import kept
 from escapement.study.varied import CASE
+from escapement.torque_curve import TorqueCurve
 
 
 def model_numbers() -> dict[str, Quantity]:
@@ -29,11 +32,12 @@ def _unit_kinds() -> dict[str, str]:
     every: dict[str, Setting] = dict(model_numbers())
     for name in KINDS:
         every |= declared(kind_of(name))
-    return {name: entry.unit for name, entry in every.items()}
+    kinds = {name: entry.unit for name, entry in every.items()}
+    return kinds | {name: figure.kind for name, figure in FIGURES.items()}
 
 
 def unit_kind(name: str) -> str:
-    """Kind of unit, a key of `escapement.units`, of a parameter or a dimension of any study."""
+    """Kind of unit, a key of `escapement.units`, of a parameter or a result of any study."""
     # numbers of a list end with their place
     return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
@@ -75,6 +79,8 @@ class StudyPlan:
         Engine and tolerances.
     fingerprint : str
         Of the numbers drawn for a sample; "" where nothing was drawn.
+    curve : TorqueCurve, optional
+        The torque over the driver angle in SI, of which `fixed_si` has the first.
     """
 
     configuration: dict[str, Any]
@@ -85,6 +91,7 @@ class StudyPlan:
     varied: dict[str, dict[str, NDArray[Any]]]
     solver: Solver
     fingerprint: str = ""
+    curve: TorqueCurve | None = None
 
     @property
     def title(self) -> str:
@@ -95,6 +102,19 @@ class StudyPlan:
     def sampled(self) -> dict[str, NDArray[Any]]:
         """Parameters of the sample in the user's units, by name; empty on a grid."""
         return self.varied.get(CASE, {})
+
+    @property
+    def fixed(self) -> dict[str, float]:
+        """Numbers that are the same in every case, in the user's units, but for idle zeros."""
+        varied = {name for along in self.varied.values() for name in along}
+        found = {}
+        for name, entry in settings_of(self.build, self.meshed).items():
+            table = self.configuration.get(entry.section, self.configuration)
+            value = table.get(entry.key)
+            number = isinstance(entry, Quantity) and isinstance(value, int | float)
+            if number and name not in varied and not entry.idle(value):
+                found[name] = value
+        return found
 
     @cached_property
     def dimensions(self) -> dict[str, NDArray[Any]]:
@@ -112,19 +132,28 @@ class StudyPlan:
         """Number of cases."""
         return math.prod(self.shape)
 
+    @cached_property
+    def results(self) -> dict[str, Result]:
+        """What the study keeps of every case, by name, its status last."""
+        return kept(self.configuration)
+
     def unit(self, name: str) -> str:
-        """UDUNITS spelling of the unit of a parameter or a dimension."""
+        """UDUNITS spelling of the unit of a parameter, a dimension or a result."""
         return units.unit_name(unit_kind(name), self.configuration["units"])
 
     def long_name(self, name: str) -> str:
-        """What a parameter or a dimension is."""
-        return "number of the case" if name == CASE else self.parameters[name].long_name
+        """What a parameter, a dimension or a result is."""
+        if name in self.results:
+            return self.results[name].long_name
+        if name == CASE:
+            return "number of the case"
+        settings = settings_of(self.build, self.meshed) | self.parameters
+        return settings[name].long_name
 
     @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
-        system = self.configuration["units"]
         return [
-            {name: self.parameters[name].to_si(column, system) for name, column in along.items()}
+            {name: self.parameters[name].to_si(column) for name, column in along.items()}
             for along in self.varied.values()
         ]
 
@@ -170,6 +199,7 @@ class StudyPlan:
             more pins than the slots allow.
         """
         values = self.values(case)
+        values["torque"] = self.curve or values["torque"]
         inertias = {entry.key: values[name] for name, entry in declared(Inertia).items()}
         return Escapement(
             mechanism=self.mechanism(case),

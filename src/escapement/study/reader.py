@@ -1,25 +1,30 @@
 """Reading a study file back."""
 
 import json
-from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+import os
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from escapement.errors import CannotCreate, EscapementError, InputFileError, InvalidValue
-from escapement.files import AnyPath, check_input
-from escapement.status import Status
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed, difference
+from escapement.errors import CannotCreate, EscapementError, InvalidValue
+from escapement.files import AnyPath
+from escapement.study.configuration import difference, whole_configuration
+from escapement.study.result import Study, count_failed, result_names
+from escapement.study.stored import (
+    DAMAGE,
+    SCHEMA_VERSION,
+    Stored,
+    check_values,
+    damaged,
+    opened,
+)
 from escapement.text import plain
-
-DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
-"""What h5py and NumPy raise over a file that is not as it should be."""
 
 
 def read_study(path: AnyPath) -> Study:
-    """Read a study with all its results.
+    """Read a study; each array when it is needed, and of a slice the slice alone.
 
     Parameters
     ----------
@@ -32,34 +37,43 @@ def read_study(path: AnyPath) -> Study:
         When there is no such file.
     InputFileError
         When it is no HDF5 file, is damaged, holds something else, or was
-        written in a layout newer than this version knows.
+        written in a layout newer than this version knows. Damage within an array is found
+        when that is read, as is that the file was replaced or removed since.
     """
+    place = os.path.realpath(path)
+
+    def stored(name: str, finite: bool = False) -> Any:
+        return Stored(place, hdf5[name], finite)
+
     with _open_study(path) as hdf5:
-        axes = [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
-        sampled = _sampled(hdf5)
-        names = [*axes, *sampled, *RESULTS]
+        axes, beside = _dimensions(hdf5), _coordinates(hdf5)
+        sampled = [name for name in beside if hdf5[name].shape]
+        fixed = [name for name in beside if not hdf5[name].shape]
+        configuration = configuration_of(hdf5)
+        results = result_names(configuration)
+        names = [*axes, *beside, *results]
         study = Study(
-            axes={name: hdf5[name][()] for name in axes},
-            sampled={name: hdf5[name][()] for name in sampled},
-            results={name: hdf5[name][()] for name in RESULTS},
+            axes={name: stored(name, finite=True) for name in axes},
+            sampled={name: stored(name, finite=True) for name in sampled},
+            results={name: stored(name) for name in results},
             units={name: str(hdf5[name].attrs["units"]) for name in names},
             long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
-            configuration=configuration_of(hdf5),
-            attributes=plain(hdf5.attrs),
+            configuration=configuration,
+            attributes=plain({k: v for k, v in hdf5.attrs.items() if k != "configuration"}),
+            fixed={name: hdf5[name][()].item() for name in fixed},
         )
-        for name, axis in {**study.axes, **study.sampled}.items():
-            _check_values(name, axis, axis.shape[:1])
-            if not axis.size or not np.isfinite(axis).all():
-                raise ValueError(f"{name} must be finite numbers")
-        for name, values in study.results.items():
-            _check_values(name, values, study.shape)
+        for name, values in study.columns.items():
+            along, _ = study.described(name)
+            shape = tuple(study.axes[axis].size for axis in along)
+            if np.shape(values) != shape or 0 in shape:
+                raise ValueError(f"{name} must have shape {shape}, got {np.shape(values)}")
         return study
 
 
 def read_configuration(path: AnyPath) -> dict[str, Any]:
     """The configuration of a study file, without its results; errors as `read_study`."""
     with _open_study(path) as hdf5:
-        return configuration_of(hdf5)
+        return whole_configuration(configuration_of(hdf5), hdf5)
 
 
 def read_sample_case(path: AnyPath, case: int) -> dict[str, Any]:
@@ -77,52 +91,11 @@ def read_sample_case(path: AnyPath, case: int) -> dict[str, Any]:
                 f"case must be one of the {cases} cases of {path}, got {case}; "
                 f"they are numbered from 0 to {cases - 1}"
             )
-        return {name: hdf5[name][case].item() for name in _sampled(hdf5)}
-
-
-@contextmanager
-def opened(
-    path: AnyPath, what: str, command: str, needed: Iterable[str], version: int
-) -> Iterator[Any]:
-    """The open file of a result; whatever is wrong with it, or within the block, as one error.
-
-    what, command : what the file holds, and the command that writes such a file.
-    needed : names of datasets that it must have.
-    version : the newest layout that is understood.
-    """
-    import h5py
-
-    check_input(path, what)
-    remedy = f"name a file that escapement {command} wrote"
-    try:
-        with h5py.File(path, "r") as hdf5:
-            layout = hdf5.attrs.get("schema_version")
-            missing = [name for name in needed if name not in hdf5]
-            if missing or not isinstance(layout, np.integer | int):
-                lacks = ", ".join(missing) or "schema_version"
-                raise InputFileError(
-                    f"{what} {path} must hold a {what}, and lacks {lacks}; {remedy}"
-                )
-            if layout > version:
-                raise InputFileError(
-                    f"{what} {path} must have schema_version {version} or less, got {layout}; "
-                    "install a newer geneva-escapement to read it"
-                )
-            yield hdf5
-    except PermissionError:
-        raise InputFileError(f"{what} {path} must be readable; check its permissions") from None
-    except EscapementError:
-        raise
-    except DAMAGE as error:
-        if h5py.is_hdf5(path):
-            raise _damaged(what, path, error) from None
-        raise InputFileError(
-            f"{what} {path} must be an HDF5 file, and is not or is cut short; {remedy}"
-        ) from None
+        return {name: hdf5[name][case].item() for name in _coordinates(hdf5) if hdf5[name].shape}
 
 
 def _open_study(path: AnyPath) -> AbstractContextManager[Any]:
-    return opened(path, "study", "sweep", ("configuration", *RESULTS), SCHEMA_VERSION)
+    return opened(path, "study", "sweep", ("configuration", "status"), SCHEMA_VERSION)
 
 
 def failed_cases(path: Path, frame: Study) -> int | None:
@@ -139,25 +112,28 @@ def failed_cases(path: Path, frame: Study) -> int | None:
 
     try:
         with h5py.File(path, "r") as hdf5:
-            attributes = {k: v for k, v in frame.attributes.items() if k != "created"}
-            here = {"configuration": frame.configuration, "attributes": attributes}
-            there = {
-                "configuration": configuration_of(hdf5),
-                "attributes": plain({name: hdf5.attrs[name] for name in attributes}),
-            }
-            if text := difference(there, json.loads(json.dumps(here))):
-                raise CannotCreate(
-                    f"output {path} must be of this study to be resumed, got the complete file of "
-                    f"another: {text}; name another output, or give force=True to replace it"
-                )
+            check_same(path, configuration_of(hdf5), hdf5.attrs, frame)
             try:
                 return _count_whole(hdf5, frame)
             except DAMAGE as error:
-                raise _damaged("study", path, error, " with force=True") from None
+                raise damaged("study", path, error, " with force=True") from None
     except EscapementError:
         raise
     except DAMAGE:
         return None
+
+
+def check_same(path: AnyPath, configuration: Any, attributes: Any, frame: Study) -> None:
+    """Raise CannotCreate unless a complete file has the configuration and attributes of a study."""
+    asked = {k: v for k, v in frame.attributes.items() if k != "created"}
+    here = {"configuration": frame.configuration, "attributes": asked}
+    found = plain({name: attributes.get(name) for name in asked})
+    there = {"configuration": configuration, "attributes": found}
+    if text := difference(there, json.loads(json.dumps(here))):
+        raise CannotCreate(
+            f"output {path} must be of this study to be resumed, got the complete file of "
+            f"another: {text}; name another output, or give force=True to replace it"
+        )
 
 
 def _count_whole(hdf5: Any, frame: Study) -> int:
@@ -166,42 +142,30 @@ def _count_whole(hdf5: Any, frame: Study) -> int:
         if not np.array_equal(hdf5[name][()], values):
             raise ValueError(f"{name} has other values")
     failed = 0
-    for name in RESULTS:
+    for name in frame.results:
         if hdf5[name].shape != frame.shape:
             raise ValueError(f"{name} must have shape {frame.shape}, got {hdf5[name].shape}")
         for chunk in hdf5[name].iter_chunks():
             values = hdf5[name][chunk]
-            _check_values(name, values, values.shape)
+            check_values(name, values)
             failed += count_failed(values) if name == "status" else 0
     return failed
 
 
-def _check_values(name: str, values: Any, shape: tuple[int, ...]) -> None:
-    """Raise ValueError unless `values` may be numbers of a study, those of a status known."""
-    if values.shape != shape or values.dtype.kind not in "fiu":
-        raise ValueError(
-            f"{name} must be numbers of shape {shape}, got {values.dtype} of {values.shape}"
-        )
-    # by its ends: as a set it would take ten times the memory of the file
-    if name == "status" and values.size and not 0 <= values.min() <= values.max() <= max(Status):
-        raise ValueError("status must hold known values")
-
-
 def configuration_of(hdf5: Any) -> dict[str, Any]:
     """The configuration that an open file holds; ValueError where it is none."""
-    configuration = json.loads(hdf5["configuration"].asstr()[()])
+    name = "configuration"  # a dataset in the first version of the layout
+    text = hdf5[name].asstr()[()] if name in hdf5 else hdf5.attrs[name]
+    configuration = json.loads(text)
     if not isinstance(configuration, dict):
         raise ValueError(f"configuration must be a JSON object, got {configuration!r:.40}")
     return configuration
 
 
-def _sampled(hdf5: Any) -> list[str]:
-    """Names of the parameters of a sample."""
+def _dimensions(hdf5: Any) -> list[str]:
+    return [dimension[0].name.lstrip("/") for dimension in hdf5["status"].dims]
+
+
+def _coordinates(hdf5: Any) -> list[str]:
+    """Names of the parameters of a sample, and of those that are fixed."""
     return str(hdf5["status"].attrs.get("coordinates", "")).split()
-
-
-def _damaged(what: str, path: AnyPath, error: Exception, how: str = "") -> InputFileError:
-    reason = " ".join(str(error).split())
-    return InputFileError(
-        f"{what} {path} must be whole, and is damaged: {reason}; write it anew{how}"
-    )

@@ -4,43 +4,48 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.merits import FIGURES, Result
 from escapement.status import Status
+from escapement.study.configuration import short_configuration
+from escapement.study.stored import LAYOUT
 from escapement.text import Shown
+from escapement.units import spelt
 
-SCHEMA_VERSION = 1
-"""Version of the file layout: raised when an older reader would misread a newer file."""
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
 _AGREE = 6e-6
 """Relative difference below which a value means the one of the axis: six figures, as shown."""
 
-_NOT_SET = object()
+
+DEFAULT = (
+    *("velocity_max", "velocity_min", "velocity_mean"),
+    *("period", "rise_time", "settling_time"),
+)
+"""Figures of merit that a study keeps where it does not choose."""
 
 
-class Result(NamedTuple):
-    """One result of every case: its unit (UDUNITS), name and storage type."""
-
-    units: str
-    long_name: str
-    dtype: DTypeLike = "<f8"
+def result_names(configuration: Mapping[str, Any]) -> list[str]:
+    """Names of the results of a study by its configuration, in the order of the file."""
+    return [*configuration.get("results", DEFAULT), "status"]
 
 
-RESULTS: Mapping[str, Result] = {
-    "velocity_max": Result("rad s-1", "largest driver velocity of the terminal cycle"),
-    "velocity_min": Result("rad s-1", "smallest driver velocity of the terminal cycle"),
-    "velocity_mean": Result("rad s-1", "mean driver velocity of the terminal cycle"),
-    "period": Result("s", "period of one engagement of the terminal cycle"),
-    "rise_time": Result("s", "time of the first velocity extremum within 2 % of terminal"),
-    "settling_time": Result("s", "time from which every engagement's extremes are within 1 %"),
-    "status": Result("1", "outcome of the case", "u1"),
-}
-"""Results over the grid, in the order of the file."""
+def kept(configuration: Mapping[str, Any]) -> dict[str, Result]:
+    """The results of a study by its configuration, in the order of the file."""
+    status = Result("ratio", "outcome of the case", "u1")
+    return {name: FIGURES.get(name, status) for name in result_names(configuration)}
+
+
+RESULTS: Mapping[str, Result] = kept({})
+"""Results of a study that does not choose."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,15 +58,18 @@ class Study(Shown):
         In the user's units; their order is that of the results' dimensions. The last
         axis of a sample is `case`, the numbers of its cases.
     results : dict of ndarray
-        NaN where a case has no such figure; `status` (uint8) says why.
+        In the user's units; NaN where a case has no such figure; `status` (uint8) says why.
     units, long_names : dict of str
         For every axis, sampled parameter and result.
     configuration : dict
-        The study as it was asked for.
+        The study as it was asked for. Of an axis with more than 64 values it has the name,
+        the number of values and their checksum.
     attributes : dict
-        title, schema_version, package_version, engine, rtol and created.
+        title, Conventions, schema_version, package_version, engine, rtol and created.
     sampled : dict of ndarray, shape (n,)
         Parameters of a sample in the user's units, along `case`.
+    fixed : dict of float
+        Numbers that are the same in every case, in the user's units.
     """
 
     axes: dict[str, NDArray[Any]]
@@ -71,13 +79,24 @@ class Study(Shown):
     configuration: dict[str, Any]
     attributes: dict[str, Any]
     sampled: dict[str, NDArray[Any]] = field(default_factory=dict)
+    fixed: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        # a name in place of a copy, also where a file of the first version has copies
+        short = short_configuration(self.configuration, self.columns)
+        object.__setattr__(self, "configuration", short)
+
+    def __getitem__(self, name: str) -> Any:
+        """An axis, a result, a sampled or a fixed parameter by its name."""
+        return self.columns[validate.choice("name", name, tuple(self.columns))]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self.columns]
 
     def _shown(self) -> list[tuple[str, Any, str]]:
         failed = [("failed", self.failed, "")] if "status" in self.results else []
         varied = {**self.axes, **self.sampled}.items()
-        rows = [
-            (name, values, self.units.get(name, "").removeprefix("1")) for name, values in varied
-        ]
+        rows = [(name, values, spelt(self.units.get(name, ""))) for name, values in varied]
         return [("cases", self.cases, ""), *failed, *rows]
 
     @property
@@ -89,6 +108,64 @@ class Study(Shown):
     def cases(self) -> int:
         """Number of cases."""
         return math.prod(self.shape)
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """Everything that has a name: axes, sampled and fixed parameters, results."""
+        return {**self.axes, **self.sampled, **self.fixed, **self.results}
+
+    def described(self, name: str) -> tuple[tuple[str, ...], dict[str, Any]]:
+        """Dimensions and attributes of what has this name, as files and xarray have them."""
+        along: dict[str, tuple[str, ...]] = {name: (name,) for name in self.axes}
+        along |= dict.fromkeys(self.sampled, ("case",)) | dict.fromkeys(self.fixed, ())
+        attributes: dict[str, Any] = {"units": self.units[name], "long_name": self.long_names[name]}
+        if name == "status":
+            numbers, labels = zip(*((member.value, member.label) for member in Status), strict=True)
+            attributes["flag_values"] = np.array(numbers, "u1")
+            attributes["flag_meanings"] = " ".join(labels)
+        return along.get(name, tuple(self.axes)), attributes
+
+    @property
+    def root(self) -> dict[str, Any]:
+        """Attributes of the study as a whole, as files and xarray have them."""
+        text = json.dumps(self.configuration, allow_nan=False)
+        return self.attributes | LAYOUT | {"configuration": text}
+
+    def to_xarray(self) -> "Dataset":
+        """The study as an `xarray.Dataset`; arrays of a file are read when they are needed.
+
+        Raises
+        ------
+        MissingPackage
+            When xarray is not installed.
+        """
+        validate.package("xarray", "to_xarray")
+        from escapement.study.labelled import dataset
+
+        return dataset(self)
+
+    def to_dataframe(self) -> "DataFrame":
+        """The study as a `pandas.DataFrame`: a row a case, its index the axes.
+
+        Columns are the sampled parameters and the results; `attrs` has the units.
+
+        Raises
+        ------
+        MissingPackage
+            When pandas is not installed.
+        """
+        pandas = validate.package("pandas", "to_dataframe")
+        columns = self.table(0, self.cases)
+        columns |= {name: np.reshape(values, -1) for name, values in self.results.items()}
+        frame = pandas.DataFrame(columns).set_index([*self.axes])
+        frame.attrs = self.root | {"units": self.units}
+        return frame
+
+    def table(self, start: int, stop: int) -> dict[str, NDArray[Any]]:
+        """Axes and sampled parameters of the cases start <= case < stop, shape (n,) each."""
+        places = np.unravel_index(np.arange(start, stop), self.shape)
+        along = dict(zip(self.axes, places, strict=True)) | dict.fromkeys(self.sampled, places[-1])
+        return {name: np.asarray(self.columns[name])[place] for name, place in along.items()}
 
     @property
     def failed(self) -> int:
@@ -150,25 +227,3 @@ def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
 def count_failed(status: NDArray[np.uint8]) -> int:
     """How many statuses say that a case has no answer."""
     return int(np.isin(status, [member.value for member in Status if member.failed]).sum())
-
-
-def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
-    """Where the configurations or attributes of two studies differ first; "" where they do not."""
-    parts = ("configuration", "attributes")
-    return next(filter(None, (_first_difference(there[part], here[part]) for part in parts)), "")
-
-
-def _first_difference(there: Any, here: Any, place: str = "") -> str:
-    if not (isinstance(there, dict) and isinstance(here, dict)):
-        return "" if there == here else f"{place} was {_short(there)} and is {_short(here)}"
-    for key in there | here:
-        where = f"{place}.{key}" if place else key
-        if text := _first_difference(there.get(key, _NOT_SET), here.get(key, _NOT_SET), where):
-            return text
-    order = f"{place or 'the study'} had the order {', '.join(there)}"
-    return "" if [*there] == [*here] else order
-
-
-def _short(value: Any) -> str:
-    text = "not set" if value is _NOT_SET else json.dumps(value)
-    return text if len(text) <= 60 else text[:40] + " ... " + text[-15:]

@@ -1,7 +1,7 @@
 """Running a study: scenes first, then blocks, on threads or on a Dask cluster."""
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -18,13 +18,14 @@ from escapement.files import AnyPath
 from escapement.model import Escapement
 from escapement.progress import Progress
 from escapement.solver import Solver, choose_solver
-from escapement.study import scenes
+from escapement.study import scenes, tables
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
 from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import Pool, in_cluster, in_threads
 from escapement.study.reader import read_study
-from escapement.study.result import RESULTS, SCHEMA_VERSION, Study, count_failed
+from escapement.study.result import Study, count_failed
+from escapement.study.stored import LAYOUT
 from escapement.study.writer import Unfinished, study_writer
 
 _SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
@@ -95,6 +96,7 @@ def sweep(
     rtol: float | None = None,
     solver: Solver | None = None,
     initial_speed: ArrayLike = 0.0,
+    results: Sequence[str] | None = None,
     path: AnyPath | None = None,
     force: bool = False,
     resume: bool = False,
@@ -118,8 +120,13 @@ def sweep(
         As for `terminal`.
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s]; an array is the last axis.
+    results : sequence of str, optional
+        Figures of merit to keep: names of numbers of `Figures`. Default: the velocities,
+        period, rise and settling time. What is not named is not computed where that saves
+        time.
     path : path, optional
-        HDF5 file to write as well.
+        File to write as well: HDF5 where its name ends in .h5, .hdf5 or .nc, a table where it
+        ends in .csv or .parquet.
     force : bool
         Replace an existing file; without `resume`, drop what was kept of an
         unfinished run.
@@ -145,11 +152,13 @@ def sweep(
     ------
     InvalidValue
         When an argument breaks its rule.
-    CannotCreate, StorageError
+    CannotCreate, StorageError, MissingPackage
         As `study_writer`.
     """
     settings = choose_solver(solver, engine, rtol).given
-    plan = plan_from(escapement, axes, sample=sample, initial_speed=initial_speed, **settings)
+    plan = plan_from(
+        escapement, axes, sample=sample, initial_speed=initial_speed, results=results, **settings
+    )
     options: Options = {"force": force, "resume": resume, "progress": progress}
     options |= {"workers": workers, "scheduler": scheduler}
     return run_plan(plan, path, **options)
@@ -159,13 +168,13 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
     """Run a planned study and return its results; arguments and errors as `escapement.sweep`."""
     if path is not None:
         write_plan(plan, path, **options)
-        return read_study(path)
+        return _read_table(plan, path) if tables.is_table(path) else read_study(path)
     if (scheduler := options.get("scheduler")) is not None:
         raise validate.fail("scheduler", "left out without a path", scheduler, "name a file")
     _check(plan, options)
     frame = frame_of(plan)
     cut = blocks_of(frame)
-    results = {name: np.empty(frame.cases, r.dtype) for name, r in RESULTS.items()}
+    results = {name: np.empty(frame.cases, r.dtype) for name, r in plan.results.items()}
 
     def add(block: Block) -> None:
         for name, values in results.items():
@@ -173,6 +182,13 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
 
     _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), solve_columns, options)
     shaped = {name: values.reshape(frame.shape) for name, values in results.items()}
+    return replace(frame, results=shaped)
+
+
+def _read_table(plan: StudyPlan, path: AnyPath) -> Study:
+    """The study of a plan, with the results of its table."""
+    frame, columns = frame_of(plan), tables.read_rows(path)
+    shaped = {n: columns[n].astype(r.dtype).reshape(frame.shape) for n, r in plan.results.items()}
     return replace(frame, results=shaped)
 
 
@@ -202,8 +218,10 @@ def _run(
     here = scheduler is None or not study.missing
     pool = in_threads(workers) if here else in_cluster(scheduler, workers)
     done, failed, told = study.resumed, study.failed, options.get("progress")
-    shown = nullcontext(told) if callable(told) else Progress(before=done, quiet=not told)
+    shown = nullcontext(told) if callable(told) else Progress(quiet=not told)
     with pool as solvers, shown as report:
+        if isinstance(report, Progress):
+            report.before = done
         report(done, plan.cases, failed)
         shared = solved_scenes(plan, solvers) if study.missing else None
         work = Work(plan, study.cut, numerics(), shared)
@@ -222,7 +240,7 @@ def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
         return None
     size = shared.cases.size
     step = min(max(size // 64, _SLICE[0]), _SLICE[1])
-    figures, status = np.empty((6, size)), np.empty(size, dtype=np.uint8)
+    figures, status = np.empty((len(plan.results) - 1, size)), np.empty(size, dtype=np.uint8)
     parts = ((start, shared.cases[start : start + step]) for start in range(0, size, step))
     for start, (numbers, outcomes) in pool.completed(solve_slice, plan, parts):
         figures[:, start : start + step], status[start : start + step] = numbers, outcomes
@@ -231,21 +249,21 @@ def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
 
 def frame_of(plan: StudyPlan) -> Study:
     """The study of a plan before it has results."""
-    varied = (*plan.dimensions, *plan.sampled)
-    units = {name: plan.unit(name) for name in varied}
-    units |= {name: result.units for name, result in RESULTS.items()}
-    names = {name: plan.long_name(name) for name in varied}
-    names |= {name: result.long_name for name, result in RESULTS.items()}
+    every = (*plan.dimensions, *plan.sampled, *plan.fixed, *plan.results)
+    units = {name: plan.unit(name) for name in every}
+    names = {name: plan.long_name(name) for name in every}
+    # of its results only the names and types are known
+    empty = {name: np.empty(0, result.dtype) for name, result in plan.results.items()}
     attributes = {
         "title": plan.configuration["title"],
-        "schema_version": SCHEMA_VERSION,
+        **LAYOUT,
         "package_version": __version__,
         "engine": plan.solver.engine,
         "rtol": plan.solver.tolerance,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     axes, configuration = plan.dimensions, plan.configuration
-    return Study(axes, {}, units, names, configuration, attributes, plan.sampled)
+    return Study(axes, empty, units, names, configuration, attributes, plan.sampled, plan.fixed)
 
 
 def sources() -> list[Path]:

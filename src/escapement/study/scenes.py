@@ -7,13 +7,16 @@ unit of time and none of these, so cases that differ in torque alone have the sa
 
 import contextlib
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import simulation
+from escapement import simulation, units
 from escapement.errors import InvalidValue
+from escapement.merits import FIGURES, TRANSIENT
 from escapement.metrics import Figures
 from escapement.model import (
     IMPERFECT,
@@ -28,10 +31,8 @@ from escapement.model import (
 )
 from escapement.quantity import quantities
 from escapement.scene import Scene
-from escapement.solver import Solver
 from escapement.status import Status
 from escapement.study.plan import StudyPlan
-from escapement.study.result import RESULTS
 
 FOLLOWER = "follower_inertia"
 TORQUE, SPEED = "torque", "initial_speed"
@@ -44,14 +45,14 @@ MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
 
 _PIN = Scene._fields.index("pin") - Scene._fields.index("rho")
-_SPEEDS = ("velocity_max", "velocity_min", "velocity_mean")
-_TIMES = ("period", "rise_time", "settling_time")
+_LIMITS = ("critical_friction", "uniqueness_friction", "jam_margin")
+"""Figures that a case has whether it moves or not."""
 
 Columns = dict[str, NDArray[Any]]
 """One array per result, over some cases."""
 SceneFigures = tuple[FloatArray, NDArray[np.uint8]]
-"""Largest, smallest and mean velocity, period, rise and settling time in natural units,
-shape (6, n), and the status, shape (n,)."""
+"""The figures of merit that a study keeps, in natural units and in its order, shape (k, n), and
+the status, shape (n,)."""
 
 
 class SharedScenes(NamedTuple):
@@ -94,7 +95,7 @@ def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
 def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases, none of them solved twice."""
     first, which, machine, scene, sound = _distinct(plan, cases)
-    figures = np.full((6, first.size), np.nan)
+    figures = np.full((len(plan.results) - 1, first.size), np.nan)
     status = np.full(first.size, Status.INVALID, dtype=np.uint8)
     # the mechanism is the last key of the order, so that its scenes follow each other
     other = np.flatnonzero((np.diff(machine) != 0).any(axis=0))
@@ -105,7 +106,8 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
             if rows.size:
                 mechanism: Any = plan.mechanism(int(cases[first[rows[0]]]), ideal=True)
                 rows = rows[scene[_PIN, rows] < getattr(mechanism, "widest_pin", math.inf)]
-                figures[:, rows], status[rows] = _solve(mechanism, scene[:, rows], plan.solver)
+                found = _solve(plan, mechanism, scene[:, rows], cases[first[rows]])
+                figures[:, rows], status[rows] = found
     return figures[:, which], status[which]
 
 
@@ -154,7 +156,7 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
 
 def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases with imperfect parts, each of which is a pattern."""
-    from escapement.engines.energy import cycle, pattern_rows
+    from escapement.engines.energy import pattern_rows
 
     columns, ratios, w, sound = _in_natural_units(plan, cases)
     values, unit = plan.fixed_si | columns, plan.lengths["crank_radius"] or 1.0
@@ -177,25 +179,67 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
         "offsets": errors("slot_offsets", wheel.slots, unit),
     }
     numbers = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
-    figures = np.full((6, cases.size), np.nan)
+    figures = np.full((len(plan.results) - 1, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
-    found = pattern_rows.solve(wheel, given, numbers[:, sound], plan.solver.tolerance)
-    table, status[sound] = found
-    places = [cycle.V_MAX, cycle.V_MIN, cycle.PERIOD, cycle.PERIOD, cycle.RISE, cycle.SETTLING]
-    figures[:, sound] = table.T[places]
-    figures[2] = wheel.cell_angle / figures[3]
+    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], plan.solver.tolerance)
+    named = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
+    figures[:, sound], status[sound] = _in_order(plan, wheel, named, cases[sound]), found
     return figures, status
 
 
-def _solve(mechanism: Any, scene: FloatArray, solver: Solver) -> SceneFigures:
-    """Solve the scenes of one mechanism, shape (k, n)."""
+def _solve(
+    plan: StudyPlan, mechanism: Any, scene: FloatArray, cases: NDArray[np.int64]
+) -> SceneFigures:
+    """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
     from escapement.engines.energy import batch, cycle
+    from escapement.engines.energy.figures import Extent
 
-    table, status = batch.solve(mechanism, scene, solver.tolerance)
-    places = [cycle.V_MAX, cycle.V_MIN, cycle.PERIOD, cycle.PERIOD, cycle.RISE, cycle.SETTLING]
-    figures = table.T[places]
-    figures[2] = mechanism.cell_angle / figures[3]
-    return figures, status
+    wanted = {*plan.results}
+    extent = Extent.CYCLE if wanted.isdisjoint(TRANSIENT) else Extent.SETTLED
+    if not wanted.isdisjoint(("rise_time_63", "rise_time_98")):
+        extent = Extent.FALLEN
+    table, status = batch.solve(mechanism, scene, plan.solver.tolerance, extent)
+    found = dict(zip(cycle.COLUMNS, table.T, strict=True))
+    return _in_order(plan, mechanism, found, cases), status
+
+
+def _in_order(
+    plan: StudyPlan, mechanism: Any, found: dict[str, FloatArray], cases: NDArray[np.int64]
+) -> FloatArray:
+    """The figures that a study keeps, from those the kernels found and those of each case alone."""
+    found["velocity_mean"] = mechanism.cell_angle / found["period"]
+    found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
+    others = [name for name in plan.results if name in FIGURES and name not in found]
+    rows = [
+        _rest(plan, case, others, handoff)
+        for case, handoff in zip(cases.tolist(), found["handoff_velocity"], strict=True)
+    ]
+    found |= dict(zip(others, np.array(rows).T, strict=True)) if others else {}
+    return np.array([found[name] for name in plan.results if name in found])
+
+
+def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> list[float]:
+    """Figures of one scene that the kernels do not compute, in natural units.
+
+    `handoff` is its terminal speed, NaN where there is none.
+    """
+    from escapement.engines.energy.simulate import simulate
+
+    escapement = plan.escapement(case).held
+    clock, torque = escapement.time_unit, escapement.torque_unit
+    figures = Figures() if {*names}.isdisjoint(_LIMITS) else simulation.limits(escapement)
+    if handoff > 0.0 and not {*names} <= {*_LIMITS}:
+        settings: Any = {"initial_speed": handoff / clock, "rtol": plan.solver.tolerance}
+        count = len(escapement.scenes)
+        cycle = simulate(escapement, engagements=count, duration=None, **settings)
+        figures = replace(figures, motion=cycle)
+    return [getattr(figures, name) / _si_unit(FIGURES[name].kind, clock, torque) for name in names]
+
+
+def _si_unit(kind: str, clock: Any, torque: Any) -> Any:
+    """Natural unit of a kind [SI], of a length that no case of the study changes."""
+    own = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
+    return (own | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
 
 
 def _solver(plan: StudyPlan) -> Any:
@@ -206,6 +250,8 @@ def _solver(plan: StudyPlan) -> Any:
         return solve_scenes
     varied = {name for along in plan.varied.values() for name in along}
     varied &= {name for name in plan.parameters if plan.parameters[name].section == "mechanism"}
+    # the kernels for patterns do not compute these
+    varied |= {"rise_time_63", "rise_time_98"} & {*plan.results}
     alike = all(name.startswith((*IMPERFECT, *LENGTHS)) for name in varied)
     return _solve_patterns if alike and isinstance(plan.build, type) else None
 
@@ -217,10 +263,8 @@ def evaluate(plan: StudyPlan, start: int, stop: int, shared: SharedScenes | None
         found = solve(plan, cases) if shared is None else shared.of(plan, cases)
         return _on_their_clocks(plan, cases, *found)
     alone = [_alone(plan, case) for case in cases.tolist()]
-    return {
-        name: np.array([getattr(figures, name) for figures in alone], dtype=result.dtype)
-        for name, result in RESULTS.items()
-    }
+    columns = {name: np.array([getattr(it, name) for it in alone], "<f8") for name in plan.results}
+    return _in_its_units(plan, columns)
 
 
 def _on_their_clocks(
@@ -235,9 +279,20 @@ def _on_their_clocks(
         figures[:, bad], status[bad] = np.nan, Status.INVALID
         square = np.where(bad, 1.0, square)
     clock = np.sqrt(square)
-    columns = {name: line / clock for name, line in zip(_SPEEDS, figures[:3], strict=True)}
-    columns |= {name: line * clock for name, line in zip(_TIMES, figures[3:], strict=True)}
-    return columns | {"status": status}
+    found = {
+        name: line * _si_unit(result.kind, clock, values[TORQUE])
+        for (name, result), line in zip(plan.results.items(), [*figures, status], strict=True)
+    }
+    return _in_its_units(plan, found)
+
+
+def _in_its_units(plan: StudyPlan, found: Columns) -> Columns:
+    """Results in the units and types of the file, from those in SI."""
+    system = plan.configuration["units"]
+    return {
+        name: (found[name] / units.factor(result.kind, system)).astype(result.dtype)
+        for name, result in plan.results.items()
+    }
 
 
 def _alone(plan: StudyPlan, case: int) -> Figures:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import validate
+from escapement import units, validate
 from escapement.errors import InvalidValue
 from escapement.model import FloatArray
 from escapement.quantity import Quantity
@@ -44,7 +44,7 @@ def axis_values(form: Any, parameter: Quantity) -> Column:
 
     Parameters
     ----------
-    form : number, sequence, one-dimensional array or mapping
+    form : number, text with a unit, sequence, one-dimensional array or mapping
         A mapping holds `start`, `stop` and `num`, and may hold `log`: true for equal
         ratios instead of equal differences.
     parameter : Quantity
@@ -226,8 +226,11 @@ def _around(
             f"{label} must have a nominal value to spread around, got none; "
             f"give {parameter.label} a fixed value, or {label} low and high"
         )
-    given = validate.positive(f"{label}.{key}", form[key], "a parameter without one stays fixed")
-    width = given * nominal if key.startswith("relative") else given
+    relative, remedy = key.startswith("relative"), "a parameter without one stays fixed"
+    kind = "ratio" if relative else parameter.unit
+    given = units.measured(f"{label}.{key}", form[key], kind, parameter.system, remedy)
+    given = validate.positive(f"{label}.{key}", given, remedy)
+    width = given * nominal if relative else given
     if width == 0.0:
         raise InvalidValue(
             f"{label}.{key} must be a part of a nominal value other than 0, got 0; "

@@ -1,6 +1,5 @@
 """Writing a study in bounded memory, so that nothing that was finished is ever lost."""
 
-import json
 import threading
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -8,19 +7,18 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from escapement import files
 from escapement.files import AnyPath
-from escapement.status import Status
-from escapement.study.block import CELLS, Block, Tiling, blocks_of, encode_block
+from escapement.study import tables
+from escapement.study.block import Block, Tiling, blocks_of, encode_block
+from escapement.study.hdf5 import write_hdf5
 from escapement.study.journal import Journal
 from escapement.study.reader import failed_cases
-from escapement.study.result import RESULTS, Study
+from escapement.study.result import Study
 
-_FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
+_WRITERS = {tables.CSV: tables.write_csv, tables.PARQUET: tables.write_parquet}
 
 
 def partial_path(path: AnyPath) -> Path:
@@ -57,9 +55,9 @@ def study_writer(
     Parameters
     ----------
     path : path
-        File to create.
+        File to create; its suffix is one of `files.STUDIES`.
     frame : Study
-        Everything but the results, which are ignored.
+        Everything but the results, of which names and types count.
     numerics : str
         Differs whenever a version of this package may compute other results.
     force : bool
@@ -71,6 +69,8 @@ def study_writer(
 
     Raises
     ------
+    InvalidValue, MissingPackage
+        As `tables.check_format`.
     CannotCreate
         On entering, when the file may not be created, another process is writing
         it, or its partial results belong to another study.
@@ -78,6 +78,7 @@ def study_writer(
         When the disk is full or fails.
     """
     target, cut = files.check_target(path, force or resume), blocks_of(frame)
+    suffix = tables.check_format(path)
     # killed processes leave it behind, and the next one of the same output removes it
     temporary = files.temporary_path(target, f"{zlib.crc32(target.name.encode()):016x}")
     with ExitStack() as stack:
@@ -86,9 +87,12 @@ def study_writer(
             stack.callback(journal.close)
             temporary.unlink(missing_ok=True)
             old = resume and not force and target.exists()
-            complete = failed_cases(target, frame) if old else None
+            known = tables.failed_rows if suffix in _WRITERS else failed_cases
+            complete = known(target, frame) if old else None
+            # a complete CSV is computed again, because it does not say what it is of
+            again = old and suffix == tables.CSV
             if complete is None:
-                files.check_target(path, force)
+                files.check_target(path, force or again)
                 frame = journal.begin(frame, numerics, len(cut))
         here = journal.failed
         storing = partial(files.storing, path, lambda: journal.path.name if here else "")
@@ -108,12 +112,15 @@ def study_writer(
             with storing():
                 journal.check()
                 blocks = map(journal.block, range(len(cut)))
-                write_blocks(frame, path, blocks, force, temporary)
+                if again:
+                    tables.compare_csv(frame, target, blocks)
+                else:
+                    write_blocks(frame, path, blocks, force, temporary)
         journal.remove()
 
 
 def write_study(study: Study, path: AnyPath, *, force: bool = False) -> None:
-    """Write a study that is held in memory; errors as `study_writer`."""
+    """Write a study, as HDF5 or as a table, which the suffix tells; errors as `study_writer`."""
     cut = blocks_of(study)
     flat = {name: values.reshape(-1) for name, values in study.results.items()}
 
@@ -127,7 +134,7 @@ def write_study(study: Study, path: AnyPath, *, force: bool = False) -> None:
 def write_blocks(
     frame: Study, path: AnyPath, blocks: Iterable[Block], force: bool, temporary: Path | None = None
 ) -> None:
-    """Write all blocks of a study, and put the file in place.
+    """Write all blocks of a study in their order, and put the file in place.
 
     It runs in a thread of its own, where Ctrl-C never strikes HDF5; an interruption ends the
     thread before its next block.
@@ -137,60 +144,18 @@ def write_blocks(
     CannotCreate, StorageError
         As `pending_file`.
     """
-    stop, cut = threading.Event(), blocks_of(frame)
+    stop, write = threading.Event(), _WRITERS.get(tables.check_format(path), write_hdf5)
 
-    def write() -> None:
-        with files.pending_hdf5(path, force, temporary) as (hdf5, disk):
-            results = _create_datasets(hdf5, frame, cut.tile)
-            for block in blocks:
-                if stop.is_set():
-                    raise InterruptedError
-                if disk.error is not None:
-                    break
-                for dataset, data in zip(results, block.chunks, strict=True):
-                    dataset.id.write_direct_chunk(cut.offset(block.number), data)
+    def going() -> Iterator[Block]:
+        for block in blocks:
+            if stop.is_set():
+                raise InterruptedError
+            yield block
 
     with ThreadPoolExecutor(1, thread_name_prefix="escapement-store") as thread:
-        work = thread.submit(write)
+        work = thread.submit(write, frame, path, going(), force, temporary)
         try:
             work.result()
         except BaseException:
             stop.set()
             raise
-
-
-def _create_datasets(hdf5: Any, frame: Study, tile: tuple[int, ...]) -> list[Any]:
-    """Everything but results; returns their datasets, which are empty."""
-    import h5py
-
-    hdf5.attrs.update(frame.attributes)
-    text = json.dumps(frame.configuration, allow_nan=False)
-    dataset = hdf5.create_dataset("configuration", data=text, dtype=h5py.string_dtype())
-    dataset.attrs.update(units="1", long_name="configuration of the study, JSON")
-    for name, values in (frame.axes | frame.sampled).items():
-        kind = "<i8" if values.dtype.kind == "i" else "<f8"
-        chunks = (min(values.size, CELLS),)
-        line = _create(hdf5, frame, name, data=values, dtype=kind, chunks=chunks)
-        if name in frame.axes:
-            line.make_scale(name)
-        else:
-            line.dims[0].attach_scale(hdf5[[*frame.axes][-1]])
-    results = {
-        name: _create(hdf5, frame, name, shape=frame.shape, dtype=result.dtype, chunks=tile)
-        for name, result in RESULTS.items()
-    }
-    for dataset in results.values():
-        if frame.sampled:
-            dataset.attrs["coordinates"] = " ".join(frame.sampled)  # as the CF conventions have it
-        for dimension, axis in zip(dataset.dims, frame.axes, strict=True):
-            dimension.attach_scale(hdf5[axis])
-    numbers, labels = zip(*((member.value, member.label) for member in Status), strict=True)
-    flags = {"flag_values": np.array(numbers, "u1"), "flag_meanings": " ".join(labels)}
-    results["status"].attrs.update(flags)
-    return [*results.values()]
-
-
-def _create(hdf5: Any, frame: Study, name: str, **options: Any) -> Any:
-    dataset = hdf5.create_dataset(name, **options, **_FILTERS)
-    dataset.attrs.update(units=frame.units[name], long_name=frame.long_names[name])
-    return dataset

@@ -37,6 +37,8 @@ Files, in the order in which they are best read:
     march      one engagement from entry to exit
     calls      march and refine, called by address, and what they need of an escapement
     handoffs   times and speeds of handoffs, one engagement after the other
+    peaks      the greatest accelerations, contact moment and force on a panel
+    rundown    thousands of engagements of a spring, as series over the angle turned
     pieces     events of a motion, and its states at given times
     simulate   the motion that `escapement.simulate` returns
     cycle      the terminal cycle by Newton's method

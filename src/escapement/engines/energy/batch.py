@@ -23,7 +23,7 @@ _NUMBERS = len(Scene._fields) - FIXED
 
 
 @jit(allocates=True)
-def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, table, status):
+def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, extent, table, status):
     """Fill table[i] and status[i] for every scene i, in natural units.
 
     Parameters
@@ -34,27 +34,31 @@ def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, table, status
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
     rtol : relative error asked for.
+    extent : an `Extent`, how far the transient is followed.
     table, status : results, described in `solve`; of a stall the first two columns hold the
         driver angle [rad] and the engagement.
     """
     shared = scene_of(scene_tuple)
-    store, events = workspace(shared.edges)
+    store, events, handoffs = workspace(shared.edges)
     for i in range(status.size):
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        scene, known = Scene(shared.path, shared.edges, shared.dwell, *own), cells
+        drive = (shared.torque, shared.turned)
+        scene, known = Scene(shared.path, shared.edges, shared.dwell, *drive, *own), cells
         if scene.pin > 0.0:
             # a pin with width has breaks of its own, between which nothing is tabulated
             edges = slide_edges(shared.path, scene.pin, shared.edges)
-            scene, known = Scene(shared.path, edges, shared.dwell, *own), none
+            scene, known = Scene(shared.path, edges, shared.dwell, *drive, *own), none
         # at the Painleve limit J_s reaches zero, and the march would divide by it
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
             case = MarchInputs(addresses, scene, known, store, events)
-            status[i] = figures(case, numbers[i, _NUMBERS], rtol, table[i])
+            status[i] = figures(case, handoffs, numbers[i, _NUMBERS], rtol, extent, table[i])
 
 
-def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[FloatArray, np.ndarray]:
+def solve(
+    mechanism: Mechanism, numbers: FloatArray, rtol: float, extent: int
+) -> tuple[FloatArray, np.ndarray]:
     """Figures of merit of scenes given by their dimensionless numbers.
 
     Parameters
@@ -66,11 +70,13 @@ def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[Float
         first entry in units of torque / I_f [-].
     rtol : float
         Relative error asked for.
+    extent : int
+        An `Extent`: times of the transient that need it to be followed further are NaN.
 
     Returns
     -------
-    table : ndarray, shape (n, 7)
-        Columns as in `cycle`; NaN where there is none.
+    table : ndarray, shape (n, 9)
+        Columns as in `cycle.COLUMNS`; NaN where there is none.
     status : ndarray, shape (n,)
         Values of `Status`.
     """
@@ -82,9 +88,11 @@ def solve(mechanism: Mechanism, numbers: FloatArray, rtol: float) -> tuple[Float
     status = np.empty(len(rows), dtype=np.uint8)
     path = writeable(mechanism.path)
     edges = smooth_intervals(path, mechanism.breaks)
-    scene_tuple = tuple(path), edges, dwell_angle(mechanism), *(0.0,) * _NUMBERS
+    constant = np.array([0.0, 0.0, 1.0]), 0.0
+    scene_tuple = tuple(path), edges, dwell_angle(mechanism), *constant, *(0.0,) * _NUMBERS
     cells = cells_of(path, edges)
-    solve_rows(kernel_addresses(), scene_tuple, cells, NO_CELLS, rows, rtol, table, status)
+    fixed = kernel_addresses(), scene_tuple, cells, NO_CELLS
+    solve_rows(*fixed, rows, rtol, np.int64(extent), table, status)
     # of a stall the table holds its angle and engagement, which are no figures of merit
     table[status != OK] = np.nan
     return table, status

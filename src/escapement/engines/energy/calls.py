@@ -42,8 +42,8 @@ class MarchInputs(NamedTuple):
 # The types of the arguments are read off empty samples. A call by address needs them before
 # there is a caller, and they must be those of every caller.
 _numbers = np.empty(0)
-_path, _zeros = Path(False, _numbers, _numbers), (0.0,) * (len(Scene._fields) - 2)
-_scene = typeof(Scene(_path, _numbers, *_zeros))
+_path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 4)
+_scene = typeof(Scene(_path, _numbers, 0.0, _numbers, *_zeros))
 _store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
 _cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
 _request = typeof(Request(0, 0.0, 0.0))

@@ -19,8 +19,13 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
 
-FIGURES = 7
-V_MAX, V_MIN, PERIOD, RISE, SETTLING, W_HANDOFF, CONTRACTION = range(FIGURES)
+COLUMNS = (
+    *("velocity_max", "velocity_min", "period", "handoff_velocity", "contraction"),
+    *("rise_time", "settling_time", "rise_time_63", "rise_time_98"),
+)
+"""Figures of merit that the kernels compute, in the order of their columns."""
+FIGURES = len(COLUMNS)
+V_MAX, V_MIN, PERIOD, HANDOFF, CONTRACTION, RISE, SETTLING, RISE_63, RISE_98 = range(FIGURES)
 # A share of E that friction takes is rounding where it is below this.
 NO_LOSS = 1e-12
 # So many engagements are followed, without Newton's method, after it has overshot into a stop.
@@ -90,7 +95,7 @@ def extrapolate(w, better, before):
 
 @inner_jit
 def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
-    """Terminal cycle by Newton's method from w; fills `out` except for rise and settling time.
+    """Terminal cycle by Newton's method from w; fills `out` but for the times of the transient.
 
     Parameters
     ----------
@@ -169,4 +174,4 @@ def _read(case, first, found, w, step, out):
         fast, slow = max(fast, event.w), min(slow, event.w)
     out[V_MAX], out[V_MIN] = np.sqrt(fast), np.sqrt(slow)
     out[PERIOD] = found.time
-    out[W_HANDOFF], out[CONTRACTION] = step.w, step.contraction
+    out[HANDOFF], out[CONTRACTION] = np.sqrt(step.w), step.contraction

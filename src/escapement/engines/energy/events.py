@@ -8,6 +8,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from escapement.drive import torque_at
 from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.gauss import POINTS, N, cumulate, dot
@@ -113,7 +114,9 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
     event.kind = kind
     event.angle, event.time, event.half = panel.left, found.time, panel.half
     event.exact, event.coarse, event.point = False, found.coarse, found.point
-    event.side, event.left_energy = found.side, found.energy
+    # as everywhere, 0 stands for a dwell
+    event.side = 0.0 if panel.locked else found.side
+    event.left_energy = found.energy
     event.first, event.final, event.high = found.first, found.final, high
     count = panels.points_of(work)
     copy_row(event.energy, work.energy, count)
@@ -158,16 +161,18 @@ def refine(scene, store, events, i):
     angle = event.angle + event.half * (1.0 + x)
     elapsed, energy = _up_to(scene, work, event, x, angle)
     g, c, k = bent_pose(angle, event.side, scene)
+    pull = torque_at(angle, scene)[0] - scene.bearing
     w = energy / (scene.rho + g * g)
     # the first step of Newton's method: `slope` is d(J theta_ddot)/dx
-    torque = net_torque(g, c, k, w, root_of(w, scene), scene)
+    torque = net_torque(g, c, k, pull, w, root_of(w, scene), scene)
     way = -torque * event.half / slope
     way = way if abs(way) < LARGEST_CORRECTION * event.half else 0.0
     # over the step theta_ddot falls linearly to zero, so dw = 2 theta_ddot way/2
     w += way * torque / reduced_inertia(g, c, scene)
     if event.coarse and way != 0.0:
         g, c, k = bent_pose(angle + way, event.side, scene)
-        left_over = net_torque(g, c, k, w, root_of(w, scene), scene)
+        pull = torque_at(angle + way, scene)[0] - scene.bearing
+        left_over = net_torque(g, c, k, pull, w, root_of(w, scene), scene)
         # a secant step; where the first step did not halve the torque, that was only rounding
         way *= torque / (torque - left_over) if abs(left_over) < 0.5 * abs(torque) else 1.0
     event.angle, event.w = angle + way, w
@@ -185,7 +190,7 @@ def _up_to(scene, work, event, x, angle):
         return dot(work.from_left, work.scratch, count), dot(work.at_x, event.energy, count)
     # the panel is solved again between its left end and the extremum, outside the chain
     panel = work.spare
-    panel.locked = False
+    panel.locked = event.side == 0.0
     panels.evaluate_geometry(work, panel, scene, event.angle, angle)
     solve_side(scene, work, panel, event.side, event.left_energy)
     solution = solution_of(panel, event.side)

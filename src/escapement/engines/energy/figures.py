@@ -1,8 +1,11 @@
 """Figures of merit of a case, from its transient and its terminal cycle."""
 
+from enum import IntEnum
+
 import numpy as np
 
-from escapement.dynamics import constant_drive, ends_alike, is_lossless
+from escapement.drive import torque_at
+from escapement.dynamics import ends_alike, is_lossless
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import march_case, refine
 from escapement.engines.energy.events import (
@@ -19,7 +22,14 @@ from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, t
 from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
-from escapement.metrics import MAX_ENGAGEMENTS, RISE_BAND, SETTLING_BAND
+from escapement.metrics import (
+    FALL_63,
+    FALL_98,
+    LEAST_RATIO,
+    MAX_ENGAGEMENTS,
+    RISE_BAND,
+    SETTLING_BAND,
+)
 
 # Of a transient so many events are kept until the terminal cycle is known.
 KEPT_EVENTS = 256
@@ -27,30 +37,46 @@ KEPT_EVENTS = 256
 LATEST_SEARCH = 40
 
 
+class Extent(IntEnum):
+    """How far a transient is followed; each member includes those before it.
+
+    CYCLE: until the terminal cycle is known. SETTLED: until rise and settling time are.
+    FALLEN: until the handoff speed is near the terminal one, for `rise_time_63` and `_98`.
+    """
+
+    CYCLE = 0
+    SETTLED = 1
+    FALLEN = 2
+
+
 @inner_jit(allocates=True)
 def workspace(edges):
-    """Memory for `figures`: a store of panels, and an array of events."""
-    return new_store(MAX_PANELS), np.empty(KEPT_EVENTS + 2 * most_events(edges), EVENT)
+    """Memory for `figures`: a store of panels, an array of events, and times and w of handoffs."""
+    events = np.empty(KEPT_EVENTS + 2 * most_events(edges), EVENT)
+    return new_store(MAX_PANELS), events, np.empty((LATEST_SEARCH + 2, 2))
 
 
 @inner_jit
-def figures(case, w, rtol, out):
+def figures(case, handoffs, w, rtol, extent, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, and its extrema are
-    kept. Newton's method finds the terminal cycle from there. The kept extrema are then
-    compared with that cycle, and the motion is followed further until it has settled. On a
-    stall out[0] is the driver angle and out[1] the engagement; both are NaN where a motion
-    without friction loses energy in every engagement, which `escapement.terminal` tells first.
+    kept, and so are its `handoffs`. Newton's method finds the terminal cycle from there. What
+    was kept is then compared with that cycle, and the motion is followed further until all that
+    `extent` asks for is known. On a stall out[0] is the driver angle and out[1] the engagement;
+    both are NaN where a motion without friction loses energy in every engagement, which
+    `escapement.terminal` tells first.
     """
     scene, events = case.scene, case.events
+    start, handoffs[0, 0], handoffs[0, 1] = w, 0.0, w
     for i in range(cycle.FIGURES):
         out[i] = np.nan
     entry, exit_ = scene.edges[0], scene.edges[-1]
     ends = cycle.Ends(transmission_at(scene.path, entry)[0], transmission_at(scene.path, exit_)[0])
     constant_gain = is_lossless(scene) and ends_alike(ends.entry, ends.exit, scene.rho)
     # without losses and load every engagement adds the drive's work, which is positive
-    if constant_gain and scene.load == 0.0 and constant_drive(scene) > 0.0:
+    pull = torque_at(entry, scene)[0] - scene.bearing
+    if constant_gain and scene.load == 0.0 and pull > 0.0:
         return NO_TERMINAL
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.EXTREMA), loose, strict)
@@ -73,21 +99,29 @@ def figures(case, w, rtol, out):
             in_band = _judge(case, first, used, in_band, out)
         following = found.w
         time += found.time
+        row = (k + 1) % handoffs.shape[0]
+        handoffs[row, 0], handoffs[row, 1] = time, following
+        if cycle_known:
+            _note_fall(start, handoffs, k, rtol, out)
         if not sought:
             step = cycle.newton_step(w, found, scene, ends, has_reversal(events, first, used))
             first = used
             if _worth_seeking(scene, w, step, k, used, events):
-                start = _first_guess(w, step, before, following)
+                guess = _first_guess(w, step, before, following)
                 steps = cycle.Attempt(w, step.w)
                 status, count = cycle.terminal_cycle(
-                    case, count, ends, start, following, steps, rtol, used, out
+                    case, count, ends, guess, following, steps, rtol, used, out
                 )
                 sought, cycle_known = True, status == OK
                 if status in (NOT_CONVERGED, NO_TERMINAL):
                     return status
                 first = NO_EVENTS
                 if cycle_known:
+                    if extent == Extent.CYCLE:
+                        return OK
                     in_band = _judge(case, first, used, in_band, out)
+                    for i in range(k + 1):
+                        _note_fall(start, handoffs, i, rtol, out)
                     # from rest it takes log(0.02)/log(contraction) engagements or so, here
                     # more than the limit, so no time is given
                     if out[cycle.CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
@@ -96,11 +130,35 @@ def figures(case, w, rtol, out):
         w = following
         # two motions never cross, so w at entry tends to its terminal value from one side: when
         # a maximum and a minimum are in the band, all later ones are
-        if cycle_known and in_band >= 2:
+        fallen = extent < Extent.FALLEN or not np.isnan(out[cycle.RISE_98])
+        if cycle_known and in_band >= 2 and fallen:
             return OK
     # a settling time beyond the limit of engagements is not given
-    out[cycle.SETTLING] = np.nan
+    if in_band < 2:
+        out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
+
+
+@inner_jit
+def _note_fall(start, handoffs, k, rtol, out):
+    """Note `rise_time_63` and `_98` where engagement k passes them, as `metrics.fall_times` does.
+
+    start : w at the first entry.
+    handoffs : time and w at the entry of engagement k in row k, counted round.
+    """
+    final = out[cycle.HANDOFF]
+    whole = abs(np.sqrt(start) - final)
+    if whole <= rtol * final:
+        out[cycle.RISE_63], out[cycle.RISE_98] = 0.0, 0.0
+        return
+    one, two = k % handoffs.shape[0], (k + 1) % handoffs.shape[0]
+    before = max(abs(np.sqrt(handoffs[one, 1]) - final) / whole, LEAST_RATIO)
+    after = max(abs(np.sqrt(handoffs[two, 1]) - final) / whole, LEAST_RATIO)
+    for place in range(cycle.RISE_63, cycle.RISE_98 + 1):
+        level = FALL_63 if place == cycle.RISE_63 else FALL_98
+        if np.isnan(out[place]) and after <= level:
+            share = np.log(before / level) / np.log(before / after)
+            out[place] = handoffs[one, 0] + share * (handoffs[two, 0] - handoffs[one, 0])
 
 
 @inner_jit

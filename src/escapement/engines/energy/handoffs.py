@@ -2,12 +2,21 @@
 
 import numpy as np
 
+from escapement.drive import cell_after, cell_of, is_constant, is_spent
 from escapement.dynamics import is_lossless, scene_of
-from escapement.engines.energy.calls import march
+from escapement.engines.energy.calls import MarchInputs, march
 from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
-from escapement.engines.energy.march import OK, PAINLEVE
+from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.rundown import (
+    FORGOTTEN,
+    NODES,
+    add_time,
+    fill,
+    least_length,
+    longest_stretch,
+)
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.painleve import beyond_painleve
@@ -37,7 +46,9 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         [rad], and times[done] the time. A plain tuple is returned, because Python makes it in
         a third of the time that a named one takes.
     """
-    scene = scene_of(scene_tuple)
+    scene, cell = scene_of(scene_tuple), 0.0
+    if not is_constant(scene):
+        cell = cell_of(scene)
     if beyond_painleve(scene):
         return PAINLEVE, 0, 0.0
     loose, strict = tolerances(rtol)
@@ -45,19 +56,24 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
     store = new_store(MAX_PANELS)
     events = np.empty(most_events(scene.edges), EVENT)
     count = NO_PANELS
-    time, carry, carry_w = 0.0, 0.0, 0.0
+    case = MarchInputs(addresses, scene, cells, store, events)
+    totals, series, carry_w = np.zeros(2), np.empty((4, NODES if cell > 0.0 else 0)), 0.0
     rho, edges = scene.rho, scene.edges
     inertia = transmission_at(scene.path, edges[0])[0] ** 2 + rho
     ends_equal = inertia == transmission_at(scene.path, edges[-1])[0] ** 2 + rho
-    start, lossless = w, is_lossless(scene)
-    for k in range(times.size):
+    start, steady_gain = w, is_constant(scene) and is_lossless(scene)
+    # the number of the engagement, of the first behind a knot, and of the next to try a series
+    k, line, attempt = np.int64(0), np.int64(0), np.int64(0)
+    while k < times.size:
+        scene = cell_after(k * cell, scene)
         found = march(addresses, scene, cells, store, count, request, w, 0.0, events, NO_EVENTS)
         count = found.panels
         if found.status != OK:
-            times[k] = (time + found.time) * clock
-            return found.status, k, found.angle
+            times[k] = (totals[0] + found.time) * clock
+            spent = found.status == STALL and is_spent(found.angle, scene)
+            return SPENT if spent else found.status, k, found.angle
         out = found.w
-        if lossless and ends_equal:
+        if steady_gain and ends_equal:
             # without friction every engagement adds the same energy, so that a product takes the
             # place of a sum, whose rounding errors would add up
             out = start + (k + 1) * found.source / inertia
@@ -66,22 +82,33 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
             change = np.expm1(-found.exponent) * w + found.source / inertia - carry_w
             out = w + change
             carry_w = (out - w) - change
-        length = found.time
-        # Kahan's sum: the rounding errors of a million engagements must not add up
-        step = length - carry
-        total = time + step
-        carry = (total - time) - step
-        time = total
-        times[k] = time * clock
+        add_time(totals, found.time)
+        times[k] = totals[0] * clock
         speeds[k] = np.sqrt(out) / clock
-        if time >= limit:
+        if totals[0] >= limit:
             return OK, k + 1, 0.0
         # the changes of w still to come add up to (out - w)/gap, and their effect on the sum of
         # times to about (out - w)/gap^2: where that is negligible, later engagements repeat this
         gap = -np.expm1(-found.exponent)
-        if abs(out - w) <= 0.05 * rtol * gap * gap * w:
-            return OK, _repeat(k, time, length, limit, clock, times, speeds), 0.0
-        w = out
+        if cell == 0.0 and abs(out - w) <= 0.05 * rtol * gap * gap * w:
+            done = _repeat(k, totals[0], found.time, limit, clock, times, speeds)
+            return OK, done, 0.0
+        w, k = out, k + 1
+        if cell == 0.0:
+            continue
+        line = k if found.panels == NO_PANELS else line
+        # so many engagements forget what was before them
+        lead = np.int64(FORGOTTEN / max(found.exponent, SMALL_EXPONENT)) + 2
+        if k >= attempt and k - line >= lead:
+            most = times.size - k
+            stretch = longest_stretch(case, request, k, most, lead, w, rtol, series)
+            if stretch.length > 0:
+                done, w = fill(stretch, limit, clock, totals, series, times, speeds)
+                k += done
+                if totals[0] >= limit:
+                    return OK, k, 0.0
+            attempt = k if stretch.length > 0 else k + least_length(lead)
+            count = NO_PANELS
     return OK, times.size, 0.0
 
 

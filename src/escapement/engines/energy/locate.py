@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.drive import torque_at
 from escapement.dynamics import (
     contact,
     dragged_slope,
@@ -126,11 +127,11 @@ def reversal_at(scene, work, panel, side, x, slope, w):
     elapsed = dot(work.from_left, work.scratch, count)
     w = dot(work.at_x, work.energy, count) / (scene.rho + g * g)
     # one step of Newton's method on s X, as a part of the panel and then as an angle
-    k = dragged_slope(g, dg, scene)
-    way = side * contact(g, k, w, root_of(w, scene), scene) / -slope
+    k, pull = dragged_slope(g, dg, scene), torque_at(angle, scene)[0] - scene.bearing
+    way = side * contact(g, k, pull, w, root_of(w, scene), scene) / -slope
     way = panel.half * (way if abs(way) < LARGEST_CORRECTION else 0.0)
     # X = 0 means that there is no contact force: the driver turns free
-    return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, w, scene))
+    return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, pull, w, scene))
 
 
 @inner_jit
@@ -231,8 +232,9 @@ def _run_behind(scene, work, panel, solution, side, energy, reversal, trend):
         work.slowness_change[i] = work.slowness[i] - slowness
         work.slowness[i] = slowness
         root = np.sqrt(w) if viscous else 0.0
-        c = -side * contact(panel.g[i], panel.dg[i], w, root, scene)
-        a = net_torque(panel.g[i], solution.bend[i], panel.dg[i], w, root, scene)
+        g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
+        c = -side * contact(g, k, pull, w, root, scene)
+        a = net_torque(g, solution.bend[i], k, pull, w, root, scene)
         work.contact[i] = c
         work.net_torque[i] = a
         bad += not w > 0.0

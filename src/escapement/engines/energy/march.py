@@ -12,6 +12,7 @@ and so may `_choose` for a start, by the tail it sets.
 
 import numpy as np
 
+from escapement.drive import REST, has_knot, is_spent
 from escapement.dynamics import drive_sign, is_drag_free, is_viscous, side_at
 from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.events import (
@@ -37,6 +38,7 @@ from escapement.status import Status
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
+SPENT = int(Status.SPENT)
 # A panel is one of a start where E at its left end is at most this share of what it gains.
 START_SHARE = 1e-8
 # In a panel of at most this half width [rad] the deceleration before a stop is constant.
@@ -69,13 +71,19 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     -------
     Engagement
     """
-    if count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
+    # where the torque has a knot in this cell, the chain is for this cell alone
+    knotted = has_knot(scene)
+    if knotted or count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
         count = panels.lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
     first = store.panels[panels.FIRST_PANEL]
+    if first.turned != scene.turned:
+        panels.turn_to(store, scene)
     state = _enter(scene, first, w, rising, used)
-    # a driver at rest that is not accelerated stays at rest
-    if w == 0.0 and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
+    # a driver at rest that is not accelerated stays at rest; behind a spent spring one that
+    # hardly turns would come to rest after any time
+    at_rest = w == 0.0 or (w <= REST and is_spent(first.left, scene))
+    if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
         return _found(STALL, state, first.left, 0.0, count)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]
@@ -97,7 +105,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
             return _found(NOT_CONVERGED, state, 0.0, state.time, count)
-    return _found(OK, state, 0.0, state.time, count)
+    return _found(OK, state, 0.0, state.time, panels.NO_PANELS if knotted else count)
 
 
 @inner_jit(inlined=True)
@@ -113,7 +121,7 @@ def _found(status, state, angle, time, count):
 def _enter(scene, panel, w, rising, used):
     """MarchState at the entry, which is the left end of the first panel."""
     end = panel.entry
-    side = side_at(end.g, end.dg, w, scene)
+    side = side_at(end.g, end.dg, end.pull, w, scene)
     energy = w * (scene.rho + end.g**2)
     return MarchState(panels.FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
 
@@ -122,7 +130,8 @@ def _enter(scene, panel, w, rising, used):
 def _choose(scene, work, panel, state, request):
     """Solve a panel for side s; returns whether the spare panel of a start takes its place."""
     solution = panels.solution_of(panel, state.side)
-    if state.w > 0.0 and (solution.tail == panels.UNSOLVED or is_viscous(scene)):
+    shifted = solution.pull != panel.entry.pull
+    if state.w > 0.0 and (solution.tail == panels.UNSOLVED or shifted or is_viscous(scene)):
         solve_side(scene, work, panel, state.side, state.energy)
     # 1/sqrt(w) is singular at rest, and nearly so where E is small against what the panel adds
     if state.w == 0.0 or state.energy <= START_SHARE * solution.beta_end:
@@ -194,7 +203,7 @@ def _stops(panel, way, w, time, energy):
 @inner_jit(inlined=True)
 def _turns_free(scene, panel):
     """Whether the driver turns under a constant torque, so that its acceleration is constant."""
-    return panel.locked and is_drag_free(scene)
+    return panel.locked and panel.slope == 0.0 and is_drag_free(scene)
 
 
 @inner_jit(inlined=True)
@@ -242,11 +251,12 @@ def _note_left_end(scene, panel, state, events):
     """Note a break of the mechanism, and an extremum where theta_ddot jumps through zero."""
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
-        kind = np.int64(EventKind.EXIT if panel.locked else EventKind.BREAK)
+        left_slot = panel.left == scene.edges[-1]
+        kind = np.int64(EventKind.EXIT if left_slot else EventKind.BREAK)
         used = note(events, used, kind, panel.left, state.time, state.w)
     # at a kink of |u|, an exit, and an entry on another side than before, theta_ddot jumps
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
-    if panel.locked and not panel.kink:
+    if panel.locked and panel.slope == 0.0 and not panel.kink:
         now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
@@ -263,13 +273,16 @@ def _check(scene, work, panel, starting, state, passage, request):
     """Look for an extremum of the driver speed in a panel, up to its reversal if it has one."""
     side, energy = state.side, state.energy
     first, final, point, split = 1.0, 1.0, NOWHERE, passage.split
-    # in a dwell the speed tends to that at which drag takes all torque, and never passes it
-    if not split and request.detail > Detail.TIME and not panel.locked:
+    # under a constant torque the speed in a dwell tends to that at which drag takes all of it,
+    # and never passes it
+    steady = panel.locked and panel.slope == 0.0
+    if not split and request.detail > Detail.TIME and not steady:
         first = sampling.net_torque_at(panel.entry, side, state.w, scene)
         last = passage.reversal
         # at a reversal X = 0, so that J theta_ddot = D J/rho has the sign of the drive D
         if last >= 0:
-            final = drive_sign(work.w[min(last, N - 1)], scene)
+            last_point = min(last, N - 1)
+            final = drive_sign(panel.pull[last_point], work.w[last_point], scene)
         else:
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
         slowing, changes = passage.slowing, 0
@@ -315,6 +328,10 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         time = state.time + instant.elapsed
         kind = np.int64(EventKind.REVERSAL)
         used = note(events, used, kind, instant.angle, time, instant.w)
+        if extremum.final == 0.0:
+            # behind a spent spring nothing acts on the driver here, which is an extremum too
+            kind = extremum_kind(state.rising)
+            used = note(events, used, kind, instant.angle, time, instant.w)
         trend = extremum.final if request.detail > Detail.TIME else 0.0
         after_reversal = locate.pass_reversal(
             scene, work, panel, state.side, reversal, request.strict, trend, state.source
@@ -325,12 +342,13 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """MarchState at the right end of a panel, which is the left end of the one at `following`."""
-    # behind a reversal theta_ddot keeps its sign, see `_check`
+    # behind a reversal theta_ddot keeps its sign, see `_check`, unless it vanishes there
     if passage.reversal >= 0:
         after = inside.after_reversal
+        rising = extremum.final if extremum.final != 0.0 else -state.rising
         w = after.energy / (scene.rho + panel.exit.g**2)
         return MarchState(
-            following, w, after.energy, -state.side, extremum.final, state.time + after.length,
+            following, w, after.energy, -state.side, rising, state.time + after.length,
             state.exponent + after.exponent, after.source, inside.used, False,
         )  # fmt: skip
     solution = panels.solution_of(panel, state.side)

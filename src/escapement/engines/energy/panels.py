@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.drive import next_knot, torque_at
 from escapement.dynamics import dragged_slope
 from escapement.engines.energy.gauss import POINTS, N, tail_of
 from escapement.jit import inner_jit
@@ -40,14 +41,17 @@ def record_dtype(fields: dict[str, Any]) -> np.dtype:
     return np.dtype((np.record, plain))
 
 
-END = record_dtype({"g": NUMBER, "u": NUMBER, "dg": NUMBER, "radius": NUMBER})
-"""g, u, g' and R at one driver angle."""
+END = record_dtype({**dict.fromkeys(("g", "u", "dg", "radius", "pull"), NUMBER)})
+"""g, u, g', R and the pull of the drive at one driver angle."""
 
 SOLUTION = record_dtype(
     {
         # at the points: E(x) = alpha E_left + beta with alpha = exp(-b) and b = int B
         **dict.fromkeys(("alpha", "beta", "b"), ROW),
         "bend": ROW,  # c = p - g at the points
+        # beta = base + (pull - base_pull) share, with the pull at the left end; see `shift`
+        **dict.fromkeys(("base", "share"), ROW),
+        **dict.fromkeys(("base_end", "share_end", "base_pull", "pull"), NUMBER),
         # the same three at the right end
         **dict.fromkeys(("alpha_end", "beta_end", "b_end"), NUMBER),
         # relative tail of the solution, UNSOLVED before there is one, and its rounding error
@@ -67,6 +71,9 @@ PANEL = record_dtype(
         "inverse_inertia": ROW,  # 1/(rho + g^2) at the points
         "geometry_tail": NUMBER,  # relative tail of 1/(rho + g^2)
         "dtheta_dx": ROW,  # theta' = dtheta/dx at the points
+        "pull": ROW,  # torque of the drive less that of the bearing at the points
+        # slope of that by the angle, and the angle turned before the cell for which it holds
+        **dict.fromkeys(("slope", "turned"), NUMBER),
         **dict.fromkeys(("entry", "exit"), END),  # the same at the left and the right end
         **dict.fromkeys(("plus", "minus"), SOLUTION),  # for the sides s = +1 and -1
     }
@@ -200,6 +207,32 @@ def fill_geometry(work, panel, scene, cells, left, right):
 
 
 @inner_jit
+def fill_pull(panel, scene, count):
+    """Fill the pull of the drive on a panel, which is linear there.
+
+    The solutions are for another slope of the torque where that has changed.
+    """
+    pull, slope = torque_at(panel.left + panel.half, scene)
+    pull -= scene.bearing
+    rise = slope * panel.half
+    for i in range(count & N):
+        panel.pull[i] = pull + rise * POINTS[i]
+    panel.entry.pull, panel.exit.pull = pull - rise, pull + rise
+    if slope != panel.slope:
+        panel.plus.tail = panel.minus.tail = UNSOLVED
+    panel.slope, panel.turned = slope, scene.turned
+
+
+@inner_jit
+def turn_to(store, scene):
+    """Fill the pull of the drive on all panels for the cell after `scene.turned`."""
+    index = FIRST_PANEL
+    while index != CHAIN_END:
+        fill_pull(store.panels[index], scene, points_of(store.workspace[0]))
+        index = store.panels[index].next
+
+
+@inner_jit
 def finish_ends(panel, scene):
     """Turn g' at the ends into k."""
     for end in (panel.entry, panel.exit):
@@ -220,6 +253,7 @@ def finish_geometry(panel, scene, count):
     # then the tail is overestimated, and the panel becomes finer than it need be
     largest = max(panel.inverse_inertia[0], panel.inverse_inertia[N - 1])
     panel.geometry_tail = tail_of(panel.inverse_inertia, count) / largest
+    fill_pull(panel, scene, count)
     panel.plus.tail = UNSOLVED
     panel.minus.tail = UNSOLVED
 
@@ -257,17 +291,24 @@ def lay_out(scene, cells, store, loose):
     geometry; returns its length.
     """
     edges, moving = scene.edges, scene.edges.size - 1
-    count = moving + 1 if scene.dwell > 0.0 else moving
-    for k in range(count):
-        panel = store.panels[k]
-        panel.next = k + 1 if k + 1 < count else CHAIN_END
-        panel.locked = k == moving
-        # at a break of a slotted path |u| has a kink; at the corner of a table it has none
-        panel.kink = k > 0 and (panel.locked or not scene.path.table)
-        panel.interval = k
-        panel.cell = 1
-        right = edges[k] + scene.dwell if panel.locked else edges[k + 1]
-        fill_geometry(store.workspace[0], panel, scene, cells, edges[k], right)
+    count, end = NO_PANELS, edges[-1] + scene.dwell
+    for k in range(moving + 1 if scene.dwell > 0.0 else moving):
+        left, right = edges[k], edges[k + 1] if k < moving else end
+        # an interval has a panel of its own between any two knots of the torque
+        while left < right:
+            panel, knot = store.panels[count], next_knot(left, right, scene)
+            panel.locked = k == moving
+            # at a break of a slotted path |u| has a kink; at the corner of a table it has none
+            panel.kink = left > edges[0] and (
+                left > edges[k] or panel.locked or not scene.path.table
+            )
+            panel.interval = k
+            panel.cell = 1 if left == edges[k] and knot == right else cells.shape[1]
+            fill_geometry(store.workspace[0], panel, scene, cells, left, knot)
+            count += 1
+            panel.next = count
+            left = knot
+    store.panels[count - 1].next = CHAIN_END
     # an eighth of the memory at most is used here, and the march needs the rest
     index, limit = FIRST_PANEL, GEOMETRY_SHARE * loose
     while index != CHAIN_END:

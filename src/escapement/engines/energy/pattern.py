@@ -74,7 +74,7 @@ class Round(NamedTuple):
 @inner_jit(allocates=True, inlined=True)
 def _scene(shared, meeting):
     """The scene of an engagement."""
-    path = path_in(meeting, shared[0][2])
+    path = path_in(meeting)
     return Scene(path, meeting.edges[: meeting.used], meeting.dwell, *shared[3:])
 
 

@@ -21,11 +21,13 @@ from escapement.model import FloatArray
 from escapement.scene import Scene, writeable
 from escapement.status import Status
 
-BEAT_ERROR, BLOW_MAX = cycle.FIGURES, cycle.FIGURES + 1
-FIGURES = cycle.FIGURES + 2
-"""Columns of a table: those of `cycle`, and these two, in natural units."""
-_NUMBERS = len(Scene._fields) - 3
-_PIN = Scene._fields.index("pin") - 3
+COLUMNS = (*cycle.COLUMNS, "beat_error", "blow_max")
+"""Figures of merit that these kernels compute; the times of a fall are left NaN."""
+FIGURES = len(COLUMNS)
+BEAT_ERROR, BLOW_MAX = FIGURES - 2, FIGURES - 1
+_FIRST = Scene._fields.index("rho")
+_NUMBERS = len(Scene._fields) - _FIRST
+_PIN = Scene._fields.index("pin") - _FIRST
 _INVALID = int(Status.INVALID)
 
 
@@ -48,11 +50,11 @@ def solve_patterns(
     m, n = pins.shape[1], slots.shape[1]
     size = m * n // _divisor(m, n)
     meetings, (store, counts, events) = np.empty(size, MEETING), memory(size)
-    finals = np.empty((size, 2))
+    finals, torque = np.empty((size, 2)), np.array([0.0, 0.0, 1.0])
     for i in range(status.size):
         table[i, :] = np.nan
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        shared = (path, centres, 0.0, *own)
+        shared = (path, centres, 0.0, torque, 0.0, *own)
         if lay_pattern(internal, centres[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
             status[i] = _INVALID
             continue
@@ -78,7 +80,7 @@ def _figures(case, w, rtol, finals, out):
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.EXTREMA), loose, strict)
     _read_cycle(case, found[1], request, finals, out)
-    out[cycle.W_HANDOFF], out[cycle.CONTRACTION] = found[1], np.exp(found[2])
+    out[cycle.HANDOFF], out[cycle.CONTRACTION] = np.sqrt(found[1]), np.exp(found[2])
     _read_transient(case, w, request, finals, out)
     return OK
 
@@ -105,10 +107,7 @@ def _read_cycle(case, w, request, finals, out):
             fast, slow, time = max(fast, found.w), min(slow, after), time + found.time
             shortest, longest = min(shortest, found.time), max(longest, found.time)
             if share < 1.0:
-                g, rho = (
-                    _start_ratio(case.meetings[(place + 1) % size], case.shared),
-                    case.shared[3],
-                )
+                rho, g = case.shared[5], _start_ratio(case.meetings[(place + 1) % size])
                 blow = max(blow, 0.5 * (rho * found.w - (rho + g * g) * after))
         w = after
     out[cycle.V_MAX], out[cycle.V_MIN] = np.sqrt(fast), np.sqrt(slow)
@@ -117,9 +116,9 @@ def _read_cycle(case, w, request, finals, out):
 
 
 @inner_jit
-def _start_ratio(meeting, shared):
+def _start_ratio(meeting):
     """g where an engagement begins."""
-    return transmission_at(path_in(meeting, shared[0][2]), meeting.edges[0])[0]
+    return transmission_at(path_in(meeting), meeting.edges[0])[0]
 
 
 @inner_jit

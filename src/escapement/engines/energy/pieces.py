@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.drive import cell_after, cell_of, is_constant, next_knot
 from escapement.dynamics import LOSSES, losses_per_angle, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
@@ -18,12 +19,14 @@ from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import slope_of_w, solve_side
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
+from escapement.torque_curve import MOST_KNOTS
 
 MOTION_EVENT = record_dtype(
     {
@@ -61,11 +64,12 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, starts, squares, rising, rtol):
+def events_of(addresses, scene_tuple, cells, first, starts, squares, rising, rtol):
     """All events of the engagements that start at the times `starts` with the w of `squares`.
 
-    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them, `rising` is the sign
-    of theta_ddot before the first entry, 0 where nothing came before.
+    `first` is the number of the first of these engagements; `addresses`, `scene_tuple` and
+    `cells` are as `calls.prepared` gives them, `rising` is the sign of theta_ddot before the
+    first entry, 0 where nothing came before.
 
     Returns
     -------
@@ -77,11 +81,13 @@ def events_of(addresses, scene_tuple, cells, starts, squares, rising, rtol):
     loose, strict = panels.tolerances(rtol)
     request = Request(np.int64(Detail.EVERYTHING), loose, strict)
     store = panels.new_store(panels.MAX_PANELS)
-    events = np.empty(_ROOM + 4 * scene.edges.size, EVENT)
+    events = np.empty(_ROOM + 4 * scene.edges.size + MOST_KNOTS, EVENT)
     table = np.empty(8 * starts.size + 64, MOTION_EVENT)
     count, filled = panels.NO_PANELS, NO_EVENTS
     for k in range(starts.size):
         w, start = squares[k], starts[k]
+        if not is_constant(scene):
+            scene = cell_after((first + k) * cell_of(scene), scene)
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
         count, rising, used = found.panels, found.rising, found.used
         if filled + used + 1 > table.shape[0]:
@@ -123,7 +129,7 @@ class Stretch(NamedTuple):
 
 
 @jit(allocates=True)
-def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
+def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses, peaks):
     """Fill driver angles and w at times since the start of one piece.
 
     Parameters
@@ -133,18 +139,23 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
     times : since the start; later ones than the end of the piece give the state at its end.
     theta, squares : results, angles and w, as long as `times`.
     losses : result, the work lost over the piece in each of `dynamics.LOSSES`.
+    peaks : result, the greatest magnitude over the piece of each of `peaks.PEAKS`; of length 0
+        where they are not wanted.
     """
     _loose, strict = panels.tolerances(rtol)
     store = panels.new_store(ONE)
-    work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
-    panel.locked = side == 0.0
+    store.panels[panels.FIRST_PANEL].locked = side == 0.0
     ends = np.empty(_HALVINGS)
     waiting = 0
-    part = Stretch(left, _next(scene.edges, left, end), 0.0, w)
+    part = Stretch(left, _next(scene, left, end), 0.0, w)
     losses[:] = 0.0
+    peaks[:] = 0.0
+    values = np.empty((N + 2, peaks.size))
     for j in range(times.size):
         theta[j], squares[j] = left, w
     while part.left < end:
+        # a record does not keep its memory alive: `store` must be in use to the end of the loop
+        work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
         # halve the part until the panel over it is fine enough; the right ends of the halves that
         # wait for their turn are kept in `ends`
         good = _solve(scene, work, panel, part, side, strict)
@@ -173,6 +184,8 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
             length = duration(work)[0]
             _read(scene, work, panel, part, length, end, times, theta, squares)
         _add_losses(scene, work, panel, side, losses)
+        if peaks.size > 0 and good:
+            raise_peaks(scene, work, panel, side, (part.w, after), values, peaks)
         now = part.time + length
         if after == 0.0:
             # the motion has stopped, and keeps this angle at all later times
@@ -180,7 +193,7 @@ def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses):
                 if times[j] >= now:
                     theta[j], squares[j] = part.right, 0.0
             break
-        right = _next(scene.edges, part.right, end)
+        right = _next(scene, part.right, end)
         if waiting > 0:
             waiting -= 1
             right = ends[waiting]
@@ -255,17 +268,17 @@ def follow(
     angle, w, side = start
     theta, squares = np.empty_like(times), np.empty_like(times)
     losses = np.empty(len(LOSSES))
-    states_in(scene, angle, end, w, side, rtol, times, theta, squares, losses)
+    states_in(scene, angle, end, w, side, rtol, times, theta, squares, losses, np.empty(0))
     return theta, squares
 
 
 @inner_jit
-def _next(edges, left, end):
-    """The first edge behind `left`, or the end where that comes before it."""
-    for i in range(edges.size):
-        if edges[i] > left:
-            return min(edges[i], end)
-    return end
+def _next(scene, left, end):
+    """The first edge or knot of the torque behind `left`, or the end where that comes before."""
+    for i in range(scene.edges.size):
+        if scene.edges[i] > left:
+            return next_knot(left, min(scene.edges[i], end), scene)
+    return next_knot(left, end, scene)
 
 
 @inner_jit
@@ -273,7 +286,7 @@ def _add_losses(scene, work, panel, side, losses):
     """Add the work lost over a panel to each of `losses`."""
     for i in range(N):
         g, u, radius, k = panel.g[i], panel.u[i], panel.radius[i], panel.dg[i]
-        rates = losses_per_angle(g, u, radius, k, work.w[i], side, scene)
+        rates = losses_per_angle(g, u, radius, k, panel.pull[i], work.w[i], side, scene)
         weight = panel.half * WEIGHTS[i]
         for j in range(losses.size):
             losses[j] += weight * rates[j + 1]

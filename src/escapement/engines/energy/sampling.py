@@ -41,13 +41,15 @@ def bend_at(end, side, scene):
 @inner_jit
 def net_torque_at(end, side, w, scene):
     """J theta_ddot at an end of a panel."""
-    return net_torque(end.g, bend_at(end, side, scene), end.dg, w, root_of(w, scene), scene)
+    return net_torque(
+        end.g, bend_at(end, side, scene), end.dg, end.pull, w, root_of(w, scene), scene
+    )
 
 
 @inner_jit
 def contact_at(end, w, scene):
     """X at an end of a panel."""
-    return contact(end.g, end.dg, w, root_of(w, scene), scene)
+    return contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene)
 
 
 @inner_jit
@@ -72,8 +74,9 @@ def sample_panel(scene, work, panel, solution, side, energy):
         speed = np.sqrt(w)
         root = speed if viscous else 0.0
         # X is the contact moment times J > 0
-        c = side * contact(panel.g[i], panel.dg[i], w, root, scene)
-        a = net_torque(panel.g[i], solution.bend[i], panel.dg[i], w, root, scene)
+        g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
+        c = side * contact(g, k, pull, w, root, scene)
+        a = net_torque(g, solution.bend[i], k, pull, w, root, scene)
         work.energy[i] = e
         work.w[i] = w
         work.contact[i] = c

@@ -15,8 +15,9 @@ from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.handoffs import handoffs
-from escapement.engines.energy.march import OK, PAINLEVE, STALL
+from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.pattern import pattern_handoffs
+from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_in
 from escapement.model import Escapement, FloatArray
 from escapement.motion import Motion, no_motion, stall_message
@@ -64,7 +65,8 @@ class EnergyTrajectory:
             # begin one engagement earlier: a handoff is an extremum if theta_ddot changes its
             # sign there, which needs the sign before it
             some = slice(max(first - 1, 0), first + _AT_ONCE)
-            table, _ = events_of(*kernel_inputs, starts[some], squares[some], 0.0, self.rtol)
+            of_some = starts[some], squares[some]
+            table, _ = events_of(*kernel_inputs, some.start, *of_some, 0.0, self.rtol)
             table["engagement"] += some.start
             within = table["time"] * clock <= self.end_time
             tables.append(table[(table["engagement"] >= first) & within])
@@ -86,7 +88,7 @@ class EnergyTrajectory:
                 rising = -1.0
             once = np.array([start]), np.array([w])
             plain = scene_tuple(scene)
-            table, rising = events_of(addresses, plain, NO_CELLS, *once, rising, self.rtol)
+            table, rising = events_of(addresses, plain, NO_CELLS, 0, *once, rising, self.rtol)
             table["engagement"] = k
             tables.append(table)
         happened = np.concatenate(tables)
@@ -95,8 +97,8 @@ class EnergyTrajectory:
 
     @cached_property
     def _pieces(self) -> FloatArray:
-        """Start time, engagement, place in the pattern, s, start angle, end angle and w of all
-        pieces; shape (7, n).
+        """Start time, engagement, place in the pattern, s, angles of start and end, w and
+        `Scene.turned`; shape (8, n).
 
         They are in natural units, and s is 0 in a dwell.
         """
@@ -117,9 +119,9 @@ class EnergyTrajectory:
             # a piece ends where the next one of its engagement begins, or at the end of the cell
             if rows and rows[-1][1] == engagement:
                 rows[-1][5] = angle
-            place = engagement % len(scenes)
-            rows.append([time, engagement, place, side, angle, ends[place], w])
-        return np.array(rows).reshape(-1, 7).T
+            place, turned = engagement % len(scenes), self.escapement.turned_before(engagement)
+            rows.append([time, engagement, place, side, angle, ends[place], w, turned])
+        return np.array(rows).reshape(-1, 8).T
 
     @property
     def start(self) -> FloatArray:
@@ -139,9 +141,24 @@ class EnergyTrajectory:
         result: FloatArray = self._pieces[3]
         return result
 
-    @cached_property
+    @property
     def losses(self) -> FloatArray:
         """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
+        return np.asarray(self._read_through[0] * self.escapement.torque_unit)
+
+    @property
+    def peaks(self) -> FloatArray:
+        """Greatest magnitudes over each piece, as `peaks.PEAKS` names them, in SI; shape (4, n).
+
+        The force is that of a crank of 1 m.
+        """
+        torque, rate = self.escapement.torque_unit, self.escapement.time_unit**-2.0
+        scale = np.array([rate, rate, torque, torque])
+        return np.asarray(self._read_through[1] * scale[:, None])
+
+    @cached_property
+    def _read_through(self) -> tuple[FloatArray, FloatArray]:
+        """Losses and peaks of each piece in natural units."""
         scenes = self.escapement.scenes
         end_time = self.end_time / self.escapement.time_unit
         pieces = self._pieces[2:].T.copy()
@@ -150,11 +167,11 @@ class EnergyTrajectory:
             pieces[-1, 3] = self._solve(len(pieces) - 1, since)[0][0]
         # a motion that has settled repeats its pieces, of which each is solved once
         distinct, which = np.unique(pieces, axis=0, return_inverse=True)
-        lost = np.zeros((len(distinct), len(LOSSES)))
-        for (place, side, angle, end, w), row in zip(distinct, lost, strict=True):
-            scene = scenes[int(place)]
-            states_in(scene, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, row)
-        return lost.T[:, which.reshape(-1)] * self.escapement.torque
+        lost, peaks = np.zeros((len(distinct), len(LOSSES))), np.zeros((len(distinct), len(PEAKS)))
+        for (place, side, angle, end, w, turned), *rows in zip(distinct, lost, peaks, strict=True):
+            here = scenes[int(place)]._replace(turned=turned)
+            states_in(here, angle, end, w, side, self.rtol, _EMPTY, _EMPTY, _EMPTY, *rows)
+        return lost.T[:, which.reshape(-1)], peaks.T[:, which.reshape(-1)]
 
     @cached_property
     def reversals(self) -> Events:
@@ -178,8 +195,9 @@ class EnergyTrajectory:
 
     def _solve(self, piece: int, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angles and w at times since the start of a piece, in natural units."""
-        _start, _engagement, place, sign, angle, end, w = self._pieces[:, piece]
-        return follow(self.escapement.scenes[int(place)], (angle, w, sign), end, times, self.rtol)
+        _start, _engagement, place, sign, angle, end, w, turned = self._pieces[:, piece]
+        scene = self.escapement.scenes[int(place)]._replace(turned=turned)
+        return follow(scene, (angle, w, sign), end, times, self.rtol)
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
@@ -228,7 +246,8 @@ def simulate(
     status, message = Status.OK, _DONE
     if code != OK:
         status = Status(code)
-        message = stall_message(angle, done) if code == STALL else MESSAGES[status]
+        stopped = code in (STALL, SPENT)
+        message = stall_message(angle, done, status) if stopped else MESSAGES[status]
     if duration is not None and (code == OK or end >= duration):
         done = done if end <= duration else last
         end, status, message = duration, Status.OK, _DONE

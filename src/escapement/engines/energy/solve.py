@@ -11,6 +11,7 @@ speed, is solved on a panel over the square root of the angle instead.
 
 import numpy as np
 
+from escapement.drive import is_constant
 from escapement.dynamics import (
     bend,
     energy_rates,
@@ -96,16 +97,52 @@ def solve_side(scene, work, panel, side, energy):
     """
     solution = solution_of(panel, side)
     viscous = is_viscous(scene)
-    if solution.tail == UNSOLVED or viscous:
-        # the first solution is without this drag
-        fill_bend(scene, work, panel, solution, side)
-    else:
+    pull, known = panel.entry.pull, not viscous and solution.tail != UNSOLVED
+    if known and (solution.pull == pull or shift(solution, pull, points_of(work))):
         return
+    # the first solution is without viscous drag
+    fill_bend(scene, work, panel, solution, side)
     for _ in range(MOST_STEPS):
         solve_linear(scene, work, panel, solution, side)
         if not viscous or refresh_roots(scene, work, panel, solution, energy) < 1e-14:
             return
     solution.tail = 1.0
+
+
+@inner_jit
+def shift(solution, pull, count):
+    """Turn a solution to another pull of the drive at the left end; returns whether it may be.
+
+    beta is linear in the pull where that keeps its slope. A pull of another size is solved for
+    anew, so that beta keeps its relative accuracy.
+    """
+    more = pull - solution.base_pull
+    if abs(more) > 0.5 * abs(solution.base_pull):
+        return False
+    for i in range(count & N):
+        solution.beta[i] = solution.base[i] + more * solution.share[i]
+    solution.beta_end = solution.base_end + more * solution.share_end
+    solution.pull = pull
+    return True
+
+
+@inner_jit
+def keep_share(scene, work, panel, solution, count):
+    """Keep what `shift` needs of a solution just found: beta, and its derivative by the pull.
+
+    A unit of the pull adds 2 theta' (rho + g^2)/J to A.
+    """
+    for i in range(N):
+        g = panel.g[i]
+        inertia = reduced_inertia(g, solution.bend[i], scene)
+        work.gain[i] = 2.0 * panel.dtheta_dx[i] * (scene.rho + g * g) / inertia / solution.alpha[i]
+    cumulate(work.gain, solution.share)
+    for i in range(count & N):
+        solution.base[i] = solution.beta[i]
+        solution.share[i] *= solution.alpha[i]
+    solution.base_end = solution.beta_end
+    solution.share_end = solution.alpha_end * integral(work.gain, count)
+    solution.base_pull = panel.entry.pull
 
 
 @inner_jit
@@ -147,12 +184,14 @@ def solve_linear(scene, work, panel, solution, side):
     if is_viscous(scene):
         for i in range(N):
             g, c, k, inverse = panel.g[i], solution.bend[i], panel.dg[i], panel.inverse_inertia[i]
-            rates = energy_rates(g, c, k, inverse, panel.dtheta_dx[i], work.root[i], scene)
+            pull, way = panel.pull[i], panel.dtheta_dx[i]
+            rates = energy_rates(g, c, k, pull, inverse, way, work.root[i], scene)
             work.gain[i], work.decay[i], solution.beta[i] = rates
     else:
         for i in range(count & N):
             g, c, k, inverse = panel.g[i], solution.bend[i], panel.dg[i], panel.inverse_inertia[i]
-            rates = energy_rates(g, c, k, inverse, panel.dtheta_dx[i], 0.0, scene)
+            pull, way = panel.pull[i], panel.dtheta_dx[i]
+            rates = energy_rates(g, c, k, pull, inverse, way, 0.0, scene)
             work.gain[i], work.decay[i], solution.beta[i] = rates
     # J is a difference of nearly equal terms near the Painleve limit: its rounding error is
     # amplified by (rho + g^2)/J, and no finer panel makes it smaller
@@ -169,6 +208,9 @@ def solve_linear(scene, work, panel, solution, side):
     alpha = _exponentials(total)[0] if abs(total) <= SERIES else np.exp(-total)
     solution.alpha_end, solution.beta_end, solution.b_end = alpha, alpha * source, total
     solution.noise = noise * max(1.0, abs(total))
+    solution.pull = panel.entry.pull
+    if not is_constant(scene):
+        keep_share(scene, work, panel, solution, count)
     solution.tail = _tail(scene, panel, solution, side, count)
 
 
@@ -236,6 +278,7 @@ def lay_out_start(scene, work, panel, offset):
     finish_geometry(start, scene, count)
     for i in range(N):
         start.dtheta_dx[i] = work.slowness_change[i]
+        start.pull[i] = start.entry.pull + start.slope * half * (1.0 + work.scratch[i])
 
 
 @inner_jit

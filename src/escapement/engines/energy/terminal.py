@@ -9,12 +9,16 @@ from escapement.engines.energy import cycle
 from escapement.engines.energy.batch import FIXED, solve_rows
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
+from escapement.engines.energy.figures import Extent
 from escapement.engines.energy.pattern import pattern_cycle
 from escapement.engines.energy.simulate import simulate
-from escapement.metrics import Figures, read_cycle, read_transient, transient_length
+from escapement.merits import TRANSIENT
+from escapement.metrics import Figures, fall_times, read_cycle, read_transient, transient_length
 from escapement.model import Escapement
 from escapement.motion import Motion, stall_message
 from escapement.status import MESSAGES, Status
+
+_TIMES = {name: cycle.COLUMNS.index(name) for name in TRANSIENT}
 
 LONGEST_TRANSIENT = 10_000
 """Engagements of imperfect parts whose extrema are looked for."""
@@ -45,8 +49,13 @@ def _of_pattern(escapement: Escapement, base: Figures, w: float, rtol: float) ->
     if count > LONGEST_TRANSIENT:
         message = f"rise and settling time are not given: beyond {LONGEST_TRANSIENT} engagements"
         return replace(figures, message=message)
-    rise, settled = read_transient(run(count, start * figures.handoff_velocity), figures)
-    return replace(figures, rise_time=rise, settling_time=settled)
+    first = start * figures.handoff_velocity
+    transient = run(count, first)
+    rise, settled = read_transient(transient, figures)
+    most, nearly = fall_times(transient, first, figures.handoff_velocity)
+    return replace(
+        figures, rise_time=rise, settling_time=settled, rise_time_63=most, rise_time_98=nearly
+    )
 
 
 def terminal(
@@ -60,7 +69,8 @@ def terminal(
     numbers = np.array([[*scene[FIXED:], w]])
     table, codes = np.empty((1, cycle.FIGURES)), np.empty(1, dtype=np.uint8)
     addresses, plain, cells = prepared(escapement)
-    solve_rows(addresses, plain, cells, cells, numbers, rtol, table, codes)
+    extent = np.int64(Extent.FALLEN)
+    solve_rows(addresses, plain, cells, cells, numbers, rtol, extent, table, codes)
     out, code = table[0], int(codes[0])
     status = Status(code)
     if status is Status.STALL:
@@ -68,23 +78,22 @@ def terminal(
         return replace(base, status=status, message=message)
     if status is not Status.OK:
         return replace(base, status=status, message=MESSAGES[status])
-    # w is in units of 1/clock^2
-    handoff = float(np.sqrt(out[cycle.W_HANDOFF]) / clock)
+    handoff = float(out[cycle.HANDOFF] / clock)
     motion = simulate(escapement, engagements=1, duration=None, initial_speed=handoff, rtol=rtol)
     # the period of the motion that is returned, so that its end time has the same digits
     period = float(motion.end_time)
+    times: dict[str, Any] = {name: float(out[place] * clock) for name, place in _TIMES.items()}
+    late = [name for name, time in times.items() if np.isnan(time)]
     message = base.message
-    if np.isnan(out[cycle.SETTLING]):
-        both = "rise and settling time are" if np.isnan(out[cycle.RISE]) else "settling time is"
-        message = f"{both} not given: beyond 1 000 000 engagements"
+    if late:
+        message = f"{', '.join(late)} not given: beyond 1 000 000 engagements"
     return replace(
         base,
+        **times,
         velocity_max=float(out[cycle.V_MAX] / clock),
         velocity_min=float(out[cycle.V_MIN] / clock),
         velocity_mean=escapement.mechanism.cell_angle / period,
         period=period,
-        rise_time=float(out[cycle.RISE] * clock),
-        settling_time=float(out[cycle.SETTLING] * clock),
         handoff_velocity=handoff,
         contraction=float(out[cycle.CONTRACTION]),
         motion=motion,

@@ -46,7 +46,8 @@ class FreeTurn(NamedTuple):
 
 def is_free(law: Law, task: Task) -> bool:
     """Whether nothing but a constant torque acts: in a dwell, if no drag brakes the driver."""
-    return task.sign == 0.0 and law.scene.driver_drag + law.scene.driver_viscous == 0.0
+    dragged = law.scene.driver_drag + law.scene.driver_viscous > 0.0
+    return task.sign == 0.0 and law.is_steady and not dragged
 
 
 def turn_free(law: Law, task: Task) -> FreeTurn:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from escapement import dynamics
+from escapement.drive import torque_after, torque_at
 from escapement.dynamics import scene_of
 from escapement.jit import as_python, jit
 from escapement.mechanisms.slotted import pose_at
@@ -15,6 +16,8 @@ from escapement.scene import Scene, scene_tuple
 
 _GRID = 128
 """Intervals in which the least share of the reduced inertia is looked for."""
+_FAR = 4.0 * np.pi
+"""Driver angle [rad], of any cell or more, over which a trial step may leave a piece."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,11 @@ class Law:
     def all_of(cls, escapement: Escapement) -> "list[Law]":
         """The law of each of the engagements after which an escapement repeats itself."""
         return [cls(scene, scene_tuple(scene)) for scene in escapement.scenes]
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the torque is the same at all angles."""
+        return self.scene.torque.size == 3
 
     @property
     def is_table(self) -> bool:
@@ -53,13 +61,32 @@ class Law:
     def loss_rates(self, theta: float, w: float, side: float) -> FloatArray:
         """The losses that there are, per driver angle."""
         table = np.empty((1 + len(dynamics.LOSSES), 1))
-        dynamics.tabulate_losses(self.scene, np.array([theta]), np.array([w]), side, table)
+        angle, turned = np.array([theta]), np.array([self.turned(theta)])
+        dynamics.tabulate_losses(self.scene, angle, turned, np.array([w]), side, table)
         rates: FloatArray = table[1 + self.losses, 0]
         return rates
 
     def acceleration(self, theta: float, speed: float, side: float) -> float:
         """Driver acceleration while the given side of the slot carries the force."""
         return float(self.tabulate(np.array([theta]), np.array([speed**2]), side)[0][0])
+
+    def turned(self, theta: Any) -> Any:
+        """Driver angle turned since the start of the motion, at one in the cell."""
+        return self.scene.turned + (theta - self.scene.edges[0])
+
+    def after(self, turned: float) -> "Law":
+        """The law in the cell after a driver angle turned."""
+        scene = self.scene._replace(turned=turned)
+        return Law(scene, scene_tuple(scene))
+
+    def along(self, theta: float) -> "Law":
+        """The law whose torque goes on beyond its knots as it is at a driver angle."""
+        turned = self.turned(theta)
+        torque, slope = torque_after(turned, self.scene)
+        ends = turned + np.array([-_FAR, _FAR])
+        line = [0.0, *ends, *(torque + slope * (ends - turned))] if slope else [0.0, 0.0, torque]
+        scene = self.scene._replace(torque=np.array(line))
+        return Law(scene, scene_tuple(scene))
 
     def force(self, theta: float, w: float, side: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal.
@@ -85,7 +112,7 @@ class Law:
     ) -> tuple[FloatArray, FloatArray]:
         """Acceleration, and `force`, at many driver angles."""
         table = np.empty((5, theta.size))
-        dynamics.tabulate(self.scene, theta, w, side, table)
+        dynamics.tabulate(self.scene, theta, self.turned(theta), w, side, table)
         return table[2], table[4] if side else np.ones(theta.size)
 
 
@@ -106,7 +133,8 @@ def contact_at(theta, w, plain):
     """X at a driver angle; solve_ivp asks for it at every step."""
     scene = scene_of(plain)
     g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
-    return dynamics.contact(g, k, w, dynamics.root_of(w, scene), scene)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    return dynamics.contact(g, k, pull, w, dynamics.root_of(w, scene), scene)
 
 
 @jit(allocates=True)
@@ -114,7 +142,8 @@ def side_from(theta, w, plain):
     """Side of the slot that carries the force from a driver angle on."""
     scene = scene_of(plain)
     g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
-    return dynamics.side_at(g, k, w, scene)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    return dynamics.side_at(g, k, pull, w, scene)
 
 
 @jit(allocates=True)
@@ -136,9 +165,10 @@ def slope(x, y, anchor, unit, side, way, turn, losses, plain):
         c = dynamics.bend(g, u, radius, side, scene, way, turn)
     root = dynamics.root_of(w, scene)
     out[0] = y[1]
-    net = dynamics.net_torque(g, c, k, w, root, scene)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    net = dynamics.net_torque(g, c, k, pull, w, root, scene)
     out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
-    rates = dynamics.losses_per_angle(g, u, radius, k, w, side, scene, way, turn)
+    rates = dynamics.losses_per_angle(g, u, radius, k, pull, w, side, scene, way, turn)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

@@ -119,12 +119,13 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     kept = times < end
     last_rate = problem.rate(dense(end))
     times, rates = np.append(times[kept], end), np.append(rates[kept], last_rate)
-    if not task.sign:
+    if not task.sign and law.is_steady:
         # A locked follower leaves a law of the speed alone: the acceleration keeps its sign, though
         # at the speed where drag balances the drive rounding changes it.
         rates[:] = last_rate = rates[0]
     roots = [x / unit for x in find_roots(problem.rate, dense, times, rates)]
-    return Solution(dense, task.anchor, unit, end / unit, ending, roots, float(rates[0]), last_rate)
+    first = float(rates[np.argmax(rates != 0.0)])
+    return Solution(dense, task.anchor, unit, end / unit, ending, roots, first, last_rate)
 
 
 @dataclass(frozen=True)

@@ -6,18 +6,19 @@ reversal before it. The state carries the friction loss, so that the energy
 ledger is an independent check.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.drive import REST, is_spent, next_knot
 from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
 from escapement.mechanisms.slotted import transmission_at
-from escapement.model import Escapement, FloatArray
+from escapement.model import Escapement, FloatArray, Mechanism
 from escapement.motion import Motion, no_motion, stall_message
 from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status
@@ -88,22 +89,29 @@ class SolvedTrajectory:
 class _Simulation:
     """A motion in natural units that is continued piece by piece.
 
-    laws, spans : of each engagement after which all repeats itself, its law, and the smooth
-        intervals of its cell.
+    laws, cells : of each engagement after which all repeats itself, its law, and the smooth
+        intervals of its cell; `spans` are those of this cell.
     shares : of each, share of the speed that is left where it begins, below 1 after a blow.
+    drive, law : the law of this cell, and that between two knots of the torque.
     pieces : start, engagement, sign (0 in a dwell), losses and solution of each.
+    side : that of the slot that carries the force, 0 before it is known.
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
+    mechanism: Mechanism
     laws: list[Law]
-    spans: list[list[Span]]
+    cells: list[list[Span]]
     shares: list[float]
+    drive: Law
+    law: Law
     options: Options
     end_time: float
     speed: float
     theta: float = 0.0
     time: float = 0.0
     engagement: int = 0
+    side: float = 0.0
+    spans: list[Span] = field(default_factory=list)
     trend: float = 0.0
     stalled: bool = False
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
@@ -112,19 +120,18 @@ class _Simulation:
     extrema: list[Event] = field(default_factory=list)
 
     @property
-    def law(self) -> Law:
-        """The law of the present engagement."""
-        return self.laws[self.engagement % len(self.laws)]
-
-    @property
     def over(self) -> bool:
         return self.stalled or self.time >= self.end_time
 
     def run(self, engagements: int | None) -> None:
         """Continue to the end of the time, to a stop, or for a number of engagements."""
         while self.engagement != engagements:
-            self.theta = self.law.scene.edges[0]
-            for span in self.spans[self.engagement % len(self.spans)]:
+            place = self.engagement % len(self.laws)
+            self.spans = self.cells[place]
+            if self.drive.is_steady:
+                self.drive = self.law = self.laws[place]
+            self.theta, self.side = float(self.law.scene.edges[0]), 0.0
+            for span in self.spans if self.drive.is_steady else self._between_knots():
                 self._pass(span)
             if self.over:
                 return
@@ -136,9 +143,24 @@ class _Simulation:
             self.handoffs.append((self.time, self.speed))
             self.engagement += 1
 
+    def _between_knots(self) -> Iterator[Span]:
+        """The spans of this cell, cut at knots of the torque; each comes with its own law."""
+        self.drive = self.drive.after(self.engagement * self.mechanism.cell_angle)
+        start, scene = self.theta, self.drive.scene
+        self.stalled = bool(self.speed**2 <= REST and is_spent(start, scene))
+        for span in self.spans:
+            while start < span.end:
+                end = next_knot(start, span.end, scene)
+                self.law = self.drive.along(0.5 * (start + end))
+                yield span._replace(end=end)
+                start = end
+
     def _pass(self, span: Span) -> None:
         """Advance to the end of a smooth interval, through any reversals."""
         sign = 0.0 if span.locked else self.law.side(self.theta, self.speed)
+        if sign * self.side < 0.0:
+            # the force vanishes on the break before, as behind a spent spring at dead centre
+            self._note_reversal()
         while self.theta < span.end and not self.over:
             at_rest = self.speed <= 0.0
             if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
@@ -149,6 +171,7 @@ class _Simulation:
             elif self._solve_piece(sign, span) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
+        self.side = sign
 
     def _solve_piece(self, sign: float, span: Span) -> Ending:
         """Advance by one smooth piece."""
@@ -219,7 +242,7 @@ def simulate(
     max_step: float,
 ) -> Motion:
     """Motion by solve_ivp; arguments are validated by `escapement.simulate`."""
-    clock, torque = escapement.time_unit, escapement.torque
+    mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque_unit
     if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "ivp", rtol)
     laws, end_time = Law.all_of(escapement), np.inf if duration is None else duration / clock
@@ -236,14 +259,16 @@ def simulate(
     shares = [
         left_by_blow(law.scene) if blow else 1.0 for law, blow in zip(laws, struck, strict=True)
     ]
-    run = _Simulation(laws, spans, shares, options, end_time, initial_speed * clock)
+    start = laws[0], laws[0], options, end_time, initial_speed * clock
+    run = _Simulation(mechanism, laws, spans, shares, *start)
     status, message = Status.OK, MESSAGES[Status.OK]
     try:
         run.run(engagements)
     except NotConverged as reason:
         status, message = Status.NOT_CONVERGED, str(reason)
     if run.stalled:
-        status, message = Status.STALL, stall_message(run.theta, run.engagement)
+        status = Status.SPENT if is_spent(run.theta, run.drive.scene) else Status.STALL
+        message = stall_message(run.theta, run.engagement, status)
     # a duration is returned as it was given, without the rounding of the conversion
     end = float(run.time * clock) if duration is None or run.time < run.end_time else duration
     times, speeds = np.array(run.handoffs, dtype=float).reshape(-1, 2).T
@@ -266,7 +291,7 @@ def _smooth_spans(law: Law) -> list[Span]:
 
 def _in_si(run: _Simulation, escapement: Escapement) -> SolvedTrajectory:
     """The pieces and events of a simulation, from natural units to SI."""
-    clock, torque = escapement.time_unit, escapement.torque
+    clock, torque = escapement.time_unit, escapement.torque_unit
     cell, late = escapement.mechanism.cell_angle, np.array([m.late for m in escapement.meetings])
 
     def events(rows: Sequence[Event]) -> tuple[Any, ...]:

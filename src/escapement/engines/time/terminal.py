@@ -17,9 +17,11 @@ from scipy.optimize import toms748
 
 from escapement.engines.time.simulate import simulate
 from escapement.mechanisms.slotted import transmission_at
+from escapement.merits import TRANSIENT
 from escapement.metrics import (
     BOUNDLESS,
     Figures,
+    fall_times,
     read_cycle,
     read_transient,
     transient_length,
@@ -57,11 +59,13 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     while count <= LONGEST_TRANSIENT:
         motion = simulate(escapement, engagements=count, duration=None, **settings)
         rise, settled = read_transient(motion, figures)
-        if not math.isnan(rise + settled):
-            return replace(figures, rise_time=rise, settling_time=settled)
+        falls = fall_times(motion, settings["initial_speed"], figures.handoff_velocity)
+        times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
+        if not any(map(math.isnan, times.values())):
+            return replace(figures, **times)
         count *= 2
     message = (
-        "rise and settling time are not given: the motion needs more than "
+        f"{', '.join(TRANSIENT)} not given: the motion needs more than "
         f"{LONGEST_TRANSIENT} engagements, too many for engine 'ivp'"
     )
     return replace(figures, message=message)

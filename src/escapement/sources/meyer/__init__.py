@@ -24,7 +24,7 @@ from escapement.sources import report
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
 from escapement.text import print_columns
-from escapement.units import INCH_POUND, SYSTEMS, factor, unit_name
+from escapement.units import INCH_POUND, SYSTEMS, factor, spelt, unit_name
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """Driver and follower inertia really used, by slots [in-lbf-s^2] (figures 9 to 11)."""
@@ -190,7 +190,7 @@ def _print_rows(rows: Sequence[Mapping[str, Any]], units: str) -> None:
         print(f"  {title:<17}{meaning}")
     print()
     header = ["row", "slots", "friction", "torque", "", *_HEADS]
-    below = ["", "", "", unit_name("torque", units), "", *_HEADS.values()]
+    below = ["", "", "", spelt(unit_name("torque", units)), "", *_HEADS.values()]
     lines = []
     for number, row in enumerate(rows, 1):
         run = [str(number), row["slots"], f"{row['friction']:.2f}", f"{row['torque']:.4g}"]

@@ -38,7 +38,7 @@ def why(
     if heading > max(1.0, used):
         yield (
             f"the heading swaps the inertias: the table is met with driver {run[3]:g} and "
-            f"follower {run[4]:g} in-lbf-s^2, while the heading's give {_list(headed, _SHOWN)}"
+            f"follower {run[4]:g} in-lbf-s², while the heading's give {_list(headed, _SHOWN)}"
         )
     of_cell = [
         name

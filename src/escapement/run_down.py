@@ -1,0 +1,210 @@
+"""How a timer runs down: its turns, its rate and the place where it stops.
+
+With a spring the driver runs ever more slowly. The engine computes a long run by quasi-static
+theory where that is as exact as `rtol`: see `engines.energy.rundown`.
+"""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from scipy.optimize import brentq
+
+from escapement import validate
+from escapement.model import Escapement, FloatArray
+from escapement.motion import Motion
+from escapement.simulation import LONGEST, simulate, terminal
+from escapement.status import MESSAGES, Status
+from escapement.text import Shown
+
+MOST = LONGEST["energy"]
+"""Engagements of a run."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rundown(Shown):
+    """A run from its start to the turns or the time asked for, or to its stop.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        What runs down.
+    times : array, shape (n,)
+        End of each engagement [s], its dwell included.
+    nominal_period : float
+        Period of the terminal cycle at the torque of the start [s]; NaN where there is none.
+    end_time, end_turns : float
+        When and where the run ends [s, driver turns].
+    status, message : outcome, and its reason in a sentence.
+    """
+
+    _units: ClassVar = {"times": "s", "nominal_period": "s", "end_time": "s", "end_turns": "turns"}
+
+    escapement: Escapement = field(repr=False)
+    times: FloatArray
+    nominal_period: float
+    end_time: float
+    end_turns: float
+    status: Status = Status.OK
+    message: str = MESSAGES[Status.OK]
+
+    @cached_property
+    def turns(self) -> FloatArray:
+        """Driver turns since the start at the end of each engagement, shape (n,)."""
+        cell = self.escapement.mechanism.cell_angle / (2.0 * math.pi)
+        return np.asarray(cell * np.arange(1, self.times.size + 1))
+
+    @property
+    def remaining_turns(self) -> FloatArray:
+        """Driver turns left at the end of each engagement, shape (n,)."""
+        return self.end_turns - self.turns
+
+    @cached_property
+    def periods(self) -> FloatArray:
+        """Duration of each engagement [s], shape (n,)."""
+        return np.asarray(np.diff(self.times, prepend=0.0))
+
+    @property
+    def rates(self) -> FloatArray:
+        """Engagements per second in each engagement [1/s], shape (n,)."""
+        return 1.0 / self.periods
+
+    @property
+    def mean_speeds(self) -> FloatArray:
+        """Mean driver speed over each engagement [rad/s], shape (n,)."""
+        return self.escapement.mechanism.cell_angle / self.periods
+
+    @property
+    def rate_errors(self) -> FloatArray:
+        """Rate over that of the nominal period, less 1 [-], shape (n,); below 0 it is slow."""
+        return self.nominal_period / self.periods - 1.0
+
+    @property
+    def lateness(self) -> FloatArray:
+        """Time less that of as many nominal periods [s], shape (n,)."""
+        return self.times - self.nominal_period * np.arange(1, self.times.size + 1)
+
+    def time_of(self, turns: float) -> float:
+        """Time at which the driver has turned so often [s].
+
+        Between the ends of two engagements it is interpolated linearly, which is right to the
+        variation of the speed within an engagement.
+
+        Raises
+        ------
+        InvalidValue
+            When the run has no such turn.
+        """
+        turns = validate.number("turns", turns, remedy="give driver turns of the run")
+        if turns > self.end_turns:
+            rule = f"at most {self.end_turns:g}, where the run ends"
+            raise validate.fail("turns", rule, turns, "give fewer, or run for longer")
+        known = np.concatenate([[0.0], self.turns, [self.end_turns]])
+        times = np.concatenate([[0.0], self.times, [self.end_time]])
+        return float(np.interp(turns, known, times))
+
+
+def rundown(
+    escapement: Escapement,
+    *,
+    turns: float | None = None,
+    duration: float | None = None,
+    initial_speed: float = 0.0,
+    rtol: float | None = None,
+) -> Rundown:
+    """Let a timer run down.
+
+    Of a spring, thousands of engagements come from series through a few of them, where these are
+    as exact as the tolerance asks for; elsewhere each is computed. See docs/rundown.md.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        A timer, with a `spring_rate` or a `TorqueCurve` or without.
+    turns : float, optional
+        Driver turns to run, > 0; they are rounded up to whole engagements.
+    duration : float, optional
+        Time to run instead [s], > 0. Without either a spring runs until it is spent or the driver
+        stops.
+    initial_speed : float
+        Driver speed at the first pin entry [rad/s], >= 0.
+    rtol : float, optional
+        Relative error asked for in times, as of `simulate`.
+
+    Returns
+    -------
+    Rundown
+        Its `status` is `stall` or `spent` where the driver stopped on the way.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    """
+    cell, spent = escapement.mechanism.cell_angle, _spent_after(escapement)
+    if turns is not None and duration is not None:
+        raise validate.fail("duration", "left out beside turns", duration, "leave one of them out")
+    count = None if duration is not None else _engagements(turns, cell, spent)
+    nominal = terminal(escapement.held, rtol=rtol).period
+    motion = simulate(escapement, count, duration=duration, initial_speed=initial_speed, rtol=rtol)
+    times, status, message = motion.handoff_times, motion.status, motion.message
+    whole = times.size
+    if spent <= (whole + 1) * cell and status in (Status.OK, Status.SPENT):
+        # behind a spent spring the driver turns on for a while, of no use to a timer
+        whole = min(whole, int(spent / cell))
+    begin = float(times[whole - 1]) if whole else 0.0
+    end, turned = begin, whole * cell
+    if motion.end_time > begin:
+        speed = float(motion.handoff_velocities[whole - 1]) if whole else initial_speed
+        last = simulate(escapement.after(turned), 1, initial_speed=speed, rtol=rtol)
+        since, angle = _last_stretch(last, motion.end_time - begin, spent - turned)
+        end, turned = begin + since, turned + angle
+    if turned >= spent * (1.0 - 1e-12):
+        status = Status.SPENT
+    turns = turned / (2.0 * math.pi)
+    if status in (Status.STALL, Status.SPENT):
+        reason = "the spring is spent" if status is Status.SPENT else MESSAGES[status]
+        message = f"after {turns:.6g} turns, at {end:.6g} s, {reason}"
+    return Rundown(escapement, times[:whole], nominal, end, turns, status, message)
+
+
+def _spent_after(escapement: Escapement) -> float:
+    """Driver angle from which on there is no torque [rad]; infinite where there always is."""
+    curve = escapement.curve
+    if curve is None or curve.periodic or curve.torque[-1] > 0.0:
+        return math.inf
+    last = max(k for k, torque in enumerate(curve.torque) if torque > 0.0)
+    return float(curve.angle[last + 1])
+
+
+def _engagements(turns: float | None, cell: float, spent: float) -> int:
+    """How many engagements to run."""
+    if turns is None:
+        if spent == math.inf:
+            rule = "given, as turns or as duration, where the torque does not end"
+            raise validate.fail("turns", rule, None, "such a timer runs for ever")
+        return min(math.ceil(spent / cell) + 1, MOST)
+    turns = validate.positive("turns", turns, "give how often the driver turns")
+    count = math.ceil(turns * 2.0 * math.pi / cell * (1.0 - 1e-12))
+    if count > MOST:
+        rule = f"at most {MOST * cell / (2.0 * math.pi):g}, ten million engagements"
+        raise validate.fail("turns", rule, turns, "run fewer")
+    return count
+
+
+def _last_stretch(last: Motion, time: float, spent: float) -> tuple[float, float]:
+    """Time [s] and driver angle [rad] from the last handoff to the end of a run.
+
+    `last` is the engagement there; the run ends after a time, or where the spring is spent.
+    """
+    start, time = last.escapement.mechanism.breaks[0], min(time, last.end_time)
+
+    def angle(since: float) -> float:
+        return float(last.at([since]).theta[0]) - start
+
+    turned = angle(time)
+    if turned > spent:
+        time, turned = brentq(lambda since: angle(since) - spent, 0.0, time, xtol=1e-300), spent
+    return time, turned

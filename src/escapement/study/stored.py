@@ -1,0 +1,165 @@
+"""Result files, opened, and arrays in them that are read when they are needed."""
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+from numpy.typing import NDArray
+
+from escapement.errors import EscapementError, InputFileError
+from escapement.files import AnyPath, check_input
+from escapement.status import Status
+
+SCHEMA_VERSION = 2
+"""Version of the file layout: raised when an older reader would misread a newer file."""
+LAYOUT = {"schema_version": SCHEMA_VERSION, "Conventions": "CF-1.11"}
+"""Root attributes that tell how to read a file."""
+DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
+"""What h5py and NumPy raise over a file that is not as it should be."""
+
+
+@contextmanager
+def opened(
+    path: AnyPath, what: str, command: str, needed: Iterable[str], version: int
+) -> Iterator[Any]:
+    """The open file of a result; whatever is wrong with it, or within the block, as one error.
+
+    what, command : what the file holds, and the command that writes such a file.
+    needed : names of datasets or root attributes that it must have.
+    version : the newest layout that is understood.
+    """
+    import h5py
+
+    check_input(path, what)
+    remedy = f"name an HDF5 file that escapement {command} wrote"
+    try:
+        with h5py.File(path, "r") as hdf5:
+            layout = hdf5.attrs.get("schema_version")
+            missing = [name for name in needed if name not in hdf5 and name not in hdf5.attrs]
+            if missing or not isinstance(layout, np.integer | int):
+                lacks = ", ".join(missing) or "schema_version"
+                raise InputFileError(
+                    f"{what} {path} must hold a {what}, and lacks {lacks}; {remedy}"
+                )
+            if layout > version:
+                raise InputFileError(
+                    f"{what} {path} must have schema_version {version} or less, got {layout}; "
+                    "install a newer geneva-escapement to read it"
+                )
+            yield hdf5
+    except PermissionError:
+        raise InputFileError(f"{what} {path} must be readable; check its permissions") from None
+    except EscapementError:
+        raise
+    except DAMAGE as error:
+        if h5py.is_hdf5(path):
+            raise damaged(what, path, error) from None
+        raise InputFileError(
+            f"{what} {path} must be an HDF5 file, and is not or is cut short; {remedy}"
+        ) from None
+
+
+def damaged(what: str, path: AnyPath, error: Exception, how: str = "") -> InputFileError:
+    """The error for a file that cannot be read in full."""
+    reason = " ".join(str(error).split())
+    return InputFileError(
+        f"{what} {path} must be whole, and is damaged: {reason}; write it anew{how}"
+    )
+
+
+def check_values(name: str, values: Any, finite: bool = False) -> None:
+    """Raise ValueError unless `values` may be those of a study: known ones of a status."""
+    # by its ends: as a set it would take ten times the memory of the file
+    if name == "status" and values.size and not 0 <= values.min() <= values.max() <= max(Status):
+        raise ValueError("status must hold known values")
+    if finite and not np.isfinite(values).all():
+        raise ValueError(f"{name} must be finite numbers")
+
+
+class Stored(NDArrayOperatorsMixin):
+    """An array of a study file, which behaves as one in memory.
+
+    `stored[3]` and slices read only themselves; whatever else is done with it reads the whole
+    array, once. The file is open only while it is read.
+
+    Parameters
+    ----------
+    path : str
+        Of the file, absolute.
+    dataset : h5py.Dataset
+        The array.
+    finite : bool
+        Whether its numbers must be finite.
+    """
+
+    def __init__(self, path: str, dataset: Any, finite: bool) -> None:
+        self.shape, self.dtype = dataset.shape, dataset.dtype
+        self.ndim, self.size = dataset.ndim, dataset.size
+        self._path, self._name, self._finite = path, dataset.name.lstrip("/"), finite
+        self._stamp = _stamp(path)
+        if self.dtype.kind not in "fiu":
+            raise ValueError(f"{self._name} must be numbers, got {self.dtype}")
+
+    @cached_property
+    def values(self) -> NDArray[Any]:
+        """The whole array."""
+        whole: NDArray[Any] = self._read(())
+        return whole
+
+    def _read(self, key: Any) -> Any:
+        with opened(self._path, "study", "sweep", ("status",), SCHEMA_VERSION) as hdf5:
+            if _stamp(self._path) != self._stamp:
+                raise InputFileError(
+                    f"study {self._path} must be the file that was read first, and was replaced "
+                    "since; read it again"
+                )
+            found = hdf5[self._name][key]
+            check_values(self._name, found, self._finite)
+            return found
+
+    def __getitem__(self, key: Any) -> Any:
+        keys = key if isinstance(key, tuple) else (key,)
+        # HDF5 knows fewer kinds of indices than NumPy
+        simple = all(
+            isinstance(k, int | np.integer) or (isinstance(k, slice) and k.step in (None, 1))
+            for k in keys
+        )
+        if not simple or "values" in vars(self):
+            return self.values[key]
+        _ = np.broadcast_to(np.empty(()), self.shape)[key]  # NumPy's errors for a place outside
+        return self._read(key)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.values, dtype, copy=copy)
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        plain = [x.values if isinstance(x, Stored) else x for x in inputs]
+        if "out" in options:
+            options["out"] = tuple(x.values if isinstance(x, Stored) else x for x in options["out"])
+        return getattr(ufunc, method)(*plain, **options)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # what is looked for by protocols, or while a copy is made
+            raise AttributeError(name)
+        return getattr(self.values, name)
+
+    def __len__(self) -> int:
+        return len(self.values) if not self.shape else int(self.shape[0])
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.values)
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+    def __str__(self) -> str:
+        return str(self.values)
+
+
+def _stamp(path: str) -> tuple[int, int, int]:
+    found = os.stat(path)
+    return found.st_ino, found.st_size, found.st_mtime_ns

@@ -1,0 +1,120 @@
+"""What a study keeps: chosen by name, computed as `terminal` does, refused where unknown."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement import plots
+from escapement.errors import CannotCreate, InvalidValue
+from escapement.merits import FIGURES
+from escapement.study.parse import parse_plan, plan_from
+from escapement.study.result import DEFAULT
+from escapement.units import INCH, INCH_POUND, POUND_FORCE
+from study_tools import assert_as_alone
+
+WHEEL = esc.Geneva(4, crank_radius=0.02)
+TIMER = esc.Escapement(WHEEL, esc.Inertia(3.4e-7, 5.6e-6), 0.0113, 0.35)
+INCHES = {
+    "units": "in-lbf-s",
+    "mechanism": {"slots": 4, "crank_radius": 0.5},
+    "inertia": {"driver": 3e-6, "follower": 50e-6},
+    "sweep": {"friction": [0.3], "torque": [0.1]},
+}
+DRIVES = {
+    "losses": (TIMER, {"friction": [0.0, 0.2, 0.5], "torque": [0.01, 0.04]}),
+    "wheels": (TIMER, {"slots": [3, 4], "follower_inertia": [1e-6, 1e-5]}),
+    "pins": (
+        replace(TIMER, mechanism=replace(WHEEL, pin_radius=1e-3)),
+        {"load_torque": [0.0, 1e-3, 1.0]},
+    ),
+    "a mesh": (
+        esc.Escapement(esc.EllipticalPlanetary(0.02, 0.007), TIMER.inertia, 0.01, efficiency=0.9),
+        {"initial_speed": [0.0, 100.0]},
+    ),
+}
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_every_figure_is_what_terminal_says(drive):
+    plan = plan_from(*DRIVES[drive], results=[*FIGURES])
+    study = esc.run_plan(plan)
+    assert [*study.results] == [*FIGURES, "status"]
+    assert_as_alone(plan, study.results)
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_results_are_in_the_units_of_the_study(engine):
+    names = ["contact_moment_max", "contact_force_max", "acceleration_max", "jam_margin"]
+    study = esc.run_plan(parse_plan(INCHES | {"results": names, "solver": {"engine": engine}}))
+    inertia = esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
+    wheel = esc.Geneva(4, crank_radius=0.5 * INCH)
+    cycle = esc.terminal(esc.Escapement(wheel, inertia, 0.1 * INCH_POUND, 0.3), engine=engine)
+    for name, unit in zip(names, (INCH_POUND, POUND_FORCE, 1.0, 1.0), strict=True):
+        value = getattr(cycle, name) / unit
+        assert study.results[name].item() == pytest.approx(value, rel=1e-9)
+    assert [study.units[name] for name in names] == ["in lbf", "lbf", "rad s-2", "1"]
+    assert study.results["status"].dtype == np.uint8
+
+
+@pytest.mark.parametrize("names", [["period"], ["rise_time"], ["jam_margin", "rise_time_98"]])
+def test_no_number_depends_on_what_else_is_asked_for(names):
+    axes = {"friction": np.linspace(0.05, 0.5, 50), "initial_speed": [0.0, 300.0]}
+    some = esc.sweep(TIMER, results=names, **axes).results
+    every = esc.sweep(TIMER, results=[*DEFAULT, *names, *names, "status"], **axes).results
+    assert [*some] == [*names, "status"]
+    assert len(every) == len({*DEFAULT, *names, "status"})
+    for name, values in some.items():
+        np.testing.assert_array_equal(values, every[name])
+
+
+def test_the_usual_results_need_not_be_named():
+    plain, named = parse_plan(INCHES), parse_plan(INCHES | {"results": [*DEFAULT]})
+    assert plain.configuration == named.configuration
+    other = parse_plan(INCHES | {"results": ["period", "status", "period"]})
+    assert [*other.results] == ["period", "status"]
+    assert parse_plan(other.configuration).results == other.results
+
+
+@pytest.mark.parametrize("given", ["period", [], ["perod"], ["period", 3], [["period"]], 7])
+def test_what_is_no_list_of_figures_is_refused_in_a_line(given):
+    said = "did you mean 'period'" if given == ["perod"] else "results must be"
+    with pytest.raises(InvalidValue, match=said) as error:
+        esc.sweep(TIMER, friction=[0.3], results=given)
+    assert "\n" not in str(error.value)
+    if isinstance(given, list) and given:
+        assert all(name in str(error.value) for name in FIGURES)
+
+
+@pytest.mark.parametrize("complete", [True, False])
+def test_a_study_is_not_resumed_with_other_results(tmp_path, complete):
+    options = {"path": tmp_path / "a.h5", "friction": [0.2, 0.3]}
+    if complete:
+        esc.sweep(TIMER, **options)
+    else:
+        with pytest.raises(KeyboardInterrupt):
+            esc.sweep(TIMER, **options | {"friction": np.linspace(0.2, 0.3, 5000)}, progress=_stop)
+        options["friction"] = np.linspace(0.2, 0.3, 5000)
+    with pytest.raises(CannotCreate, match=r'results was not set and is \["period"\]'):
+        esc.sweep(TIMER, results=["period"], resume=True, **options)
+    assert esc.sweep(TIMER, resume=True, **options).failed == 0
+
+
+def _stop(done, total, failed):
+    if 0 < done < total:
+        raise KeyboardInterrupt
+
+
+def test_a_chosen_study_is_written_read_and_drawn(tmp_path):
+    names = ["contact_moment_max", "last_reversal_angle", "rise_time", "rise_time_63"]
+    axes = {"friction": np.linspace(0.1, 0.4, 6), "torque": np.linspace(0.01, 0.02, 5)}
+    made = esc.sweep(TIMER, results=names, path=tmp_path / "a.h5", **axes)
+    for name, values in esc.sweep(TIMER, results=names, **axes).results.items():
+        np.testing.assert_array_equal(made.results[name], values)
+    # lines and maps of each, and a bar for each map
+    assert len(plots.plot_study(made).axes) == 3 * len(names)
+    labels = [ax.get_ylabel() for ax in plots.plot_study(made, ["rise_time_63"]).axes]
+    assert labels[0] == "Rise time, 63 % (ms)"
+    with pytest.raises(InvalidValue, match=r"result must be one of contact_moment_max, .*'period'"):
+        plots.plot_study(made, ["period"])

@@ -1,0 +1,173 @@
+"""How a timer runs down, against single engagements, the full motion and the law of the root."""
+
+import csv
+import json
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.cli import main
+from escapement.errors import InvalidValue
+
+INERTIA = esc.Inertia(3.389e-7, 5.649e-6)
+TIMER = esc.Escapement(esc.Geneva(4), INERTIA, 0.0113, 0.35, spring_rate=1.8e-6)
+CELL = TIMER.mechanism.cell_angle
+
+
+def test_it_is_what_single_engagements_give():
+    """Each begins with the speed and the torque that the one before left."""
+    run = esc.rundown(TIMER, turns=25.0)
+    assert run.times.size == 100
+    time, speed = 0.0, 0.0
+    for k in range(100):
+        timer = replace(TIMER, torque=TIMER.torque - TIMER.spring_rate * k * CELL)
+        one = esc.simulate(timer, 1, initial_speed=speed)
+        time, speed = time + one.end_time, float(one.handoff_velocities[0])
+        assert run.times[k] == pytest.approx(time, rel=1e-12)
+
+
+def test_the_rate_follows_the_root_of_the_torque():
+    """Without a load the torque at some place within an engagement is what its period tells."""
+    run = esc.rundown(TIMER, turns=2000.0 / 4.0)
+    left = (run.nominal_period / run.periods[20:]) ** 2
+    angle = (1.0 - left) * TIMER.torque / TIMER.spring_rate
+    within = angle / CELL - np.arange(20, run.periods.size)
+    # a place of its own for each mechanism and friction, which hardly moves over the run
+    assert within.min() > 0.0
+    assert within.max() < 1.0
+    assert np.ptp(within) < 1e-3
+
+
+def test_what_it_tells_of_each_engagement():
+    run = esc.rundown(TIMER, turns=10.0)
+    assert run.turns[-1] == pytest.approx(10.0)
+    assert run.remaining_turns[-1] == pytest.approx(0.0, abs=1e-12)
+    assert np.cumsum(run.periods) == pytest.approx(run.times)
+    assert run.mean_speeds * run.periods == pytest.approx(CELL)
+    assert run.rates * run.periods == pytest.approx(1.0)
+    assert run.lateness[-1] == pytest.approx(-np.sum(run.rate_errors * run.periods))
+    assert run.time_of(5.0) == run.times[19]
+    assert run.nominal_period == esc.terminal(replace(TIMER, spring_rate=0.0)).period
+    assert len(repr(run)) <= 300
+
+
+def test_a_spent_spring_ends_it():
+    timer = replace(TIMER, spring_rate=TIMER.torque / (200.3 * CELL))
+    run = esc.rundown(timer)
+    assert run.status.label == "spent"
+    assert run.end_turns == pytest.approx(200.3 * CELL / (2.0 * pi), rel=1e-14)
+    assert run.times.size == 200
+    motion = esc.simulate(timer, 201)
+    assert motion.at([run.end_time]).theta[0] - motion.at([0.0]).theta[0] == pytest.approx(
+        200.3 * CELL, rel=1e-12
+    )
+
+
+def test_a_load_stalls_it():
+    timer = replace(TIMER, load_torque=0.004)
+    run, motion = esc.rundown(timer), esc.simulate(timer, 2000)
+    assert run.status.label == motion.status.label == "stall"
+    assert run.end_time == motion.end_time
+    assert f"after {run.end_turns:.6g} turns" in run.message
+
+
+def random_timer(random):
+    """Of a run of some hundred engagements that loses up to all of its torque."""
+    wheel = esc.Geneva(int(random.integers(3, 9)))
+    inertia = esc.Inertia(3e-7 * 10.0 ** random.uniform(-1, 1), 5e-6)
+    torque = 10.0 ** random.uniform(-3, -1)
+    friction = min(esc.critical_friction(wheel, inertia), 1.0) * random.uniform(0.2, 0.8)
+    load = random.choice([0.0, random.uniform(0.0, 0.3)]) * torque / wheel.transmission_max
+    count = int(10.0 ** random.uniform(2.5, 3.3))
+    rate = random.uniform(0.02, 1.2) * torque / (count * wheel.cell_angle)
+    timer = esc.Escapement(
+        wheel, inertia, torque, friction, load_torque=load, spring_rate=rate
+    )  # fmt: skip
+    return timer, count * wheel.cell_angle / (2.0 * pi)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_series_keep_to_the_error_of_single_engagements(seed):
+    """The engine takes thousands of engagements from series where that is as exact."""
+    timer, turns = random_timer(np.random.default_rng(seed))
+    run = esc.rundown(timer, turns=turns)
+    time, speed, cell = 0.0, 0.0, timer.mechanism.cell_angle
+    for k in range(run.times.size):
+        one = esc.simulate(timer.after(k * cell), 1, initial_speed=speed)
+        time, speed = time + one.end_time, float(one.handoff_velocities[0])
+    assert run.times[-1] == pytest.approx(time, rel=2e-12)
+
+
+def test_a_curve_goes_on_where_it_was():
+    curve = esc.TorqueCurve((0.0, 20.0, 50.0), (0.01, 0.012, 0.01), periodic=True)
+    wound = esc.TorqueCurve((0.0, 30.0, 70.0), (0.012, 0.01, 0.0))
+    for torque in (curve, wound):
+        timer = replace(TIMER, torque=torque, spring_rate=0.0)
+        run = esc.rundown(timer, turns=10.0)
+        for whole in (9, 30):
+            speed = esc.simulate(timer, whole).handoff_velocities[-1]
+            rest = esc.simulate(
+                timer.after(whole * CELL), run.times.size - whole, initial_speed=speed
+            )
+            assert run.times[-1] == pytest.approx(run.times[whole - 1] + rest.end_time, rel=1e-12)
+    spent = esc.rundown(replace(TIMER, torque=wound, spring_rate=0.0))
+    assert spent.status.label == "spent"
+    assert spent.end_turns == pytest.approx(70.0 / (2.0 * pi), rel=1e-14)
+
+
+def test_a_duration_ends_it():
+    run = esc.rundown(TIMER, duration=10.0)
+    assert run.end_time == 10.0
+    assert run.times[-1] < 10.0
+    whole = esc.rundown(TIMER, turns=run.end_turns + 0.25)
+    assert whole.times[: run.times.size] == pytest.approx(run.times, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"turns": 0.0}, "turns must be greater than 0"),
+        ({"turns": 1.0, "duration": 1.0}, "duration must be left out beside turns"),
+        ({"turns": 1e9}, "turns must be at most 2.5e"),
+    ],
+)
+def test_refusals(changes, message):
+    with pytest.raises(InvalidValue, match=message):
+        esc.rundown(TIMER, **changes)
+
+
+def test_a_constant_torque_must_be_told_how_far():
+    with pytest.raises(InvalidValue, match="turns must be given"):
+        esc.rundown(replace(TIMER, spring_rate=0.0))
+    run = esc.rundown(TIMER, turns=1.0)
+    with pytest.raises(InvalidValue, match="turns must be at most 1"):
+        run.time_of(1.5)
+
+
+def test_the_command(tmp_path, capsys):
+    table, picture = tmp_path / "run.csv", tmp_path / "run.png"
+    model = [
+        "--torque",
+        "0.0113",
+        "--friction",
+        "0.35",
+        "--driver-inertia",
+        "3.389e-7",
+        "--follower-inertia",
+        "5.649e-6",
+        "--spring-rate",
+        "1.8e-6",
+    ]
+    assert main(["rundown", *model, "--turns", "5", "-o", str(table), "--plot", str(picture)]) == 0
+    assert "rate error percent" in capsys.readouterr().out
+    assert picture.stat().st_size > 0
+    rows = list(csv.DictReader(table.read_text().splitlines()))
+    run = esc.rundown(TIMER, turns=5.0)
+    assert [float(row["time_s"]) for row in rows] == run.times.tolist()
+    assert main(["rundown", *model, "--load-torque", "0.004", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "stall"
+    assert "the drive cannot carry the load" in found["message"]
