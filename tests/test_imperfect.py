@@ -189,6 +189,14 @@ def test_a_study_solves_each_imperfect_wheel():
     study = esc.sweep(timer(**errors), friction=[0.25, 0.3], centre_distance_error=distances)
     cycles = [esc.terminal(timer(**errors, centre_distance_error=one)) for one in distances]
     np.testing.assert_allclose(study.results["period"][1], [one.period for one in cycles])
+    names = ("beat_error", "blow_max", "rise_time", "settling_time", "velocity_min")
+    one = {"centre_distance_error": distances}
+    # those of a fall are computed case by case, the others by a kernel for many patterns
+    for more in ((), ("rise_time_63",)):
+        study = esc.sweep(timer(**errors), **one, results=(*names, *more))
+        for name in (*names, *more):
+            expected = [getattr(cycle, name) for cycle in cycles]
+            np.testing.assert_allclose(study.results[name], expected, rtol=1e-9, atol=1e-15, err_msg=name)
 
 
 @pytest.mark.parametrize(
@@ -214,6 +222,7 @@ def test_a_pin_that_misses_its_slot_is_named(errors, words):
         (lambda: esc.Geneva(4, pin_angle_errors=1e-3), "a list of numbers"),
         (lambda: esc.Geneva(4, centre_distance_error=1e-5), "without a length"),
         (lambda: esc.synthetic_readings(late(), seed=1), "without errors of its parts"),
+        (lambda: dataclasses.replace(timer(), mechanism=late(), spring_rate=1e-4), "constant with"),
         (lambda: drive_torque(), "without errors of its parts"),
     ],
 )

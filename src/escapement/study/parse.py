@@ -99,11 +99,11 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         machine = {"kind": validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))}
         build = kind_of(machine["kind"])
     meshed = build.meshed if mechanism is None else mechanism.path.table
-    counts = getattr(build, "counts", dict)
+    counts = build.counts(machine_table) if hasattr(build, "counts") else {}
     settings: Mapping[str, Setting] = settings_of(build, meshed)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     settings = {name: replace(entry, system=system) for name, entry in settings.items()}
-    configuration, settings = part_lists(configuration, settings, counts(machine_table))
+    configuration, settings = part_lists(configuration, settings, counts)
     _check_tables(configuration, settings)
     given = _table(configuration, "solver")
     parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
