@@ -37,7 +37,7 @@ _STEEP = 0.1
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Relative error of a time that is converted to natural units and back."""
 _SAME_PLACE = 1e-12
-"""Two reversals this close [rad] are one that rounding crosses twice."""
+"""Two reversals, or extrema, this close [rad] are one that rounding crosses twice."""
 
 
 class Span(NamedTuple):
@@ -227,7 +227,12 @@ class _Simulation:
         self.trend = after or self.trend
 
     def _note_extremum(self, time: float, theta: float, speed: float) -> None:
-        self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
+        """Note an extremum, or drop the last one if this undoes it at the same place."""
+        last = self.extrema[-1] if self.extrema else None
+        if last and last.engagement == self.engagement and theta - last.theta <= _SAME_PLACE:
+            self.extrema.pop()
+        else:
+            self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
 
 
 def simulate(
