@@ -196,7 +196,9 @@ def test_a_study_solves_each_imperfect_wheel():
         study = esc.sweep(timer(**errors), **one, results=(*names, *more))
         for name in (*names, *more):
             expected = [getattr(cycle, name) for cycle in cycles]
-            np.testing.assert_allclose(study.results[name], expected, rtol=1e-9, atol=1e-15, err_msg=name)
+            np.testing.assert_allclose(
+                study.results[name], expected, rtol=1e-9, atol=1e-15, err_msg=name
+            )
 
 
 @pytest.mark.parametrize(
