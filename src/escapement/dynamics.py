@@ -12,6 +12,7 @@ the unit of the mechanism's path, such as the crank radius.
     nu_d, nu_f    viscous drag of driver and follower
     r_p           radius of the pin, whose body turns by beta per driver radian
     b_d, b_f      journals: the bearing's friction over the contact force
+    delta         distance of the slot's line from the follower's axis, ahead of it
 
 With w = theta_dot^2 and the side s = +1 or -1 of the slot that carries the force, the drive D
 and the resistance F of the follower are
@@ -22,7 +23,7 @@ and the resistance F of the follower are
 and with the pin's distance R from the follower's axis and its slide V = u R, the sliding speed
 v of the contact, the lever h of the contact force and the ratio p as friction bends it
 
-    v = V + s r_p (g - beta),    h = R - sign(v) mu r_p - s b_f sign(g)
+    v = V + s r_p (g - beta),    h = R - sign(v) mu (r_p + s delta) - s b_f sign(g)
     p = g + c,                   c = s (mu |v| + b_d + b_f |g|)/h
     (rho + g p) theta_ddot = D - p F
     moment of the contact force about the follower's axis, losses taken off
@@ -64,8 +65,9 @@ def signed_loss(side, scene):
 
 @inner_jit
 def is_ideal(scene):
-    """Whether the pin has no width and the bearings no friction that grows with the force."""
-    return scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
+    """Whether a thin pin slides towards the axis, and bearings do not mind the contact force."""
+    plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
+    return plain and (scene.path.table or scene.path.numbers[10] == 0.0)
 
 
 @inner_jit
@@ -109,7 +111,8 @@ def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
         return sign_of(u, way) * radius * u, radius
     slide = slide_at(g, u, radius, side, scene)
     way, turn = sign_of(slide, way), sign_of(g, turn)
-    lever = radius - abs(signed_loss(side, scene)) * way * scene.pin
+    arm = scene.pin + side * scene.path.numbers[10]
+    lever = radius - abs(signed_loss(side, scene)) * way * arm
     return way * slide, lever - side * turn * scene.follower_journal
 
 
@@ -181,6 +184,18 @@ def reduced_inertia(g, c, scene):
 def free_gain(angle, pull, w, scene):
     """What a driver that turns free of the follower gains in w over a small angle."""
     return 2.0 * angle * drive(pull, w, root_of(w, scene), scene) / scene.rho
+
+
+@jit
+def left_by_blow(scene):
+    """Share of the driver's speed that is left where a pin strikes a follower at rest.
+
+    The blow is plastic, on the side s = +1, with friction: the follower takes the impulse
+    P = I_d I_f g theta_dot/(I_d + I_f g p), and the driver loses p P. The pin strikes where the
+    engagement begins; there the follower then has the speed that the pin asks for.
+    """
+    g, c, _k = bent_pose(scene.edges[0], 1.0, scene)
+    return scene.rho / reduced_inertia(g, c, scene)
 
 
 @inner_jit

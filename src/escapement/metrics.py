@@ -56,7 +56,8 @@ class Figures(Shown):
 
     velocity_max, velocity_min : extremes of the terminal driver speed [rad/s].
     velocity_mean : cell angle over period [rad/s].
-    period : time of one terminal engagement, dwell included [s].
+    period : time of one terminal engagement, dwell included [s]; with imperfect parts the mean
+        over the engagements after which pins and slots meet again.
     rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
         half an engagement or so, where a change of the design brings an earlier extremum
         into the band or takes one out.
@@ -66,8 +67,8 @@ class Figures(Shown):
         value has fallen to 1/e and to 0.02 of that at the start [s], see `fall_times`. They
         do not jump.
     handoff_velocity : driver speed at the terminal handoff [rad/s].
-    contraction : factor by which an engagement shrinks a small deviation of
-        the squared handoff speed from its terminal value [-].
+    contraction : factor by which the cycle shrinks a small deviation of the squared handoff
+        speed from its terminal value [-].
     acceleration_max, follower_acceleration_max : greatest magnitudes over the
         terminal cycle [rad/s^2].
     contact_moment_max : greatest magnitude of the moment on the follower [N m].
@@ -80,7 +81,9 @@ class Figures(Shown):
     critical_friction : Painleve limit, from which on no motion exists [-].
     jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
     uniqueness_friction : friction from which on another motion exists beside this one [-].
-    motion : one engagement of the terminal cycle, None where there is none.
+    beats, beat_error : times of these engagements, and the greatest less the least [s].
+    blow_max : greatest energy that is lost in a blow where a pin takes over [J].
+    motion : the terminal cycle, one engagement or all of these, None where there is none.
     status, message : outcome, and its reason in a sentence.
     """
 
@@ -122,6 +125,22 @@ class Figures(Shown):
     contact_force_max = _peak(3, "Greatest force on the pin [N].")
 
     @property
+    def beats(self) -> tuple[float, ...]:
+        """Time of each engagement of the cycle in turn, from handoff to handoff [s]."""
+        times = () if self.motion is None else np.diff(self.motion.handoff_times, prepend=0.0)
+        return tuple(np.asarray(times).tolist())
+
+    @property
+    def beat_error(self) -> float:
+        """Greatest less least of the beats [s]."""
+        return max(self.beats) - min(self.beats) if self.beats else _NAN
+
+    @property
+    def blow_max(self) -> float:
+        """Greatest energy that a blow of the cycle takes [J]."""
+        return _NAN if self.motion is None else float(self.motion.handoffs.energy.max())
+
+    @property
     def energy_residual(self) -> float:
         """Energy unaccounted for, of the work done [-]."""
         return _NAN if self.motion is None else self.motion.ledger.residual
@@ -144,7 +163,7 @@ class Figures(Shown):
         return {name: getattr(self, name) for name in _NAMES}
 
 
-_NAMES = (*FIGURES, "reversal_angles", "status", "message")
+_NAMES = (*FIGURES, "beats", "reversal_angles", "status", "message")
 
 
 def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, float]:
@@ -169,26 +188,32 @@ def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, fl
         0 where the motion starts at the terminal speed, to within the motion's rtol; NaN
         where it ends too early.
     """
-    deviation = np.abs(np.append(start, motion.handoff_velocities) - terminal)
+    # imperfect parts come back to the same speed after a whole pattern
+    size = len(motion.escapement.meetings)
+    speeds, times = (x[size - 1 :: size] for x in (motion.handoff_velocities, motion.handoff_times))
+    deviation = np.abs(np.append(start, speeds) - terminal)
     if deviation[0] <= motion.rtol * terminal:
         return 0.0, 0.0
     depth = -np.log(np.maximum(deviation / deviation[0], LEAST_RATIO))
     levels = -np.log([FALL_63, FALL_98])
-    times = np.append(0.0, motion.handoff_times)
+    times = np.append(0.0, times)
     one, two = np.interp(levels, np.maximum.accumulate(depth), times, right=_NAN)
     return float(one), float(two)
 
 
 def read_cycle(cycle: Motion, base: Figures) -> Figures:
-    """Terminal figures from one engagement that starts at the terminal speed."""
+    """Terminal figures from a cycle that starts at the terminal speed: one engagement, or all
+    of a pattern.
+    """
     speeds = np.concatenate([cycle.extrema.theta_dot, cycle.at([0.0, cycle.end_time]).theta_dot])
+    period = float(cycle.end_time / cycle.handoff_times.size)
     return replace(
         base,
         velocity_max=float(speeds.max()),
         velocity_min=float(speeds.min()),
-        velocity_mean=float(cycle.escapement.mechanism.cell_angle / cycle.end_time),
-        period=float(cycle.end_time),
-        handoff_velocity=float(cycle.handoff_velocities[0]),
+        velocity_mean=float(cycle.escapement.mechanism.cell_angle / period),
+        period=period,
+        handoff_velocity=float(cycle.handoff_velocities[-1]),
         motion=cycle,
     )
 
@@ -200,15 +225,32 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
     """
     extrema = motion.extrema
     terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
+    extremes, size = _extremes(extrema), len(motion.escapement.meetings)
+    if size > 1:
+        # each engagement of a pattern tends to extremes of its own, those of the last round
+        kinds = np.array([extrema.engagement % size, extrema.maximum])
+        last = extremes[extrema.engagement[extremes] >= motion.handoff_times.size - size]
+        final = np.full((size, 2), _NAN)
+        final[tuple(kinds[:, last])] = extrema.theta_dot[last]
+        terminal = final[tuple(kinds)]
     error = np.abs(extrema.theta_dot / terminal - 1.0)
     risen = np.nonzero(error <= RISE_BAND)[0]
-    extremes = _extremes(extrema)
     unsettled = np.nonzero(error[extremes] > SETTLING_BAND)[0]
     settled = extremes[unsettled[-1] + 1 :] if unsettled.size else extremes
     return (
         float(extrema.time[risen[0]]) if risen.size else _NAN,
         float(extrema.time[settled[0]]) if settled.size else _NAN,
     )
+
+
+def transient_length(contraction: float, start: float) -> int:
+    """Cycles after which the deviation is far below the settling band.
+
+    `start` is the initial over the terminal speed. Each cycle multiplies the deviation of w by
+    the contraction.
+    """
+    rate = math.log(min(max(contraction, 1e-4), 1.0 - 1e-12))
+    return 8 + math.ceil((math.log(1e-4) - 2.0 * math.log(max(start, 1.0))) / rate)
 
 
 def _extremes(extrema: Extrema) -> np.ndarray:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 from escapement import validate
 from escapement.lazy import Lazy
 from escapement.quantity import Declared, quantities, quantity, setting
-from escapement.scene import Path, Scene, smooth_intervals, writeable
+from escapement.scene import Meeting, Path, Scene, smooth_intervals, writeable
 from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 
 if TYPE_CHECKING:
@@ -79,10 +79,13 @@ def is_mechanism(thing: object) -> bool:
     return all(has) and not isinstance(thing, type)
 
 
-def checked(mechanism: Any) -> Any:
-    """`mechanism`, or the error that it is none."""
+def checked(mechanism: Any, perfect: bool = True) -> Any:
+    """`mechanism`, or the error that it is none; errors of parts must not be lost unsaid."""
     if not is_mechanism(mechanism):
         raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
+    if perfect and not getattr(mechanism, "perfect", True):
+        remedy = "leave out its errors, which simulate and terminal take into account"
+        raise validate.fail("mechanism", "without errors of its parts here", mechanism, remedy)
     return mechanism
 
 
@@ -91,6 +94,16 @@ def dwell_angle(mechanism: Mechanism) -> float:
     dwell = mechanism.cell_angle - (mechanism.breaks[-1] - mechanism.breaks[0])
     # angles in radians are rounded, so a dwell of 0 may come out as one or two units of rounding
     return float(dwell) if dwell > 1e-12 else 0.0
+
+
+def meetings_of(mechanism: Any) -> tuple[Meeting, ...]:
+    """The engagements after which a mechanism repeats itself, one if its parts are perfect."""
+    if not getattr(mechanism, "perfect", True):
+        return mechanism.meetings  # type: ignore[no-any-return]
+    path, dwell = writeable(mechanism.path), dwell_angle(mechanism)
+    edges = smooth_intervals(path, mechanism.breaks)
+    kind = "pick-up" if dwell > 0.0 else "overlap"
+    return (Meeting(path, edges, dwell, 0.0, mechanism.follower_angle, kind, 0.0, math.nan),)
 
 
 @dataclass(frozen=True, repr=False)
@@ -157,6 +170,10 @@ RESISTANCES = (
 """Numbers of a `Scene` that resist the motion beside friction in the slot."""
 LENGTHS = ("crank_radius", "pin_radius", "roller_radius")
 """Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
+_ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")
+"""Lengths of imperfect parts."""
+IMPERFECT = (*_ERRORS, "pin_angle_errors", "slot_angle_errors")
+"""All errors of imperfect parts."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -236,7 +253,7 @@ class Escapement(Declared):
     ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        checked(self.mechanism)
+        checked(self.mechanism, perfect=False)
         if not isinstance(self.inertia, Inertia):
             remedy = "give Inertia(driver=..., follower=...)"
             raise validate.fail("inertia", "an Inertia", self.inertia, remedy)
@@ -247,6 +264,9 @@ class Escapement(Declared):
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
         self._check_curve()
+        if self.curve is not None and not getattr(self.mechanism, "perfect", True):
+            rule, remedy = "constant with errors of the parts", "leave out one or the other"
+            raise validate.fail("torque", rule, self.torque, remedy)
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
 
@@ -290,18 +310,28 @@ class Escapement(Declared):
         return replace(self, torque=self.torque - self.spring_rate * turned)
 
     @cached_property
-    def scene(self) -> Scene:
-        """The escapement as an engine sees it."""
-        mechanism = self.mechanism
-        path, own = writeable(mechanism.path), self.inertia
+    def meetings(self) -> tuple[Meeting, ...]:
+        """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
+        return meetings_of(self.mechanism)
+
+    @cached_property
+    def scenes(self) -> tuple[Scene, ...]:
+        """The escapement as an engine sees it in each of its `meetings`."""
+        mechanism, own = self.mechanism, self.inertia
         values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
         values["torque"] = self.torque_unit
         for name in LENGTHS:
             values[name] = getattr(mechanism, name, None) or 0.0
-        numbers = {name: float(value) for name, value in natural(values, path.table).items()}
-        edges = smooth_intervals(path, mechanism.breaks)
+        meshed = self.meetings[0].path.table
+        numbers: dict[str, Any]
+        numbers = {name: float(value) for name, value in natural(values, meshed).items()}
         torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
-        return Scene(path, edges, dwell_angle(mechanism), torque, 0.0, **numbers)
+        return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.meetings)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The escapement as an engine sees it in the first of its `meetings`."""
+        return self.scenes[0]
 
     @cached_property
     def too_unequal(self) -> bool:
@@ -318,7 +348,8 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process derives the scene and what hangs on it anew."""
-        return {key: value for key, value in vars(self).items() if key not in ("scene", "kept")}
+        derived = ("meetings", "scenes", "scene", "kept")
+        return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property
     def time_unit(self) -> float:
@@ -406,10 +437,10 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
     plain_crank : bool
         Whether the driver's bearing carries the force of the contact and no other.
     """
-    radii = (*LENGTHS[1:], "driver_bearing_radius", "follower_bearing_radius")
+    radii = (*LENGTHS[1:], *_ERRORS, "driver_bearing_radius", "follower_bearing_radius")
     for name in ("driver_bearing_friction", *radii):
-        value = values.get(name, 0.0)
-        if value == 0.0:
+        value = values.get(name)
+        if not value:
             continue
         if name.startswith("driver") and not plain_crank:
             rule = "0 for a gear-driven wheel, whose driver's bearing also carries the mesh"

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.dynamics import LOSSES, tabulate, tabulate_losses
+from escapement.dynamics import LOSSES, left_by_blow, tabulate, tabulate_losses
 from escapement.errors import InvalidValue
-from escapement.mechanisms.slotted import slide_change
+from escapement.mechanisms.slotted import slide_change, transmission_at
 from escapement.model import Escapement, FloatArray
 from escapement.painleve import painleve_message
 from escapement.status import Status
 from escapement.text import Shown
-from escapement.trajectory import Events, Extrema, NoTrajectory, Trajectory
+from escapement.trajectory import Events, Extrema, Handoffs, NoTrajectory, Trajectory
 from escapement.validate import fail
 from escapement.variables import as_dataframe, as_dataset
 
@@ -67,10 +67,10 @@ class Ledger(Shown):
     work is that of the drive, which a spring gives of the energy that it holds. It is
     kinetic + load + all that is lost, up to `residual`, which is a share of the work or
     of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
-    the slot or the mesh, into either bearing and into drag on either body.
+    the slot or the mesh, into either bearing, into drag on either body and into blows.
     """
 
-    _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES), "J")
+    _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES, "blows"), "J")
 
     work: float
     kinetic: float
@@ -80,6 +80,7 @@ class Ledger(Shown):
     follower_bearing: float
     driver_drag: float
     follower_drag: float
+    blows: float
     residual: float
 
 
@@ -114,7 +115,8 @@ class Motion(Shown):
     end_time : float
         Length of the motion [s].
     handoff_times, handoff_velocities : ndarray, shape (engagements,)
-        End of each completed engagement [s] and the driver speed there [rad/s].
+        End of each completed engagement [s] and the driver speed there [rad/s], behind the
+        blow where there is one.
     status, message : Status, str
         How it ended, and the reason in a sentence.
     """
@@ -152,22 +154,64 @@ class Motion(Shown):
         return self.trajectory.extrema
 
     @cached_property
+    def handoffs(self) -> Handoffs:
+        """Every handoff: its kind, its blow, and the clearance that it needs."""
+        escapement, speed = self.escapement, self.handoff_velocities
+        meetings, own = escapement.meetings, escapement.inertia
+        engagement = np.arange(1, speed.size + 1)
+        # of each engagement in turn, what does not depend on the speed: a column
+        rows = []
+        for meeting, scene in zip(meetings, escapement.scenes, strict=True):
+            start = float(scene.edges[0])
+            strikes = meeting.kind == "strike"
+            left = left_by_blow(scene) if strikes else 1.0
+            ratio = transmission_at(scene.path, start)[0] if strikes else 0.0
+            rows.append((start + meeting.late, left, ratio, meeting.jump, meeting.radius))
+        start, left, ratio, jump, radius = np.array(rows).T[:, engagement % len(meetings)]
+        before = speed / left
+        lost = own.driver * before**2 - (own.driver + own.follower * ratio**2) * speed**2
+        crank = getattr(escapement.mechanism, "crank_radius", None) or np.nan
+        return Handoffs(
+            engagement,
+            self.handoff_times,
+            engagement * escapement.mechanism.cell_angle + start,
+            speed,
+            kind=np.array([meeting.kind for meeting in meetings])[engagement % len(meetings)],
+            speed_before=before,
+            impulse=own.follower * ratio * speed,
+            energy=np.where(left < 1.0, 0.5 * lost, 0.0),
+            jump=jump,
+            clearance_needed=np.where(jump > 0.0, crank * radius * jump, 0.0),
+        )
+
+    @property
+    def impacts(self) -> Handoffs:
+        """The handoffs with a blow."""
+        found = self.handoffs
+        struck = found.kind == "strike"
+        return Handoffs(*(getattr(found, field.name)[struck] for field in fields(Handoffs)))
+
+    @cached_property
     def slide_changes(self) -> Events:
         """Every instant at which the contact point ceases to slide one way and slides the other.
 
         There it crosses the line of centres; of a pin without width that is dead centre.
         """
-        trajectory, scene = self.trajectory, self.escapement.scene
+        trajectory, scenes = self.trajectory, self.escapement.scenes
         pieces = np.flatnonzero(np.diff(trajectory.engagement) == 0) + 1
-        if scene.path.table or pieces.size == 0:
+        if scenes[0].path.table or pieces.size == 0:
             return NoTrajectory.reversals
         start = trajectory.start[pieces]
         found = self.within(pieces, start)
         engagement, side = trajectory.engagement[pieces], trajectory.sign[pieces]
-        ends = scene.edges[0], scene.edges[-1]
-        angle = found.theta - engagement * self.escapement.mechanism.cell_angle
-        places = {s: slide_change(scene.path, scene.pin, s, *ends) for s in (1.0, -1.0)}
-        here = [abs(x - places.get(s, np.nan)) < 1e-9 for x, s in zip(angle, side, strict=True)]
+        which, late = engagement % len(scenes), np.array([m.late for m in self.escapement.meetings])
+        angle = found.theta - engagement * self.escapement.mechanism.cell_angle - late[which]
+        places = [
+            {s: slide_change(x.path, x.pin, s, x.edges[0], x.edges[-1]) for s in (1.0, -1.0)}
+            for x in scenes
+        ]
+        rows = zip(angle, side, which, strict=True)
+        here = [abs(x - places[k].get(s, np.nan)) < 1e-9 for x, s, k in rows]
         # at a reversal the other wall takes over, and the contact point is another one
         kept = np.array(here) & (side == trajectory.sign[pieces - 1])
         columns = engagement, start, found.theta, found.theta_dot
@@ -231,23 +275,29 @@ class Motion(Shown):
         turned = theta - mechanism.breaks[0] + engagement * mechanism.cell_angle
         g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
         losses = np.zeros((1 + len(LOSSES), theta.size))
-        for side in (1.0, 0.0, -1.0):
-            held = sign == side
-            angles, w = theta[held], (speed[held] * clock) ** 2
-            part, lost = np.empty((len(table), angles.size)), np.empty((len(losses), angles.size))
-            tabulate(escapement.scene, angles, turned[held], w, side, part)
-            tabulate_losses(escapement.scene, angles, turned[held], w, side, lost)
-            table[:, held], losses[:, held] = part, lost
+        phi, late = engagement * mechanism.follower_step, np.zeros(theta.size)
+        for k, meeting in enumerate(escapement.meetings):
+            here, scene = engagement % len(escapement.meetings) == k, escapement.scenes[k]
+            late[here] = meeting.late
+            engaged = np.where(sign[here] == 0.0, scene.edges[-1], theta[here])
+            phi[here] += meeting.turned(engaged)
+            for side in (1.0, 0.0, -1.0):
+                held = here & (sign == side)
+                angles, w = theta[held], (speed[held] * clock) ** 2
+                part = np.empty((len(table), angles.size))
+                lost = np.empty((len(losses), angles.size))
+                tabulate(scene, angles, turned[held], w, side, part)
+                tabulate_losses(scene, angles, turned[held], w, side, lost)
+                table[:, held], losses[:, held] = part, lost
         moment *= escapement.torque_unit
         rate /= clock**2
         losses *= escapement.torque_unit
-        engaged = np.where(sign == 0.0, mechanism.breaks[-1], theta)
         crank = getattr(mechanism, "crank_radius", None)
         columns: dict[str, FloatArray | None] = {
-            "theta": theta + engagement * mechanism.cell_angle,
+            "theta": theta + engagement * mechanism.cell_angle + late,
             "theta_dot": speed,
             "theta_ddot": rate,
-            "phi": engagement * mechanism.follower_step + mechanism.follower_angle(engaged),
+            "phi": phi,
             "phi_dot": g * speed,
             "phi_ddot": g * rate + dg * speed**2,
             "contact_moment": moment,
@@ -344,17 +394,20 @@ class Motion(Shown):
         driver, follower = escapement.inertia.driver, escapement.inertia.follower
         energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
         work = escapement.drive_work(ends.theta[1] - ends.theta[0])
-        load = escapement.load_work(ends.phi[1] - ends.phi[0])
+        # at the end of the motion a handoff is still to come
+        passed = self.handoffs.time < self.end_time
+        load = escapement.load_work(ends.phi[1] - ends.phi[0] - self.handoffs.jump[passed].sum())
+        blows = float(self.handoffs.energy[passed].sum())
         losses = dict(zip(LOSSES, self.trajectory.losses.sum(axis=1).tolist(), strict=True))
         kinetic = float(energies[1] - energies[0])
         scale = max(work, float(energies[0]))
-        missing = work - kinetic - load - sum(losses.values())
+        missing = work - kinetic - load - sum(losses.values()) - blows
         residual = float(missing / scale) if scale > 0.0 else 0.0
-        return Ledger(float(work), kinetic, float(load), **losses, residual=residual)
+        return Ledger(float(work), kinetic, float(load), **losses, blows=blows, residual=residual)
 
 
-def no_motion(escapement: Escapement, engine: str, rtol: float) -> Motion:
-    """The result at or above the Painleve limit: a motion without pieces, and the reason."""
-    message = painleve_message(escapement)
-    none, status = np.empty(0), Status.PAINLEVE
-    return Motion(escapement, engine, rtol, NoTrajectory(), 0.0, none, none, status, message or "")
+def no_motion(escapement: Escapement, engine: str, rtol: float, invalid: str = "") -> Motion:
+    """A motion without pieces, and why: what is `invalid`, or else the Painleve limit."""
+    message = invalid or painleve_message(escapement) or ""
+    none, status = np.empty(0), Status.INVALID if invalid else Status.PAINLEVE
+    return Motion(escapement, engine, rtol, NoTrajectory(), 0.0, none, none, status, message)

@@ -102,7 +102,8 @@ def least_margin(scene, low, high):
     The minimum is bracketed on an even grid and found by golden section.
     """
     radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, scene.edges[-1])[3])
-    lever = radius - scene.mu_plus * scene.pin - scene.follower_journal
+    arm = scene.pin + abs(scene.path.numbers[10])
+    lever = radius - scene.mu_plus * arm - scene.follower_journal
     if not lever > 0.0:
         return lever
     best, least = low, np.inf
@@ -183,22 +184,24 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
     """
     kept = escapement.kept
     if _LIMITS not in kept:
-        scene = escapement.scene
-        entry, exit_ = scene.edges[0], scene.edges[-1]
-        if as_python(is_ideal)(scene):
-            kept[_LIMITS] = (painleve_limit(scene.path, scene.rho, entry, exit_)[0],) * 2
+        scenes = escapement.scenes
+        if all(as_python(is_ideal)(scene) for scene in scenes):
+            ends = [(scene.path, scene.rho, scene.edges[0], scene.edges[-1]) for scene in scenes]
+            kept[_LIMITS] = (min(painleve_limit(*row)[0] for row in ends),) * 2
         else:
-            kept[_LIMITS] = _limit(escapement, 0.0, exit_), _limit(escapement, entry, 0.0)
+            kept[_LIMITS] = _limit(escapement, before=False), _limit(escapement, before=True)
     found: tuple[float, float] = kept[_LIMITS]
     return found
 
 
-def _limit(escapement: Escapement, low: float, high: float) -> float:
-    """Least friction at which the margin between two driver angles vanishes."""
+def _limit(escapement: Escapement, before: bool) -> float:
+    """Least friction at which the margin vanishes before or behind a dead centre."""
     from scipy.optimize import brentq
 
     def least(friction: float) -> float:
-        return float(least_margin(replace(escapement, friction=friction).scene, low, high))
+        scenes = replace(escapement, friction=friction).scenes
+        ends = [(s.edges[0], 0.0) if before else (0.0, s.edges[-1]) for s in scenes]
+        return min(float(least_margin(s, *x)) for s, x in zip(scenes, ends, strict=True))
 
     most = 1.0
     while least(most) > 0.0:
@@ -238,12 +241,12 @@ def painleve_message(escapement: Escapement) -> str | None:
     limit, friction = friction_limits(escapement)[0], escapement.friction
     if friction < limit:
         return None
-    scene = escapement.scene
-    if as_python(is_ideal)(scene):
+    scenes = escapement.scenes
+    if len(scenes) == 1 and as_python(is_ideal)(scenes[0]):
         angle = critical_angle(escapement.mechanism, escapement.inertia, friction)
     else:
-        angles = np.linspace(0.0, scene.edges[-1], 2001)
-        angle = next((x for x in angles if not margin(x, scene) > 0.0), angles[0])
+        places = ((x, s) for s in scenes for x in np.linspace(0.0, s.edges[-1], 2001))
+        angle = next((x for x, scene in places if not margin(x, scene) > 0.0), 0.0)
     return (
         f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
         f"{np.degrees(angle):.3f} degrees from dead centre: no unique rigid motion exists"
@@ -252,7 +255,7 @@ def painleve_message(escapement: Escapement) -> str | None:
 
 def uniqueness_note(escapement: Escapement) -> str | None:
     """What to say of a motion beside which another one exists; None of all others."""
-    if as_python(is_ideal)(escapement.scene):
+    if all(as_python(is_ideal)(scene) for scene in escapement.scenes):
         return None
     limit = friction_limits(escapement)[1]
     if escapement.friction < limit:

@@ -89,7 +89,7 @@ class Setting:
         unit = f" [{', '.join(units_shown)}]" if any(units_shown) else ""
         taken = self.typical if self.required else self.default
         shown = f"{taken:g}" if isinstance(taken, float) else taken
-        told = "" if taken is None or isinstance(taken, bool) else f" (default: {shown})"
+        told = "" if taken is None or isinstance(taken, bool | tuple) else f" (default: {shown})"
         return self.long_name + self.note + unit + told
 
     def fits(self, meshed: bool) -> bool:
@@ -251,6 +251,20 @@ class Numbers(Setting):
             number = units.measured(place, item, self.unit, self.system, self.remedy)
             found.append(validate.number(place, number, self.remedy))
         return tuple(found)
+
+    def parse(self, label: str, text: str) -> Any:
+        """As `read`, of numbers with commas between them."""
+        words: list[Any] = text.split(",")
+        for i, word in enumerate(words):
+            # what is no number is refused by the check, which shows it as typed
+            with contextlib.suppress(ValueError):
+                words[i] = float(word)
+        return self.read(label, words)
+
+    def to_si(self, values: Any) -> Any:
+        """Values that were read, in SI."""
+        scale = units.factor(self.unit, self.system)
+        return values if scale == 1.0 else tuple(scale * value for value in values)
 
 
 class InputFile(Setting):

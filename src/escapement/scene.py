@@ -7,7 +7,7 @@ alike but for their clocks.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -82,6 +82,27 @@ class Scene(NamedTuple):
     pin: float
     driver_journal: float
     follower_journal: float
+
+
+class Meeting(NamedTuple):
+    """A pin in a slot: what the engagements of a mechanism differ in.
+
+    path, edges, dwell : as of a `Scene`.
+    late : driver angle by which its angle 0 lies behind the nominal dead centre [rad].
+    turned : the follower angle [rad] from driver angles, less what it turns from pin to pin.
+    kind : how it begins: "overlap", "pick-up" or "strike", see `mechanisms.pattern`.
+    jump : by how much the follower jumps ahead there [rad].
+    radius : distance of the pin from the follower's axis there, in the path's unit of length.
+    """
+
+    path: Path
+    edges: NDArray[np.float64]
+    dwell: float
+    late: float
+    turned: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    kind: str
+    jump: float
+    radius: float
 
 
 def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]:

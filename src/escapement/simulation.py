@@ -96,9 +96,8 @@ def simulate(
         engagements = wanted
     else:
         duration = check_number(Run, "duration", duration)
-    if _too_unequal(escapement, settings["initial_speed"]):
-        still = no_motion(escapement, engine, solver.tolerance)
-        return replace(still, status=Status.INVALID, message=_TOO_UNEQUAL)
+    if why := _impossible(escapement, settings["initial_speed"]):
+        return no_motion(escapement, engine, solver.tolerance, why)
     if duration is not None and engine != DEFAULT_ENGINE:
         # the fast engine refuses too long a duration in a moment, the other after hours
         start = {"initial_speed": settings["initial_speed"], "rtol": 1e-6}
@@ -129,9 +128,13 @@ def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> d
     return {**solver.arguments, "initial_speed": check_number(Run, "initial_speed", initial_speed)}
 
 
-def _too_unequal(escapement: Escapement, speed: float) -> bool:
-    """Whether kernels would overflow: by the ratios of inertias, torques and speed."""
-    return escapement.too_unequal or speed * escapement.time_unit >= MOST_UNEQUAL
+def _impossible(escapement: Escapement, speed: float) -> str:
+    """Why nothing can be computed: a pin misses its slot, or kernels would overflow; or ""."""
+    if misfit := getattr(escapement.mechanism, "misfit", ""):
+        return str(misfit)
+    # by the ratios of inertias, torques and speed
+    unequal = escapement.too_unequal or speed * escapement.time_unit >= MOST_UNEQUAL
+    return _TOO_UNEQUAL if unequal else ""
 
 
 def terminal(
@@ -165,8 +168,8 @@ def terminal(
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
-    if _too_unequal(escapement, settings["initial_speed"]):
-        return Figures(status=Status.INVALID, message=_TOO_UNEQUAL)
+    if why := _impossible(escapement, settings["initial_speed"]):
+        return Figures(status=Status.INVALID, message=why)
     base = limits(escapement)
     if escapement.curve is not None:
         first = escapement.curve.torque[0]
@@ -178,7 +181,8 @@ def terminal(
     # the limit is decided before anything is integrated
     if message := painleve_message(escapement):
         return replace(base, status=Status.PAINLEVE, message=message)
-    if is_lossless(escapement.scene) and _ends_alike(escapement):
+    struck = any(meeting.kind == "strike" for meeting in escapement.meetings)
+    if is_lossless(escapement.scene) and _ends_alike(escapement) and not struck:
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
         one = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)

@@ -34,6 +34,33 @@ class Extrema(Events):
     maximum: np.ndarray
 
 
+@dataclass(frozen=True, repr=False)
+class Handoffs(Events):
+    """Handoffs from pin to pin; `theta_dot` is the driver speed with which the new pin begins.
+
+    kind : "overlap", "pick-up" (the driver turned free before it) or "strike".
+    speed_before : driver speed before the blow [rad/s], elsewhere the same as `theta_dot`.
+    impulse : angular impulse of the blow on the follower [N m s], 0 where there is none.
+    energy : what the blow takes [J].
+    jump : by how much the follower jumps ahead from one pin to the other [rad].
+    clearance_needed : by how much the slot must be wider than the pin for that [m]; NaN
+        without a length.
+    """
+
+    _units: ClassVar[dict[str, str]] = {
+        **Events._units,
+        **{"speed_before": "rad/s", "impulse": "N m s", "energy": "J", "jump": "rad"},
+        "clearance_needed": "m",
+    }
+
+    kind: np.ndarray
+    speed_before: FloatArray
+    impulse: FloatArray
+    energy: FloatArray
+    jump: FloatArray
+    clearance_needed: FloatArray
+
+
 class Trajectory(Protocol):
     """The pieces of a motion, its events, and the driver's state within a piece."""
 

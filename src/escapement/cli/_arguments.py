@@ -21,7 +21,7 @@ from escapement.errors import EscapementError, InvalidValue
 from escapement.files import FORMATS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.kind import Kind
-from escapement.quantity import Choice, Quantity, Setting, Truth
+from escapement.quantity import Choice, Numbers, Quantity, Setting, Truth
 from escapement.units import SYSTEMS
 
 Arguments = argparse.Namespace
@@ -123,7 +123,7 @@ def reader(label: str, entry: Setting) -> Callable[[str], Any]:
     """
 
     def read(text: str) -> Any:
-        if isinstance(entry, Quantity):
+        if isinstance(entry, Quantity | Numbers):
             return lambda system: replace(entry, system=system).parse(label, text)
         try:
             return entry.parse(label, text)

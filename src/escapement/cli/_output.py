@@ -117,6 +117,8 @@ def not_given(record: Mapping[str, Any]) -> list[str]:
 def in_units(value: Any, quantity: str, system: str) -> Any:
     """An SI value in the user's units; what has no unit, or is None, stays as it is."""
     scale = factor(quantity, system)
+    if isinstance(value, list):
+        return [in_units(one, quantity, system) for one in value]
     return value if scale == 1.0 or value is None else value / scale
 
 

@@ -142,6 +142,10 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     }
     if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
         del found["contact_force_max"]
+    if len(figures.beats) > 1:
+        found["beats"] = figures.beats
+    else:
+        del found["beat_error"], found["blow_max"]
     outcome = motion if motion.status is not Status.OK else figures
     meshed = motion.escapement.mechanism.path.table
     may_lack = {"critical_friction"} if meshed else set()
@@ -171,8 +175,10 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
     for owner in (mechanism, escapement.inertia, escapement):
         for name, entry in declared(type(owner)).items():
             value = getattr(owner, entry.key)
-            # the angles of a table are too many to be shown
-            told = value is not None and not isinstance(entry, Numbers) and not entry.idle(value)
+            if isinstance(entry, Numbers):
+                # errors are told where there are any; the angles of a table are too many
+                value = [*value] if value and not entry.required else None
+            told = value is not None and not entry.idle(value)
             if told and entry.fits(mechanism.meshed):
                 told = isinstance(value, Fraction | TorqueCurve)
                 yield name, str(value) if told else value, "ratio" if told else entry.unit

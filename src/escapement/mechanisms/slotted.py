@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.jit import inner_jit, jit
+from escapement.jit import as_python, inner_jit, jit
 from escapement.mechanisms.table import ratio_at
 from escapement.model import FloatArray
 from escapement.roots import newton_in_bracket
@@ -28,15 +28,31 @@ from escapement.scene import Path
 BLOCK = 16  # driver angles that are evaluated together
 
 
+@inner_jit
+def beside_axis(numbers, g, u, square):
+    """g, u, g' and R in a slot whose line passes the axis at a distance delta, ahead of it.
+
+    Given are g and u of a slot through the axis, and |C|^2. With q = C'/C and two rates a and b
+    the slope of u is Re q' = a b - (a + b) g + g^2 - u^2.
+    """
+    total, offset = numbers[6], numbers[10]
+    slope = 0.25 * total**2 - numbers[0] ** 2 - total * g + g * g - u * u
+    radius = np.sqrt(square - offset * offset)
+    slide = square * u / (radius * radius)
+    dg = u * (total - 2.0 * g) + offset / radius * (slope - u * slide)
+    return g + offset * u / radius, slide, dg, radius
+
+
 @jit
 def pose_at(path, theta):
     """Transmission (g, u, g') and distance R of the pin at one driver angle, from a path.
 
-    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2, beta) with L = R^2 = L0 + L1 sin^2 h,
+    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2, beta, delta) with L = L0 + L1 sin^2 h,
     g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Where g is zero
     at pin entry -r and exit r, its numerator is G1 sin(h - h_r) sin(h + h_r), as accurate
     as the way from there: all depends on it where the follower's inertia is many times
     the driver's. Otherwise r is 0 and G2 = G0. The pin's body turns by beta per driver radian.
+    R^2 = L, unless the slot's line passes the follower's axis at the distance delta.
     Of a table: g and g' from its series; u = g, for what slides in a mesh is in proportion to
     it, and R = 1.
     """
@@ -51,6 +67,8 @@ def pose_at(path, theta):
     before, behind = c[0] * (theta - c[7]), c[0] * (theta + c[7])
     g = (c[8] + c[4] * (np.sin(before) * np.sin(behind))) / length
     u = c[5] * sine * np.cos(half) / length
+    if c[10] != 0.0:
+        return beside_axis(c, g, u, length)
     return g, u, u * (c[6] - 2.0 * g), np.sqrt(length)
 
 
@@ -168,6 +186,10 @@ def transmission_on(path, left, half, points, count, g, u, dg, radius):
         slide = u1 * sine * cosine * inverse
         g[i], u[i], dg[i] = ratio, slide, slide * (total - 2.0 * ratio)
         radius[i] = np.sqrt(length)
+    if c[10] != 0.0:
+        for i in range(BLOCK):
+            pose = beside_axis(c, g[i], u[i], radius[i] * radius[i])
+            g[i], u[i], dg[i], radius[i] = pose
 
 
 @jit
@@ -209,15 +231,22 @@ def two_vector_path(
     Returns
     -------
     Path
-        With the ten numbers that `pose_at` reads.
+        With the eleven numbers that `pose_at` reads.
     """
+    numbers = as_python(path_numbers)(p, a, q, b, forward, rest, 0.0)
+    return Path(False, np.array(numbers))
+
+
+@inner_jit
+def path_numbers(p, a, q, b, forward, rest, offset):
+    """The numbers that `pose_at` reads; see `two_vector_path`, and `beside_axis` for `offset`."""
     total, product = p + q, p * q
-    length = total * total, -4.0 * product
-    ratio = forward * total * (a * p + b * q), -2.0 * forward * product * (a + b)
+    turned, bent = forward * total * (a * p + b * q), -2.0 * forward * product * (a + b)
     slide, second = -2.0 * product * (a - b), forward * (a + b)
-    centre, turn = 0.0 if rest else ratio[0], forward * b
-    numbers = np.array([(a - b) / 2.0, *length, *ratio, slide, second, rest, centre, turn])
-    return Path(False, numbers)
+    return (
+        (a - b) / 2.0, total * total, -4.0 * product, turned, bent, slide, second, rest,
+        0.0 if rest else turned, forward * b, offset,
+    )  # fmt: skip
 
 
 def transmission(path: Path, theta: ArrayLike) -> Transmission:

@@ -20,6 +20,7 @@ from escapement.merits import FIGURES
 from escapement.model import Escapement, Mechanism, check_lengths
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
+from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.result import DEFAULT
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
@@ -91,16 +92,19 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         For an unknown key, a missing parameter or a value that breaks its rule.
     """
     configuration, curve = _with_first_torque(configuration)
-    machine = {"kind": DEFAULT_KIND, **_table(configuration, "mechanism")}
+    machine_table = _table(configuration, "mechanism")
+    machine = {"kind": DEFAULT_KIND, **machine_table}
     build: Any = mechanism
     if mechanism is None:
         machine = {"kind": validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))}
         build = kind_of(machine["kind"])
     meshed = build.meshed if mechanism is None else mechanism.path.table
-    settings = settings_of(build, meshed)
-    _check_tables(configuration, settings)
+    counts = build.counts(machine_table) if hasattr(build, "counts") else {}
+    settings: Mapping[str, Setting] = settings_of(build, meshed)
     system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     settings = {name: replace(entry, system=system) for name, entry in settings.items()}
+    configuration, settings = part_lists(configuration, settings, counts)
+    _check_tables(configuration, settings)
     given = _table(configuration, "solver")
     parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
     solver = Solver(**{name: _SOLVER[name].read(name, value) for name, value in given.items()})

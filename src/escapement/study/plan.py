@@ -1,6 +1,7 @@
 """A study as a value: its configuration, what is fixed, what varies, and how it is solved."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -11,9 +12,10 @@ from numpy.typing import NDArray
 from escapement import units
 from escapement.mechanisms import KINDS, kind_of
 from escapement.merits import FIGURES, Result
-from escapement.model import LENGTHS, Escapement, Inertia, Mechanism, Run
+from escapement.model import IMPERFECT, LENGTHS, Escapement, Inertia, Mechanism, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
+from escapement.study.elements import joined
 from escapement.study.result import kept
 from escapement.study.varied import CASE
 from escapement.torque_curve import TorqueCurve
@@ -36,7 +38,8 @@ def _unit_kinds() -> dict[str, str]:
 
 def unit_kind(name: str) -> str:
     """Kind of unit, a key of `escapement.units`, of a parameter or a result of any study."""
-    return _unit_kinds().get(name, "ratio")
+    # numbers of a list end with their place
+    return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
 
 def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
@@ -142,8 +145,10 @@ class StudyPlan:
         """What a parameter, a dimension or a result is."""
         if name in self.results:
             return self.results[name].long_name
-        settings = settings_of(self.build, self.meshed)
-        return "number of the case" if name == CASE else settings[name].long_name
+        if name == CASE:
+            return "number of the case"
+        settings = settings_of(self.build, self.meshed) | self.parameters
+        return settings[name].long_name
 
     @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
@@ -218,9 +223,18 @@ class StudyPlan:
             return own
         values = self.values(case)
         values |= dict.fromkeys(LENGTHS[1:] if ideal else ())
-        given = {name: values[name] for name in declared(self.build) if values[name] is not None}
+        every = {name: joined(name, values) or values.get(name) for name in declared(self.build)}
+        given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
         return built
+
+    @property
+    def perfect(self) -> bool:
+        """Whether no case has errors of its parts."""
+        if not isinstance(self.build, type):
+            return bool(getattr(self.build, "perfect", True))
+        errors = [name for name in self.fixed_si if name.startswith(IMPERFECT)]
+        return not any(np.any(self.every(name)) for name in errors)
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""

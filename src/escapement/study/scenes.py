@@ -19,6 +19,7 @@ from escapement.errors import InvalidValue
 from escapement.merits import FIGURES, TRANSIENT
 from escapement.metrics import Figures
 from escapement.model import (
+    IMPERFECT,
     LENGTHS,
     MOST_UNEQUAL,
     RESISTANCES,
@@ -83,7 +84,7 @@ def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
         deciding -= {TORQUE, SPEED, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
     shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
-    if plan.solver.engine != "energy" or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
+    if _solver(plan) is not solve_scenes or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
         return None
     places = np.indices(shape).reshape(len(shape), -1)
     cases = np.asarray(np.ravel_multi_index(tuple(places), plan.shape))
@@ -116,6 +117,25 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], 
     Returned are the first case of each, the scene of each case, what varies of the mechanisms
     (m, n), the other numbers of the scenes (k, n), and whether they are in range.
     """
+    columns, ratios, w, sound = _in_natural_units(plan, cases)
+    scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
+    own = [name for name, entry in plan.parameters.items() if entry.section == "mechanism"]
+    # the path of a pin does not depend on its width
+    own = [name for name in own if name not in LENGTHS]
+    key = np.array([*scene, *(columns[name] for name in own if name in columns)])
+    order = np.lexsort(key)
+    ordered = key[:, order]
+    new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
+    which = np.empty(order.size, dtype=np.int64)
+    which[order] = np.cumsum(new) - 1
+    first, ordered = order[new], ordered[:, new]
+    return first, which, ordered[len(scene) :], ordered[: len(scene)], sound[first]
+
+
+def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, ...]:
+    """What varies over some cases [SI], the numbers of their scenes, the squared speed at the
+    first entry, and whether these are in range.
+    """
     columns = plan.columns(cases)
     numbers = {
         name: np.broadcast_to(np.asarray(value, dtype=float), cases.shape)
@@ -131,18 +151,40 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], 
         if "roller_radius" in numbers:
             pin, roller = numbers["pin_radius"], numbers["roller_radius"]
             sound &= (roller == 0.0) | ((pin > 0.0) & (pin < roller))
-    scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
-    own = [name for name, entry in plan.parameters.items() if entry.section == "mechanism"]
-    # the path of a pin does not depend on its width
-    own = [name for name in own if name not in LENGTHS]
-    key = np.array([*scene, *(columns[name] for name in own if name in columns)])
-    order = np.lexsort(key)
-    ordered = key[:, order]
-    new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
-    which = np.empty(order.size, dtype=np.int64)
-    which[order] = np.cumsum(new) - 1
-    first, ordered = order[new], ordered[:, new]
-    return first, which, ordered[len(scene) :], ordered[: len(scene)], sound[first]
+    return columns, ratios, w, sound
+
+
+def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
+    """Figures of the scenes of some cases with imperfect parts, each of which is a pattern."""
+    from escapement.engines.energy import pattern_rows
+
+    columns, ratios, w, sound = _in_natural_units(plan, cases)
+    values, unit = plan.fixed_si | columns, plan.lengths["crank_radius"] or 1.0
+    chosen = {name: values[name] for name in ("slots", "pins", "internal") if name in values}
+    wheel = plan.build(**{name: value for name, value in chosen.items() if value is not None})
+
+    def errors(name: str, count: int, scale: float = 1.0) -> FloatArray:
+        fixed = values.get(name) or (0.0,) * count
+        each = [values.get(f"{name}_{i}", fixed[i]) for i in range(count)]
+        rows = [np.broadcast_to(np.asarray(one, dtype=float), cases.shape) for one in each]
+        return np.asarray(np.stack(rows, axis=-1)[sound] / scale)
+
+    sound &= ratios["pin"] < wheel.widest_pin
+    distance = np.broadcast_to(values["centre_distance_error"], cases.shape)[sound]
+    given = {
+        "centre": wheel.centre_distance + distance / unit,
+        "late": errors("pin_angle_errors", wheel.pins),
+        "cranks": 1.0 + errors("crank_radius_errors", wheel.pins, unit),
+        "ahead": errors("slot_angle_errors", wheel.slots),
+        "offsets": errors("slot_offsets", wheel.slots, unit),
+    }
+    numbers = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
+    figures = np.full((len(plan.results) - 1, cases.size), np.nan)
+    status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
+    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], plan.solver.tolerance)
+    named = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
+    figures[:, sound], status[sound] = _in_order(plan, wheel, named, cases[sound]), found
+    return figures, status
 
 
 def _solve(
@@ -158,6 +200,13 @@ def _solve(
         extent = Extent.FALLEN
     table, status = batch.solve(mechanism, scene, plan.solver.tolerance, extent)
     found = dict(zip(cycle.COLUMNS, table.T, strict=True))
+    return _in_order(plan, mechanism, found, cases), status
+
+
+def _in_order(
+    plan: StudyPlan, mechanism: Any, found: dict[str, FloatArray], cases: NDArray[np.int64]
+) -> FloatArray:
+    """The figures that a study keeps, from those the kernels found and those of each case alone."""
     found["velocity_mean"] = mechanism.cell_angle / found["period"]
     found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
     others = [name for name in plan.results if name in FIGURES and name not in found]
@@ -166,7 +215,7 @@ def _solve(
         for case, handoff in zip(cases.tolist(), found["handoff_velocity"], strict=True)
     ]
     found |= dict(zip(others, np.array(rows).T, strict=True)) if others else {}
-    return np.array([found[name] for name in plan.results if name in found]), status
+    return np.array([found[name] for name in plan.results if name in found])
 
 
 def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> list[float]:
@@ -181,7 +230,8 @@ def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> l
     figures = Figures() if {*names}.isdisjoint(_LIMITS) else simulation.limits(escapement)
     if handoff > 0.0 and not {*names} <= {*_LIMITS}:
         settings: Any = {"initial_speed": handoff / clock, "rtol": plan.solver.tolerance}
-        cycle = simulate(escapement, engagements=1, duration=None, **settings)
+        count = len(escapement.scenes)
+        cycle = simulate(escapement, engagements=count, duration=None, **settings)
         figures = replace(figures, motion=cycle)
     return [getattr(figures, name) / _si_unit(FIGURES[name].kind, clock, torque) for name in names]
 
@@ -189,14 +239,28 @@ def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> l
 def _si_unit(kind: str, clock: Any, torque: Any) -> Any:
     """Natural unit of a kind [SI], of a length that no case of the study changes."""
     own = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
-    return (own | {"torque": torque, "force": torque}).get(kind, 1.0)
+    return (own | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
+
+
+def _solver(plan: StudyPlan) -> Any:
+    """What solves many cases at once, None where they are solved one by one."""
+    if plan.solver.engine != "energy":
+        return None
+    if plan.perfect:
+        return solve_scenes
+    varied = {name for along in plan.varied.values() for name in along}
+    varied &= {name for name in plan.parameters if plan.parameters[name].section == "mechanism"}
+    # the kernels for patterns do not compute these
+    varied |= {"rise_time_63", "rise_time_98"} & {*plan.results}
+    alike = all(name.startswith((*IMPERFECT, *LENGTHS)) for name in varied)
+    return _solve_patterns if alike and isinstance(plan.build, type) else None
 
 
 def evaluate(plan: StudyPlan, start: int, stop: int, shared: SharedScenes | None = None) -> Columns:
     """Results of the cases start <= case < stop; a bad case never ends the study."""
     cases = np.arange(start, stop)
-    if plan.solver.engine == "energy":
-        found = solve_scenes(plan, cases) if shared is None else shared.of(plan, cases)
+    if solve := _solver(plan):
+        found = solve(plan, cases) if shared is None else shared.of(plan, cases)
         return _on_their_clocks(plan, cases, *found)
     alone = [_alone(plan, case) for case in cases.tolist()]
     columns = {name: np.array([getattr(it, name) for it in alone], "<f8") for name in plan.results}

@@ -7,7 +7,7 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.dynamics import scene_of
 from escapement.engines.energy.calls import MarchInputs, kernel_addresses
-from escapement.engines.energy.cells import CELL, cells_of
+from escapement.engines.energy.cells import NO_CELLS, cells_of
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
@@ -17,7 +17,6 @@ from escapement.model import FloatArray, Mechanism, dwell_angle
 from escapement.painleve import beyond_painleve
 from escapement.scene import Scene, smooth_intervals, writeable
 
-NO_CELLS = np.empty((1, 0), CELL)
 FIXED = Scene._fields.index("rho")
 """Fields of a scene that all scenes of a mechanism share; those behind them are numbers."""
 _NUMBERS = len(Scene._fields) - FIXED

@@ -16,6 +16,8 @@ from escapement.scene import Path
 
 CELL = record_dtype({"g": ROW, "u": ROW, "dg": ROW, "radius": ROW, "entry": END, "exit": END})
 """g, u, g' and R at the Gauss points, and at the two ends of a cell."""
+NO_CELLS = np.empty((1, 0), CELL)
+"""Cells of a mechanism of which nothing is tabulated."""
 
 
 @jit

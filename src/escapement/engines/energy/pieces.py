@@ -64,16 +64,18 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, first, starts, squares, rtol):
+def events_of(addresses, scene_tuple, cells, first, starts, squares, rising, rtol):
     """All events of the engagements that start at the times `starts` with the w of `squares`.
 
     `first` is the number of the first of these engagements; `addresses`, `scene_tuple` and
-    `cells` are as `calls.prepared` gives them.
+    `cells` are as `calls.prepared` gives them, `rising` is the sign of theta_ddot before the
+    first entry, 0 where nothing came before.
 
     Returns
     -------
-    ndarray of MOTION_EVENT
+    events : ndarray of MOTION_EVENT
         The events of each engagement in turn; its entry comes first.
+    rising : sign of theta_ddot at the end.
     """
     scene = scene_of(scene_tuple)
     loose, strict = panels.tolerances(rtol)
@@ -81,7 +83,7 @@ def events_of(addresses, scene_tuple, cells, first, starts, squares, rtol):
     store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * scene.edges.size + MOST_KNOTS, EVENT)
     table = np.empty(8 * starts.size + 64, MOTION_EVENT)
-    count, filled, rising = panels.NO_PANELS, NO_EVENTS, 0.0
+    count, filled = panels.NO_PANELS, NO_EVENTS
     for k in range(starts.size):
         w, start = squares[k], starts[k]
         if not is_constant(scene):
@@ -105,7 +107,7 @@ def events_of(addresses, scene_tuple, cells, first, starts, squares, rtol):
             break
     happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
-    return happened
+    return happened, rising
 
 
 @inner_jit

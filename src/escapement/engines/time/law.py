@@ -31,9 +31,9 @@ class Law:
     plain: tuple[Any, ...]
 
     @classmethod
-    def of(cls, escapement: Escapement) -> "Law":
-        """The law that an escapement moves by."""
-        return cls(escapement.scene, scene_tuple(escapement.scene))
+    def all_of(cls, escapement: Escapement) -> "list[Law]":
+        """The law of each of the engagements after which an escapement repeats itself."""
+        return [cls(scene, scene_tuple(scene)) for scene in escapement.scenes]
 
     @property
     def is_steady(self) -> bool:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.drive import REST, is_spent, next_knot
-from escapement.dynamics import LOSSES
+from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
@@ -89,17 +89,21 @@ class SolvedTrajectory:
 class _Simulation:
     """A motion in natural units that is continued piece by piece.
 
+    laws, cells : of each engagement after which all repeats itself, its law, and the smooth
+        intervals of its cell; `spans` are those of this cell.
+    shares : of each, share of the speed that is left where it begins, below 1 after a blow.
     drive, law : the law of this cell, and that between two knots of the torque.
-    spans : the smooth intervals of a cell.
     pieces : start, engagement, sign (0 in a dwell), losses and solution of each.
     side : that of the slot that carries the force, 0 before it is known.
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
     mechanism: Mechanism
+    laws: list[Law]
+    cells: list[list[Span]]
+    shares: list[float]
     drive: Law
     law: Law
-    spans: list[Span]
     options: Options
     end_time: float
     speed: float
@@ -107,6 +111,7 @@ class _Simulation:
     time: float = 0.0
     engagement: int = 0
     side: float = 0.0
+    spans: list[Span] = field(default_factory=list)
     trend: float = 0.0
     stalled: bool = False
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
@@ -121,11 +126,20 @@ class _Simulation:
     def run(self, engagements: int | None) -> None:
         """Continue to the end of the time, to a stop, or for a number of engagements."""
         while self.engagement != engagements:
-            self.theta, self.side = self.mechanism.breaks[0], 0.0
+            place = self.engagement % len(self.laws)
+            self.spans = self.cells[place]
+            if self.drive.is_steady:
+                self.drive = self.law = self.laws[place]
+            self.theta, self.side = float(self.law.scene.edges[0]), 0.0
             for span in self.spans if self.drive.is_steady else self._between_knots():
                 self._pass(span)
             if self.over:
                 return
+            share = self.shares[(self.engagement + 1) % len(self.shares)]
+            if share < 1.0 and self.engagement + 1 != engagements:
+                # the speed falls at once, from a maximum if it rose
+                self._note_corner(-1.0)
+            self.speed *= share
             self.handoffs.append((self.time, self.speed))
             self.engagement += 1
 
@@ -164,8 +178,8 @@ class _Simulation:
         end = span.end
         # Next to a stop of a mesh all of the friction loss is rounding. A table's pieces are
         # short and may lie there, so that the whole engagement says how much is usual.
-        breaks = self.mechanism.breaks
-        first, last = (breaks[0], breaks[-1]) if self.law.is_table else (self.theta, end)
+        edges = self.law.scene.edges
+        first, last = (edges[0], edges[-1]) if self.law.is_table else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
         task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left)
         if is_free(self.law, task):
@@ -236,16 +250,22 @@ def simulate(
     mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque_unit
     if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "ivp", rtol)
-    law, end_time = Law.of(escapement), np.inf if duration is None else duration / clock
-    most = _MOST_RTOL_STEEP if least_share(law.scene) < _STEEP else _MOST_RTOL
+    laws, end_time = Law.all_of(escapement), np.inf if duration is None else duration / clock
+    steep = min(least_share(law.scene) for law in laws) < _STEEP
+    most = _MOST_RTOL_STEEP if steep else _MOST_RTOL
     options = Options(
         min(max(rtol * _SHARPER, _LEAST_RTOL), most),
         None if atol is None else (atol, atol * clock, atol / torque),
         method,
         max_step / clock,
     )
-    spans = _smooth_spans(law)
-    run = _Simulation(mechanism, law, law, spans, options, end_time, initial_speed * clock)
+    spans = [_smooth_spans(law) for law in laws]
+    struck = [meeting.kind == "strike" for meeting in escapement.meetings]
+    shares = [
+        left_by_blow(law.scene) if blow else 1.0 for law, blow in zip(laws, struck, strict=True)
+    ]
+    start = laws[0], laws[0], options, end_time, initial_speed * clock
+    run = _Simulation(mechanism, laws, spans, shares, *start)
     status, message = Status.OK, MESSAGES[Status.OK]
     try:
         run.run(engagements)
@@ -257,7 +277,7 @@ def simulate(
     # a duration is returned as it was given, without the rounding of the conversion
     end = float(run.time * clock) if duration is None or run.time < run.end_time else duration
     times, speeds = np.array(run.handoffs, dtype=float).reshape(-1, 2).T
-    trajectory = _in_si(run, clock, torque, mechanism.cell_angle)
+    trajectory = _in_si(run, escapement)
     return Motion(
         escapement, "ivp", rtol, trajectory, end, times * clock, speeds / clock, status, message
     )
@@ -274,20 +294,23 @@ def _smooth_spans(law: Law) -> list[Span]:
     return [*spans, Span(edges[-1] + dwell, edges[-1], True)] if dwell > 0.0 else spans
 
 
-def _in_si(run: _Simulation, clock: float, torque: float, cell: float) -> SolvedTrajectory:
+def _in_si(run: _Simulation, escapement: Escapement) -> SolvedTrajectory:
     """The pieces and events of a simulation, from natural units to SI."""
+    clock, torque = escapement.time_unit, escapement.torque_unit
+    cell, late = escapement.mechanism.cell_angle, np.array([m.late for m in escapement.meetings])
 
     def events(rows: Sequence[Event]) -> tuple[Any, ...]:
         """Columns of `Events`, and whether each is a maximum."""
         index, time, theta, speed, maximum = np.array(rows, dtype=float).reshape(-1, 5).T
         numbers = index.astype(int)
-        return numbers, time * clock, theta + numbers * cell, speed / clock, maximum.astype(bool)
+        theta = theta + numbers * cell + late[numbers % late.size]
+        return numbers, time * clock, theta, speed / clock, maximum.astype(bool)
 
     solutions = [piece[4] for piece in run.pieces]
     rows = np.array([piece[:3] for piece in run.pieces], dtype=float).reshape(-1, 3)
     start, engagement, sign = np.ascontiguousarray(rows.T)
     losses = np.zeros((len(LOSSES), len(rows)))
-    losses[run.law.losses] = np.array([piece[3] for piece in run.pieces]).T
+    losses[run.laws[0].losses] = np.array([piece[3] for piece in run.pieces]).T
     reversals, extrema = Events(*events(run.reversals)[:4]), Extrema(*events(run.extrema))
     numbers = (start * clock, engagement.astype(int), sign, losses * torque)
     return SolvedTrajectory(clock, solutions, *numbers, reversals, extrema)

@@ -1,10 +1,10 @@
 """Terminal cycle of the reference engine: the fixed point of one engagement.
 
-An engagement maps the squared driver speed w at entry to that at exit.
-The terminal cycle is where the two agree. A bracketing root finder gets there in
-about ten engagements, however slowly the motion itself converges. Its function is
-not the difference of the two but the energy by which they differ, work less load and
-friction loss: where little is lost, the difference of the speeds has no digits left.
+An engagement, or with imperfect parts a pattern of them, maps the squared driver speed w at
+entry to that at exit. The terminal cycle is where the two agree. A bracketing root finder
+gets there in about ten engagements, however slowly the motion itself converges. Its function
+is not the difference of the two but the energy by which they differ, work less load and
+losses: where little is lost, the difference of the speeds has no digits left.
 """
 
 import math
@@ -15,11 +15,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import toms748
 
-from escapement.engines.time.law import Law
 from escapement.engines.time.simulate import simulate
 from escapement.mechanisms.slotted import transmission_at
 from escapement.merits import TRANSIENT
-from escapement.metrics import BOUNDLESS, Figures, fall_times, read_cycle, read_transient
+from escapement.metrics import (
+    BOUNDLESS,
+    Figures,
+    fall_times,
+    read_cycle,
+    read_transient,
+    transient_length,
+)
 from escapement.model import Escapement, dwell_angle
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
@@ -47,7 +53,9 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     if cycle.status is not Status.OK:
         return replace(base, status=cycle.status, message=cycle.message)
     figures = replace(read_cycle(cycle, base), contraction=contraction)
-    count = _transient_length(contraction, settings["initial_speed"] / figures.handoff_velocity)
+    size, start = len(escapement.scenes), settings["initial_speed"] / figures.handoff_velocity
+    count = transient_length(abs(contraction) ** (1.0 / size), start)
+    count = count if size == 1 else size * (2 + count // size)
     while count <= LONGEST_TRANSIENT:
         motion = simulate(escapement, engagements=count, duration=None, **settings)
         rise, settled = read_transient(motion, figures)
@@ -61,16 +69,6 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
         f"{LONGEST_TRANSIENT} engagements, too many for engine 'ivp'"
     )
     return replace(figures, message=message)
-
-
-def _transient_length(contraction: float, start: float) -> int:
-    """Engagements after which the deviation is far below the settling band.
-
-    `start` is the initial over the terminal speed. Each engagement multiplies the
-    deviation of w by the contraction.
-    """
-    rate = math.log(min(max(contraction, 1e-4), 1.0 - 1e-12))
-    return 8 + math.ceil((math.log(1e-4) - 2.0 * math.log(max(start, 1.0))) / rate)
 
 
 def bracketed_cycle(
@@ -88,9 +86,8 @@ def bracketed_cycle(
     """
 
     def engage(w: float) -> _Engagement:
-        motion = simulate(
-            escapement, engagements=1, duration=None, initial_speed=math.sqrt(w), **settings
-        )
+        start: dict[str, Any] = {"duration": None, "initial_speed": math.sqrt(w)}
+        motion = simulate(escapement, engagements=len(escapement.scenes), **start, **settings)
         return _Engagement(motion, _gain(motion, w))
 
     w = initial_speed**2
@@ -120,11 +117,19 @@ def _gain(motion: Motion, w: float) -> float:
     g_out is 0 behind a dwell.
     """
     escapement, mechanism = motion.escapement, motion.escapement.mechanism
+    driver, follower = escapement.inertia.driver, escapement.inertia.follower
+    if (size := len(escapement.meetings)) > 1:
+        # a pattern ends as it begins, behind the handoff, and takes its blows besides
+        handoffs, scene = motion.handoffs, escapement.scene
+        turned = size * mechanism.follower_step - handoffs.jump.sum()
+        work = escapement.torque * size * mechanism.cell_angle - escapement.load_work(turned)
+        work -= motion.trajectory.losses.sum() + handoffs.energy.sum()
+        ratio = transmission_at(scene.path, scene.edges[0])[0]
+        return float(2.0 * work / (driver + follower * ratio**2))
     # Meyer's published cells end with another g than they begin with
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
     path = mechanism.path
     at_entry, at_exit = (transmission_at(path, angle)[0] ** 2 for angle in (entry, exit_))
-    driver, follower = escapement.inertia.driver, escapement.inertia.follower
     turned = mechanism.follower_angle(np.array([entry, exit_]))
     work = escapement.torque * mechanism.cell_angle
     work -= escapement.load_work(turned[1] - turned[0]) + motion.trajectory.losses.sum()
@@ -150,7 +155,7 @@ def _bracket_above(
         if not trial.gain > 0.0:
             return low, high
         # no speed is terminal where a table's ratio is constant: the gain falls to rounding
-        if Law.of(trial.motion.escapement).is_table and trial.gain < BOUNDLESS * high:
+        if trial.motion.escapement.scene.path.table and trial.gain < BOUNDLESS * high:
             status = Status.NO_TERMINAL
             return replace(trial.motion, status=status, message=MESSAGES[status])
         low, high = high, 4.0 * high

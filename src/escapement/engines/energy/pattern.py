@@ -1,0 +1,254 @@
+"""Engagements that differ: a motion and its terminal cycle with imperfect parts.
+
+Each engagement of the pattern has a scene of its own, which `march` takes from its entry to its
+exit and over the dwell. Where the next pin strikes, a part of the speed is left: a blow is a
+linear map of w. Over the whole pattern w is therefore mapped as it is over one engagement, and
+the same Newton's method finds its fixed point.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.dynamics import left_by_blow
+from escapement.engines.energy.calls import march, refine
+from escapement.engines.energy.cycle import NO_LOSS
+from escapement.engines.energy.events import EVENT, NO_EVENTS
+from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, PAINLEVE
+from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, Store, new_store, tolerances
+from escapement.engines.energy.passage import Detail, Request
+from escapement.jit import inner_jit, jit
+from escapement.mechanisms.pattern import Handoff, path_in
+from escapement.mechanisms.slotted import transmission_at
+from escapement.metrics import MAX_ENGAGEMENTS
+from escapement.painleve import beyond_painleve
+from escapement.scene import Scene
+
+# The panels of so many engagements are kept; those of a longer pattern are laid out every time.
+MOST_CHAINS = 16
+# So many steps of Newton's method are taken from one speed of the motion.
+MOST_STEPS = 25
+# An engagement of a pin has four edges at most, see `events.most_events`.
+MOST_EVENTS = 32
+# A motion that has not settled after so many engagements gets no settling time.
+LONGEST_TRANSIENT = 10_000
+
+
+class Case(NamedTuple):
+    """What the marches of one pattern share.
+
+    addresses, shared, none : as `calls.prepared` gives them, of any engagement, and no cells.
+    meetings : array of `mechanisms.pattern.MEETING`.
+    store, counts : memory for the panels, and how many there are of each engagement.
+    events : memory that a march asks for.
+    shares : of each engagement, share of the speed that the handoff at its end leaves.
+    slopes, gains : of the map w_out = exp(slope - exponent) w_in + gain source of each.
+    """
+
+    addresses: tuple[int, int]
+    shared: Any
+    none: Any
+    meetings: Any
+    store: Store
+    counts: Any
+    events: Any
+    shares: Any
+    slopes: Any
+    gains: Any
+
+
+class Round(NamedTuple):
+    """One passage of the pattern from w_in, and the map w = exp(slope) w_in + source.
+
+    Of a stall `angle` is the driver angle, and `place` the engagement.
+    """
+
+    status: int
+    w: float
+    slope: float
+    source: float
+    place: int
+    angle: float
+
+
+@inner_jit(allocates=True, inlined=True)
+def _scene(shared, meeting):
+    """The scene of an engagement."""
+    path = path_in(meeting)
+    return Scene(path, meeting.edges[: meeting.used], meeting.dwell, *shared[3:])
+
+
+@inner_jit(allocates=True)
+def memory(size):
+    """Panels, how many there are of each engagement of a pattern of that size, and events."""
+    chains = min(size, MOST_CHAINS)
+    store = new_store(chains * MAX_PANELS)
+    return store, np.empty(chains, np.int64), np.empty(MOST_EVENTS, EVENT)
+
+
+@inner_jit(allocates=True)
+def case_of(addresses, shared, none, meetings, store, counts, events):
+    """What the handoffs of a pattern leave of w, with the memory that `memory` gives; its status
+    as well.
+    """
+    size = meetings.size
+    for i in range(counts.size):
+        counts[i] = NO_PANELS
+    shares, slopes, gains = np.ones(size), np.empty(size), np.empty(size)
+    status = OK
+    for k in range(size):
+        scene, following = _scene(shared, meetings[k]), meetings[(k + 1) % size]
+        if beyond_painleve(scene):
+            status = PAINLEVE
+        if following.kind == Handoff.STRIKE:
+            shares[k] = left_by_blow(_scene(shared, following))
+        g_in = transmission_at(scene.path, scene.edges[0])[0]
+        g_out = transmission_at(scene.path, scene.edges[-1])[0] if scene.dwell == 0.0 else 0.0
+        gains[k] = shares[k] * shares[k] / (scene.rho + g_out * g_out)
+        slopes[k] = np.log((scene.rho + g_in * g_in) * gains[k])
+    case = Case(addresses, shared, none, meetings, store, counts, events, shares, slopes, gains)
+    return case, status
+
+
+@inner_jit
+def engage(case, place, w, rising, request):
+    """March over one engagement of the pattern, and make the extrema it notes exact."""
+    chains = case.counts.size
+    chain = place % chains
+    count = case.counts[chain] if case.meetings.size == chains else NO_PANELS
+    rows = case.store.panels[chain * MAX_PANELS : (chain + 1) * MAX_PANELS]
+    store = Store(rows, case.store.workspace)
+    scene = _scene(case.shared, case.meetings[place])
+    found = march(
+        case.addresses, scene, case.none, store, count, request, w, rising, case.events, NO_EVENTS
+    )
+    case.counts[chain] = found.panels
+    for i in range(found.used):
+        refine(case.addresses, scene, store, case.events, i)
+    return found
+
+
+@jit(allocates=True)
+def pattern_handoffs(addresses, shared, none, meetings, w, limit, rtol, clock, times, speeds):
+    """As `handoffs.handoffs`; speeds are those behind a blow."""
+    case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
+    if status != OK:
+        return status, 0, 0.0
+    loose, strict = tolerances(rtol)
+    request = Request(np.int64(Detail.TIME), loose, strict)
+    size, time, carry, slope, start, began = meetings.size, 0.0, 0.0, 0.0, w, 0.0
+    for k in range(times.size):
+        place = k % size
+        found = engage(case, place, w, 0.0, request)
+        if found.status != OK:
+            times[k] = (time + found.time) * clock
+            return found.status, k, found.angle
+        w = found.w * case.shares[place] ** 2
+        slope += case.slopes[place] - found.exponent
+        # Kahan's sum: the rounding errors of a million engagements must not add up
+        step = found.time - carry
+        total = time + step
+        carry = (total - time) - step
+        time = total
+        times[k], speeds[k] = time * clock, np.sqrt(w) / clock
+        if time >= limit:
+            return OK, k + 1, 0.0
+        if place == size - 1:
+            # see `handoffs.handoffs`: where the changes still to come are negligible, the pattern
+            # repeats itself
+            gap = -np.expm1(slope)
+            if abs(w - start) <= 0.05 * rtol * gap * gap * start:
+                return OK, _repeat(k, size, began, time, limit, clock, times, speeds), 0.0
+            slope, start, began = 0.0, w, time
+    return OK, times.size, 0.0
+
+
+@inner_jit
+def _repeat(k, size, began, time, limit, clock, times, speeds):
+    """Repeat the pattern that ends with engagement k; returns the number of engagements."""
+    for j in range(k + 1, times.size):
+        rounds, place = (j - k - 1) // size, (j - k - 1) % size
+        since = times[k - size + 1 + place] / clock - began
+        passed = time + rounds * (time - began) + since
+        times[j] = passed * clock
+        speeds[j] = speeds[k - size + 1 + place]
+        if passed >= limit:
+            return j + 1
+    return times.size
+
+
+@inner_jit
+def _pass(case, w, request):
+    """Pass all engagements of the pattern."""
+    slope, source = 0.0, 0.0
+    for place in range(case.meetings.size):
+        found = engage(case, place, w, 0.0, request)
+        if found.status != OK:
+            return Round(found.status, w, slope, source, place, found.angle)
+        w = found.w * case.shares[place] ** 2
+        change = case.slopes[place] - found.exponent
+        slope, source = slope + change, np.exp(change) * source + case.gains[place] * found.source
+    return Round(OK, w, slope, source, 0, 0.0)
+
+
+@jit(allocates=True)
+def pattern_cycle(addresses, shared, none, meetings, w, rtol):
+    """As `find_cycle` of a pattern."""
+    case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
+    if status != OK:
+        return status, 0.0, 0.0, 0.0, 0
+    return find_cycle(case, w, rtol)
+
+
+@inner_jit
+def find_cycle(case, w, rtol):
+    """The w with which the pattern begins in the terminal cycle, from a motion that starts with w.
+
+    The motion itself is followed, and after 1, 2, 4, .. rounds Newton's method is tried from
+    there, so that a motion that stalls on the way to its terminal cycle is told.
+
+    Returns
+    -------
+    status, w, slope, angle, engagement
+        `slope` is log(dw_out/dw_in) over the pattern. Of a stall the place comes last.
+    """
+    loose, strict = tolerances(rtol)
+    request = Request(np.int64(Detail.TIME), loose, strict)
+    size, next_try = case.meetings.size, 1
+    for k in range(1, MAX_ENGAGEMENTS):
+        found = _pass(case, w, request)
+        if found.status != OK:
+            return found.status, 0.0, 0.0, found.angle, (k - 1) * size + found.place
+        if k == next_try:
+            next_try *= 2
+            better, slope, status = _seek(case, w, found, rtol, request)
+            if status != NOT_CONVERGED:
+                return status, better, slope, 0.0, 0
+        w = found.w
+    return NOT_CONVERGED, 0.0, 0.0, 0.0, 0
+
+
+@inner_jit
+def _seek(case, w, found, rtol, request):
+    """Newton's method for the fixed point, from w, which the pattern maps to `found.w`.
+
+    Returns the fixed point, the log of the slope there, and the status.
+    """
+    for _ in range(MOST_STEPS):
+        gap = -np.expm1(found.slope)
+        if gap <= NO_LOSS:
+            # as for one engagement: without a reversal the map has no fixed point
+            better = 4.0 * found.w
+            if better > 1e30 or not found.w > w:
+                return w, 0.0, NO_TERMINAL if found.w > w else NOT_CONVERGED
+        else:
+            better = found.source / gap
+            if abs(better - w) <= 0.2 * rtol * w:
+                return better, found.slope, OK
+        if not better > 0.0:
+            break
+        w = better
+        found = _pass(case, w, request)
+        if found.status != OK:
+            break
+    return w, 0.0, NOT_CONVERGED

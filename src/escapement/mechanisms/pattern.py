@@ -1,0 +1,254 @@
+"""Imperfect parts of a Geneva wheel: every pin meets every slot in a path of its own.
+
+With m pins and n slots the pairs come round after lcm(m, n) engagements, the pattern. Pin j comes
+late by psi_j and runs at the radius r_j, slot i stands ahead by chi_i, and its line passes the
+axis at the distance delta_i; c is the distance of the axes. Counted from where pin j crosses the
+line of centres, x = theta - psi_j, the path is that of `slotted`
+
+    C = c - r_j exp(-i x)                                    (internal wheel: c + r_j exp(i x))
+    Phi = arg C - asin(delta_i/|C|) - chi_i
+
+from its entry, g = 0, to its exit, g = 0. Pin A leaves at its exit, at theta_A, and pin B enters at
+theta_B. With the jump Gamma = Phi_B - Phi_A from one to the other the parts hand over as follows.
+
+    overlap   theta_B <= theta_A: where g_A = g_B, if Gamma >= 0 there. The follower jumps ahead by
+              Gamma, for which the slot must be wider than the pin by R Gamma.
+    pick-up   theta_B > theta_A: at theta_B, if Gamma >= 0 between B there and A at its exit. The
+              follower rests while the driver turns free, and B takes it up without a blow.
+    strike    otherwise: where Phi_B has come up to the follower, which rests where A left it.
+
+None of this depends on the speed: a pattern is a list of engagements with ends of their own.
+"""
+
+import math
+from collections.abc import Sequence
+from enum import IntEnum
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from escapement.jit import inner_jit, jit
+from escapement.mechanisms.slotted import path_numbers, pose_at, slide_edges
+from escapement.model import FloatArray
+from escapement.roots import newton_in_bracket
+from escapement.scene import Meeting, Path
+
+
+class Handoff(IntEnum):
+    """How a pin takes over from the one before it."""
+
+    OVERLAP = 0
+    PICK_UP = 1
+    STRIKE = 2
+
+    @property
+    def label(self) -> str:
+        """Its name in files and tables."""
+        return self.name.lower().replace("_", "-")
+
+
+MEETING = np.dtype((np.record, np.dtype([
+    ("numbers", float, (11,)),  # of the path
+    ("edges", float, (4,)),  # of the scene, of which the first `used` are filled
+    ("used", np.int64),
+    ("dwell", float),  # driver angle from the exit to the start of the next engagement
+    ("late", float),  # psi
+    ("ahead", float),  # chi
+    ("centre", float),  # c
+    ("crank", float),  # r, negative of an external wheel
+    ("entry", float),  # driver angles x at which g = 0
+    ("exit", float),
+    # how it begins: a `Handoff`, Gamma, and R
+    ("kind", np.int64),
+    ("jump", float),
+    ("radius", float),
+], align=True)))  # fmt: skip
+"""One engagement of a pattern. Angles in rad from where the pin crosses the line of centres,
+lengths in crank radii."""
+
+CLOSE = 1e-13
+"""Angles that differ by less are the same [rad]: the parts may be perfect but for rounding."""
+FITS = np.int64(-1)
+
+
+@jit(allocates=True)
+def lay_pattern(internal, centre, pin, pins, slots, pattern):
+    """Fill `pattern`; returns the first engagement that is impossible, -1 if all are possible.
+
+    Parameters
+    ----------
+    internal : whether the driver turns inside the wheel.
+    centre, pin : distance of the axes, and radius of pins or rollers, in crank radii.
+    pins, slots : psi and r of each pin, chi and delta of each slot; shapes (m, 2) and (n, 2).
+    pattern : array of `MEETING`, as long as the least common multiple of m and n.
+    """
+    sense = 1.0 if internal else -1.0
+    size, m, n = pattern.size, len(pins), len(slots)
+    for k in range(size):
+        meeting, offset = pattern[k], slots[k % n, 1]
+        meeting.late, radius = pins[k % m, 0], pins[k % m, 1]
+        meeting.ahead = slots[k % n, 0]
+        meeting.centre, meeting.crank = centre, sense * radius
+        # a pin must pass the axis, and come nearer to it than the slot's line is
+        if not 0.0 < radius < centre or not abs(offset) < centre - radius:
+            return k
+        half = np.arccos(-sense * radius / centre)
+        row = path_numbers(centre, 0.0, sense * radius, sense, 1.0, half, offset)
+        for i in range(len(row)):
+            meeting.numbers[i] = row[i]
+        meeting.entry, meeting.exit = -half, half
+        if offset != 0.0:
+            path = path_in(meeting)
+            meeting.entry = _stop(path, -half, -np.pi, 0.0)
+            meeting.exit = _stop(path, half, 0.0, np.pi)
+    for k in range(size):
+        following = (k + 1) % size
+        if not _hand_over(pattern[k], pattern[following], 2.0 * np.pi / m, 2.0 * np.pi / n):
+            return following
+    for k in range(size):
+        meeting = pattern[k]
+        if not meeting.edges[0] < 0.0 < meeting.edges[1]:
+            return k
+        ends, path = meeting.edges[:2].copy(), path_in(meeting)
+        edges = slide_edges(path, pin, ends)
+        meeting.used = len(edges)
+        for i in range(len(edges)):
+            meeting.edges[i] = edges[i]
+    return FITS
+
+
+@inner_jit(allocates=True, inlined=True)
+def path_in(meeting):
+    """The path of an engagement."""
+    # a slice is an array like any other, which a row of a record is not
+    return Path(False, meeting.numbers[:])
+
+
+@inner_jit
+def _stop(path, x, low, high):
+    """Driver angle between two others at which g = 0, near x."""
+    for _ in range(100):
+        g, _u, dg, _radius = pose_at(path, x)
+        guess, low, high = newton_in_bracket(x, g, dg, low, high, x < 0.0)
+        step = abs(guess - x)
+        x = guess
+        if step <= 1e-15:
+            break
+    return x
+
+
+@inner_jit
+def turned_by(meeting, x):
+    """Phi at the driver angle x, 0 at dead centre of perfect parts."""
+    along = meeting.centre + meeting.crank * np.cos(x)
+    across = abs(meeting.crank) * np.sin(x)
+    offset = meeting.numbers[10]
+    angle = np.arctan2(across, along) - meeting.ahead
+    return angle - np.arcsin(offset / np.hypot(along, across)) if offset != 0.0 else angle
+
+
+@inner_jit(allocates=True)
+def _hand_over(a, b, cell, step):
+    """Set where A ends and B begins, and how; returns whether B comes to drive at all.
+
+    `cell` and `step` are what driver and follower turn from one pin to the next. A pin that meets
+    the wheel nearer to the middle between two slots than to its own misses it.
+    """
+    # angles are those of A; B has the angle x - shift
+    shift = cell + b.late - a.late
+    leaves, enters, last = a.exit, b.entry + shift, b.exit + shift
+    path_a, path_b = path_in(a), path_in(b)
+    start, kind, found = leaves, Handoff.OVERLAP, False
+    if enters <= leaves + CLOSE:
+        low, high = enters, leaves
+        for _ in range(100 if leaves - enters > CLOSE else 0):
+            g_a, _u, dg_a, _radius = pose_at(path_a, start)
+            g_b, _u, dg_b, _radius = pose_at(path_b, start - shift)
+            guess, low, high = newton_in_bracket(start, g_a - g_b, dg_a - dg_b, low, high, False)
+            way = abs(guess - start)
+            start = guess
+            if way <= 1e-15:
+                break
+        jump = turned_by(b, start - shift) + step - turned_by(a, start)
+        found = jump >= -CLOSE
+    if not found:
+        rest = turned_by(a, leaves) - step
+        start, kind = max(enters, leaves), Handoff.PICK_UP if enters > leaves else Handoff.STRIKE
+        jump = turned_by(b, start - shift) - rest
+        if jump < -CLOSE:
+            if jump < -0.25 * step or not turned_by(b, b.exit) > rest:
+                return False
+            start, kind, jump = _strike(b, path_b, rest, start - shift) + shift, Handoff.STRIKE, 0.0
+    b.edges[0], b.kind, b.jump = start - shift, kind, max(jump, 0.0)
+    b.radius = pose_at(path_b, b.edges[0])[3]
+    a.edges[1] = start if kind == Handoff.OVERLAP else leaves
+    a.dwell = start - a.edges[1]
+    return start < last and jump < 0.25 * step
+
+
+@inner_jit
+def _strike(meeting, path, rest, low):
+    """Driver angle x behind `low` at which the pin asks for the follower angle `rest`."""
+    high = meeting.exit
+    _g, _u, dg, _radius = pose_at(path, low)
+    # from where g = 0 the follower would gain g' x^2/2
+    missing = rest - turned_by(meeting, low)
+    x = min(low + np.sqrt(2.0 * missing / abs(dg)), 0.5 * (low + high))
+    for _ in range(100):
+        g = pose_at(path, x)[0]
+        guess, low, high = newton_in_bracket(x, turned_by(meeting, x) - rest, g, low, high, True)
+        step = abs(guess - x)
+        x = guess
+        if step <= 1e-15:
+            break
+    return x
+
+
+def follower_angle(meeting: Any, theta: FloatArray) -> FloatArray:
+    """Phi of one engagement of a pattern at driver angles x of any shape [rad]."""
+    along = meeting.centre + meeting.crank * np.cos(theta)
+    across = abs(meeting.crank) * np.sin(theta)
+    leaning = np.arcsin(meeting.numbers[10] / np.hypot(along, across))
+    return np.asarray(np.arctan2(across, along) - leaning - meeting.ahead)
+
+
+def pattern_of(
+    *,
+    internal: bool,
+    centre: float,
+    pin: float,
+    late: Sequence[float],
+    cranks: Sequence[float],
+    ahead: Sequence[float],
+    offsets: Sequence[float],
+) -> tuple[np.ndarray, int]:
+    """The pattern of pins and slots, and its first impossible engagement, -1 if there is none.
+
+    Parameters
+    ----------
+    internal : bool
+        Whether the driver turns inside the wheel.
+    centre, pin : float
+        Distance of the axes, and radius of pins or rollers [-].
+    late, cranks : sequences of float
+        psi [rad] and r [-] of each pin.
+    ahead, offsets : sequences of float
+        chi [rad] and delta [-] of each slot.
+    """
+    pins, slots = np.column_stack([late, cranks]), np.column_stack([ahead, offsets])
+    pattern = np.zeros(math.lcm(len(pins), len(slots)), MEETING)
+    found = lay_pattern(internal, centre, pin, pins, slots, pattern)
+    return pattern, int(found)
+
+
+def meetings_of(pattern: np.ndarray) -> tuple[Meeting, ...]:
+    """The engagements of a pattern that is possible."""
+    return tuple(
+        Meeting(
+            Path(False, row.numbers.copy()), row.edges[: row.used].copy(),
+            float(row.dwell), float(row.late), partial(follower_angle, row),
+            Handoff(row.kind).label, float(row.jump), float(row.radius),
+        )
+        for row in pattern
+    )  # fmt: skip

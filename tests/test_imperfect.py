@@ -1,0 +1,271 @@
+"""Imperfect parts: printed examples, both bodies in time, both engines, one-sided slopes, refusals.
+
+The printed numbers come from two computations that share nothing with this package.
+"""
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+
+import escapement as esc
+import imperfect_bodies as bodies
+from escapement.cli import main
+from escapement.painleve import friction_limits
+from escapement.status import Status
+from escapement.study.parse import parse_plan
+from escapement.units import INCH_POUND
+from two_bodies import random_drive
+
+CRANK = 0.01
+CENTRES = CRANK / math.sin(math.pi / 4)
+INERTIA = esc.Inertia(driver=3e-6 * INCH_POUND, follower=50e-6 * INCH_POUND)
+NAMES = ("pin_angle_errors", "crank_radius_errors", "slot_angle_errors", "slot_offsets")
+
+
+def timer(friction=0.3, slots=4, **wheel):
+    mechanism = esc.Geneva(slots, **{"crank_radius": CRANK} | wheel)
+    return esc.Escapement(mechanism, INERTIA, 0.10 * INCH_POUND, friction)
+
+
+# of each: the errors, the time of a revolution, and how the second pin takes over
+EXAMPLES = {
+    "too far apart": ({"centre_distance_error": 5e-4 * CENTRES}, 4 * 0.0414341593, "overlap"),
+    "too close": ({"centre_distance_error": -5e-4 * CENTRES}, 4 * 0.0416603115, "strike"),
+    "a pin late": ({"pin_angle_errors": (0, 2e-3, 0, 0)}, 0.1659407735, "pick-up"),
+    "a slot ahead": ({"slot_angle_errors": (0, 1e-3, 0, 0)}, 0.1661036007, "strike"),
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_printed_examples(name):
+    errors, time, kind = EXAMPLES[name]
+    cycle = esc.terminal(timer(**errors))
+    assert 4.0 * cycle.period == pytest.approx(time, abs=2.1e-10 if "too" in name else 0.51e-10)
+    assert cycle.motion.handoffs.kind[0] == kind
+    assert math.fsum(cycle.beats) == pytest.approx(4.0 * cycle.period, rel=1e-14)
+    assert cycle.beat_error == max(cycle.beats) - min(cycle.beats)
+    assert (cycle.blow_max > 0.0) == (kind == "strike")
+    assert abs(cycle.energy_residual) < 1e-13
+
+
+def imperfect(rng, slots, size, **rest):
+    """A wheel with errors of every kind, up to `size` crank radii or rad."""
+    internal = bool(rng.random() < 0.25)
+    pins = esc.Geneva(slots, internal=internal).pins
+    sizes = size * np.array([1.0, CRANK, 1.0, CRANK])
+    counts = (pins, pins, slots, slots)
+    numbers = [s * rng.uniform(-1.0, 1.0, n) for s, n in zip(sizes, counts, strict=True)]
+    distance = CRANK * size * rng.uniform(-1.0, 1.0)
+    given = dict(zip(NAMES, numbers, strict=True)) | {"centre_distance_error": distance}
+    return esc.Geneva(slots, None, internal, CRANK, 0.05 * CRANK, **given | rest)
+
+
+def random_case(seed):
+    """An escapement with every loss and every error, and a speed that carries it through."""
+    rng = np.random.default_rng(seed)
+    wheel = imperfect(rng, int(rng.integers(3, 8)), 2e-3 * 10.0 ** rng.uniform(-2.0, 0.0))
+    like = esc.Geneva(4, crank_radius=CRANK, pin_radius=0.05 * CRANK)
+    drive = dataclasses.replace(random_drive(rng, mechanism=like), mechanism=wheel, friction=0.0)
+    friction = rng.uniform(0.1, 0.8) * min(*friction_limits(drive), 0.8)
+    drive = dataclasses.replace(drive, friction=friction, load_torque=0.3 * drive.load_torque)
+    return drive, rng.uniform(2.0, 4.0) / drive.time_unit
+
+
+@pytest.mark.parametrize("block", range(10))
+def test_both_bodies_in_time_hand_over_alike(block):
+    for seed in range(10 * block, 10 * block + 10):
+        drive, speed = random_case(seed)
+        motion = esc.simulate(drive, engagements=2, initial_speed=speed)
+        assert motion.status is Status.OK
+        expected, found = bodies.run(drive, speed, 2), motion.handoffs
+        assert found.kind.tolist() == [one.ends.kind for one in expected]
+        np.testing.assert_allclose(found.time, [one.time for one in expected], rtol=1e-9)
+        np.testing.assert_allclose(found.theta_dot, [one.speed for one in expected], rtol=1e-9)
+        np.testing.assert_allclose(found.jump, [one.ends.jump for one in expected], atol=1e-12)
+        assert abs(motion.ledger.residual) < 1e-12
+
+
+def test_impulse_and_energy_of_every_blow_balance():
+    seen = 0
+    for seed in range(100):
+        drive, speed = random_case(seed)
+        found, own = esc.simulate(drive, engagements=4, initial_speed=speed).handoffs, drive.inertia
+        for k in np.flatnonzero(found.kind == "strike"):
+            before, after = found.speed_before[k], found.theta_dot[k]
+            pair = bodies.pair_of(drive.mechanism, found.engagement[k])
+            blow = bodies.strike(drive, pair, found.theta[k], before)
+            assert after == pytest.approx(blow.speed, rel=1e-12)
+            assert own.driver * (after - before) == pytest.approx(
+                blow.on_driver, abs=1e-12 * own.driver * before
+            )
+            taken = own.follower * blow.phi_dot
+            assert found.impulse[k] == pytest.approx(taken, rel=1e-11)
+            kinetic = 0.5 * own.driver * before**2
+            left = 0.5 * (own.driver * after**2 + own.follower * blow.phi_dot**2)
+            assert found.energy[k] == pytest.approx(kinetic - left, abs=1e-12 * kinetic)
+            seen += 1
+    assert seen > 100
+
+
+@pytest.mark.parametrize(("slots", "seed"), [(3, 2), (5, 5)])
+def test_engines_agree(slots, seed):
+    wheel = imperfect(np.random.default_rng(seed), slots, 1e-3)
+    drive = esc.Escapement(wheel, INERTIA, 0.10 * INCH_POUND, 0.2)
+    fast, slow = (esc.terminal(drive, engine=e, initial_speed=20.0) for e in ("energy", "ivp"))
+    assert "strike" in fast.motion.handoffs.kind
+    np.testing.assert_allclose(fast.beats, slow.beats, rtol=1e-9)
+    for name in ("period", "velocity_max", "velocity_min", "blow_max", "settling_time"):
+        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-9), name
+    pairs = [(one.motion.extrema.theta, one.motion.extrema.theta_dot) for one in (fast, slow)]
+    np.testing.assert_allclose(*pairs, rtol=1e-9)
+    assert fast.contraction == pytest.approx(slow.contraction, abs=1e-6)
+
+
+# of each error of 1e-6: the relative change of the mean period per unit
+SLOPES = [
+    ({"centre_distance_error": 1e-6 * CENTRES}, -3.238),
+    ({"centre_distance_error": -1e-6 * CENTRES}, 9.190),
+    ({"pin_angle_errors": (0, 1e-6, 0, 0)}, -0.1441),
+    ({"slot_angle_errors": (0, 1e-6, 0, 0)}, 0.8872),
+]
+
+
+@pytest.mark.parametrize(("errors", "slope"), SLOPES)
+def test_the_response_is_one_sided(errors, slope):
+    perfect = esc.terminal(timer(friction=0.25)).period
+    changed = esc.terminal(timer(friction=0.25, **errors)).period
+    assert (changed / perfect - 1.0) / 1e-6 == pytest.approx(slope, rel=1e-3)
+
+
+def test_errors_of_zero_leave_every_bit():
+    zeros = dict.fromkeys(NAMES, (0.0,) * 4) | {"centre_distance_error": 0.0}
+    one, two = (esc.simulate(timer(**wheel), engagements=9) for wheel in ({}, zeros))
+    np.testing.assert_array_equal(one.handoff_times, two.handoff_times)
+    assert two.handoffs.kind.tolist() == ["overlap"] * 9
+    assert two.impacts.time.size == two.handoffs.energy.any() == two.handoffs.jump.any() == 0
+
+
+def test_a_motion_tells_of_its_handoffs():
+    wheel = imperfect(np.random.default_rng(0), 4, 1e-3, centre_distance_error=0.0)
+    drive = esc.Escapement(wheel, INERTIA, 0.10 * INCH_POUND, 0.3, load_torque=0.002 * INCH_POUND)
+    motion = esc.simulate(drive, engagements=9)
+    found = motion.handoffs
+    assert {*found.kind} == {"overlap", "strike"}
+    for k, time in enumerate(found.time[:-1]):
+        (last,) = np.flatnonzero(motion.trajectory.engagement == k)[-1:]
+        before, behind = (motion.within(piece, time) for piece in (last, last + 1))
+        assert behind.phi - before.phi == pytest.approx(found.jump[k], abs=1e-13)
+        assert before.theta_dot == pytest.approx(found.speed_before[k], rel=1e-11)
+        assert behind.theta_dot == pytest.approx(found.theta_dot[k], rel=1e-11)
+        assert before.theta == pytest.approx(found.theta[k], abs=1e-11)
+        assert behind.theta == pytest.approx(found.theta[k], abs=1e-11)
+        gained = (behind.phi_dot - before.phi_dot) * INERTIA.follower
+        assert gained == pytest.approx(found.impulse[k], rel=1e-9, abs=1e-12 * INERTIA.follower)
+    assert (found.clearance_needed > 0.0).tolist() == (found.jump > 0.0).tolist()
+    assert motion.impacts.energy.tolist() == found.energy[found.kind == "strike"].tolist()
+    assert motion.ledger.blows == pytest.approx(found.energy[:-1].sum())
+    # a settled motion repeats the pattern to the end
+    long = esc.simulate(drive, engagements=400)
+    np.testing.assert_allclose(np.diff(long.handoff_times[-9:]), [*esc.terminal(drive).beats] * 2)
+
+
+def test_a_motion_is_read_back_from_its_file(tmp_path):
+    wheel = imperfect(np.random.default_rng(4), 5, 1e-3)
+    motion = esc.simulate(esc.Escapement(wheel, INERTIA, 0.10 * INCH_POUND, 0.3), engagements=6)
+    esc.write_motion(motion, tmp_path / "motion.h5")
+    again = esc.read_motion(tmp_path / "motion.h5")
+    times = np.linspace(0.0, motion.end_time, 200)
+    for name in ("theta", "phi", "theta_dot", "contact_moment"):
+        np.testing.assert_allclose(
+            getattr(again.at(times), name), getattr(motion.at(times), name), rtol=1e-8, atol=1e-9
+        )
+
+
+def test_a_study_solves_each_imperfect_wheel():
+    errors, distances = {"slot_angle_errors": (0, 1e-3, 0, 0)}, [-1e-5, 0.0, 1e-5]
+    study = esc.sweep(timer(**errors), friction=[0.25, 0.3], centre_distance_error=distances)
+    cycles = [esc.terminal(timer(**errors, centre_distance_error=one)) for one in distances]
+    np.testing.assert_allclose(study.results["period"][1], [one.period for one in cycles])
+    names = ("beat_error", "blow_max", "rise_time", "settling_time", "velocity_min")
+    one = {"centre_distance_error": distances}
+    # those of a fall are computed case by case, the others by a kernel for many patterns
+    for more in ((), ("rise_time_63",)):
+        study = esc.sweep(timer(**errors), **one, results=(*names, *more))
+        for name in (*names, *more):
+            expected = [getattr(cycle, name) for cycle in cycles]
+            np.testing.assert_allclose(
+                study.results[name], expected, rtol=1e-9, atol=1e-15, err_msg=name
+            )
+
+
+@pytest.mark.parametrize(
+    ("errors", "words"),
+    [
+        ({"slot_angle_errors": (0, 0, 0.7, 0)}, "pin 2 cannot drive slot 2"),
+        ({"slot_offsets": (0, 0, 0, CRANK)}, "pin 3 cannot drive slot 3"),
+        ({"centre_distance_error": -0.5 * CRANK}, "pin 0 cannot drive slot 0"),
+    ],
+)
+def test_a_pin_that_misses_its_slot_is_named(errors, words):
+    for outcome in (esc.simulate(timer(**errors)), esc.terminal(timer(**errors))):
+        assert outcome.status is Status.INVALID
+        assert words in outcome.message
+        assert "degrees behind the first dead centre" in outcome.message
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: esc.Geneva(4, slot_angle_errors=(0, 1e-3)), "as long as there are slots, 4"),
+        (lambda: esc.Geneva(4, slot_offsets=(0, 0, 0, 1e-5)), "without a length"),
+        (lambda: esc.Geneva(4, pin_angle_errors=1e-3), "a list of numbers"),
+        (lambda: esc.Geneva(4, centre_distance_error=1e-5), "without a length"),
+        (lambda: esc.synthetic_readings(late(), seed=1), "without errors of its parts"),
+        (lambda: dataclasses.replace(timer(), mechanism=late(), spring_rate=1e-4), "constant with"),
+        (lambda: drive_torque(), "without errors of its parts"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(make, words):
+    with pytest.raises(esc.errors.InvalidValue, match=words) as caught:
+        make()
+    assert "\n" not in str(caught.value)
+
+
+def late():
+    return esc.Geneva(4, pin_angle_errors=(1e-3, 0, 0, 0))
+
+
+def drive_torque():
+    return esc.drive_torque(late(), speed=1.0, load_torque=1.0, follower_inertia=1e-6)
+
+
+def test_the_command_line_takes_errors_and_tells_of_beats(capsys):
+    line = "run --slots 4 --crank-radius .02 --friction .3 --torque .0113 --driver-inertia 3.39e-7"
+    line += " --follower-inertia 5.65e-6 --slot-angle-errors -1e-3,2e-3,0,0 --json"
+    assert main(line.split()) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["inputs"]["slot_angle_errors"] == [-1e-3, 2e-3, 0.0, 0.0]
+    assert len(told["beats"]) == 4
+    assert told["beat_error"] == max(told["beats"]) - min(told["beats"]) > 0.0
+    assert told["blow_max"] > 0.0
+
+
+def test_a_sample_draws_each_pin_and_slot_alone(tmp_path):
+    nominal = (0.0, 1e-3, 0.0, 0.0)
+    sample = {"method": "latin-hypercube", "size": 4, "seed": 1}
+    spread = {"slot_angle_errors": {"tolerance": 1e-3}, "slot_offsets": {"tolerance": 1e-5}}
+    study = esc.sweep(timer(slot_angle_errors=nominal), sample=sample | spread)
+    drawn = {name: [study.sampled[f"{name}_{i}"] for i in range(4)] for name in spread}
+    assert len({column.tobytes() for columns in drawn.values() for column in columns}) == 8
+    assert (np.abs(np.transpose(drawn["slot_angle_errors"]) - nominal) <= 1e-3).all()
+    for case in range(4):
+        wheel = {name: [column[case] for column in columns] for name, columns in drawn.items()}
+        cycle = esc.terminal(timer(**wheel))
+        assert study.results["period"][case] == pytest.approx(cycle.period, rel=1e-10)
+    # what is written makes the same study again
+    esc.write_study(study, tmp_path / "study.h5")
+    again = esc.run_plan(parse_plan(esc.read_study(tmp_path / "study.h5").configuration))
+    np.testing.assert_array_equal(again.results["period"], study.results["period"])
