@@ -70,7 +70,7 @@ def test_a_load_stalls_it():
     timer = replace(TIMER, load_torque=0.004)
     run, motion = esc.rundown(timer), esc.simulate(timer, 2000)
     assert run.status.label == motion.status.label == "stall"
-    assert run.end_time == motion.end_time
+    assert run.end_time == pytest.approx(motion.end_time, rel=1e-13)
     assert f"after {run.end_turns:.6g} turns" in run.message
 
 
