@@ -26,9 +26,9 @@ from escapement.model import (
     Escapement,
     FloatArray,
     Inertia,
-    natural,
     ratio_in_range,
 )
+from escapement.natural import natural
 from escapement.quantity import quantities
 from escapement.scene import Scene
 from escapement.status import Status

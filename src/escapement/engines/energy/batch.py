@@ -66,7 +66,7 @@ def solve(
     mechanism : Mechanism
         Shared by all scenes.
     numbers : ndarray, shape (k, n)
-        A column a scene: what `model.natural` gives, and the squared driver speed at the
+        A column a scene: what `natural.natural` gives, and the squared driver speed at the
         first entry in units of torque / I_f [-].
     rtol : float
         Relative error asked for.

@@ -1,0 +1,67 @@
+"""The numbers of a scene in natural units, from what an escapement is declared by.
+
+The follower's inertia, the driving torque and the root of their ratio are the units of inertia,
+torque and time; the crank radius is that of length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from escapement.lazy import Lazy
+
+if TYPE_CHECKING:
+    import numpy as np
+else:
+    np = Lazy("numpy")
+
+_SLOT = ("mu_plus", "mu_minus", "pin", "driver_journal", "follower_journal")
+"""Numbers of a `Scene` that belong to the contact."""
+
+
+def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
+    """Numbers of a `Scene` by their names, from numbers or arrays in SI.
+
+    Parameters
+    ----------
+    values : Mapping
+        What `Escapement` and `Inertia` declare, by the names that studies use [SI].
+    meshed : bool
+        Whether the mechanism loses by the efficiency of a mesh, not by friction in a slot.
+    """
+    follower, torque = values["follower_inertia"], values["torque"]
+    found = {
+        "rho": values["driver_inertia"] / follower,
+        "load": values["load_torque"] / torque,
+        "bearing": values["driver_bearing_torque"] / torque,
+    }
+    for body in ("driver", "follower"):
+        found[f"{body}_drag"] = values[f"{body}_drag"] / follower
+        found[f"{body}_viscous"] = values[f"{body}_viscous"] / (follower * torque) ** 0.5
+    if meshed:
+        losses = 1.0 / values["efficiency"] - 1.0, 1.0 - values["efficiency"]
+        return found | dict(zip(_SLOT, (*losses, *(0.0 * found["load"],) * 3), strict=True))
+    friction, pin = rolling(values)
+    # without a length all radii are 0
+    length = np.where(np.asarray(values["crank_radius"]) > 0.0, values["crank_radius"], 1.0)
+    share = np.hypot(1.0, friction) / length
+    journals = (
+        values[f"{body}_bearing_friction"] * values[f"{body}_bearing_radius"] * share
+        for body in ("driver", "follower")
+    )
+    return found | dict(zip(_SLOT, (friction, friction, pin / length, *journals), strict=True))
+
+
+def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Friction and radius of what touches the slot: of the pin, or of a roller on it.
+
+    A roller turns on the pin, whose friction then is that between the two. A massless one that
+    rolls on the wall acts as a pin of its own radius with less friction.
+    """
+    friction, pin, roller = values["friction"], values["pin_radius"], values["roller_radius"]
+    rolls = np.asarray(roller) > 0.0
+    if not rolls.any():
+        return friction, pin
+    q = pin / np.where(rolls, roller, np.inf) * friction / np.hypot(1.0, friction)
+    return np.where(rolls, q / np.sqrt(1.0 - q * q), friction), np.where(rolls, roller, pin)
