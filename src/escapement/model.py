@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 from escapement import validate
 from escapement.lazy import Lazy
 from escapement.natural import natural
-from escapement.quantity import Declared, quantities, quantity, setting
+from escapement.quantity import (
+    Declared,
+    Quantity,
+    per_class,
+    quantities,
+    quantity,
+    setting,
+)
 from escapement.scene import Meeting, Path, Scene, smooth_intervals, writeable
 from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 
@@ -403,9 +410,15 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
             raise validate.fail(name, rule, value, remedy)
 
 
+@per_class
+def _numbers_of_contact(owner: type) -> list[Quantity]:
+    """What only a slot has, or only a mesh."""
+    return [entry for entry in quantities(owner).values() if entry.slotted is not None]
+
+
 def check_losses(owner: Declared, meshed: bool) -> None:
     """Refuse a loss that its mechanism cannot have: a slot has friction, a mesh an efficiency."""
-    for entry in quantities(type(owner)).values():
+    for entry in _numbers_of_contact(type(owner)):
         value = getattr(owner, entry.key)
         if value != entry.default and not entry.fits(meshed):
             mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
