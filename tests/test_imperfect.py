@@ -269,3 +269,9 @@ def test_a_sample_draws_each_pin_and_slot_alone(tmp_path):
     esc.write_study(study, tmp_path / "study.h5")
     again = esc.run_plan(parse_plan(esc.read_study(tmp_path / "study.h5").configuration))
     np.testing.assert_array_equal(again.results["period"], study.results["period"])
+
+
+def test_handoffs_show_how_many_there_are_of_each_kind():
+    shown = repr(esc.simulate(timer(centre_distance_error=-2e-5), 8).handoffs)
+    assert "8 strike" in shown
+    assert len(shown) <= 300

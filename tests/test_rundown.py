@@ -139,6 +139,14 @@ def test_refusals(changes, message):
         esc.rundown(TIMER, **changes)
 
 
+def test_only_perfect_parts_run_down():
+    wheel = esc.Geneva(4, crank_radius=0.02, centre_distance_error=1e-5)
+    with pytest.raises(InvalidValue, match="without errors of its parts"):
+        esc.rundown(esc.Escapement(wheel, INERTIA, 0.0113, 0.35), turns=1.0)
+    with pytest.raises(InvalidValue, match="escapement must be an Escapement"):
+        esc.rundown(wheel, turns=1.0)
+
+
 def test_a_constant_torque_must_be_told_how_far():
     with pytest.raises(InvalidValue, match="turns must be given"):
         esc.rundown(replace(TIMER, spring_rate=0.0))

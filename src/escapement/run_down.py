@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from escapement import validate
-from escapement.model import Escapement, FloatArray
+from escapement.model import Escapement, FloatArray, checked
 from escapement.motion import Motion
 from escapement.simulation import LONGEST, simulate, terminal
 from escapement.status import MESSAGES, Status
@@ -143,6 +143,9 @@ def rundown(
     InvalidValue
         When an argument breaks its rule.
     """
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    checked(escapement.mechanism)
     cell, spent = escapement.mechanism.cell_angle, _spent_after(escapement)
     if turns is not None and duration is not None:
         raise validate.fail("duration", "left out beside turns", duration, "leave one of them out")

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, ClassVar
@@ -115,5 +116,7 @@ def _brief(value: Any) -> str:
     if getattr(value, "size", 0):
         if value.dtype == bool:
             return f"{value.sum()} of {value.size}"
+        if value.dtype.kind == "U":
+            return ", ".join(f"{n} {word}" for word, n in Counter(value.tolist()).items())
         return f"{value.size} from {value.min():.6g} to {value.max():.6g}"
     return f"{value:.6g}" if isinstance(value, float) else str(getattr(value, "label", value))
