@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from any_path import series_of
 from elliptical_tools import PAPER, drives
+from escapement.mechanism import Mechanism
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.mechanisms.slotted import transmission
-from escapement.model import Mechanism
 
 places = st.floats(-1.0, 1.0)
 

@@ -11,8 +11,8 @@ import pytest
 from escapement import Escapement, GearDriven, Inertia
 from escapement.constant_speed import jerk_function
 from escapement.errors import InvalidValue
+from escapement.mechanism import Mechanism
 from escapement.mechanisms.gear_equation import COGNATES, CURVES, gear_ratio, lobe_ratios
-from escapement.model import Mechanism
 from gear_chart import LOBES, SOURCES, STATIONS, chart, position
 
 

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from escapement.errors import InvalidValue
+from escapement.mechanism import Mechanism
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia, Mechanism
+from escapement.model import Escapement, Inertia
 from escapement.painleve import critical_friction
 from escapement.simulation import simulate
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from escapement.errors import InvalidValue
+from escapement.mechanism import Mechanism
 from escapement.mechanisms import Geneva
-from escapement.model import Mechanism
 from escapement.sources import meyer
 from escapement.units import INCH_POUND
 

@@ -7,7 +7,7 @@ import pytest
 
 import escapement as esc
 from escapement.errors import InvalidValue
-from escapement.model import Mechanism
+from escapement.mechanism import Mechanism
 from tabulated_drive import ANGLES, DRIVE, INERTIA, exact, measured
 
 # --- the spline ---------------------------------------------------------------------------

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from escapement.mechanism import FloatArray
 from escapement.merits import FIGURES
-from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
 from escapement.text import Shown

@@ -3,115 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import Any
 
 from escapement import validate
+from escapement.fitting import LENGTHS, MOST_UNEQUAL, RESISTANCES, check_lengths, check_losses
 from escapement.lazy import Lazy
+from escapement.mechanism import Mechanism, checked, meetings_of
 from escapement.natural import natural
-from escapement.quantity import (
-    Declared,
-    Quantity,
-    per_class,
-    quantities,
-    quantity,
-    setting,
-)
-from escapement.scene import Meeting, Path, Scene, smooth_intervals, writeable
+from escapement.quantity import Declared, quantity, setting
+from escapement.scene import Meeting, Path, Scene
 from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-
-    FloatArray = NDArray[np.float64]
-else:
-    np, FloatArray = Lazy("numpy"), Any  # importing NumPy takes longer than the rest of help
-
-MOST_UNEQUAL = 1e100
-"""Beyond this ratio of two numbers of a model the squares and products of kernels overflow."""
-
-
-def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
-    """Whether ratios of numbers of a model can be computed with."""
-    values = np.asarray(ratio)
-    return (values > 1.0 / MOST_UNEQUAL) & (values < MOST_UNEQUAL)
-
-
-@runtime_checkable
-class Mechanism(Protocol):
-    """What an escapement needs to know of a mechanism.
-
-    A *cell* is the driver angle between one pin's entry and the next one's,
-    dwell included. Driver angles are local to the cell and measured from dead
-    centre; the follower angle is oriented so that it grows.
-    """
-
-    @property
-    def cell_angle(self) -> float:
-        """Driver angle of one cell [rad]."""
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Entry, every kink of the sliding speed of a thin pin, exit [rad], ascending.
-
-        Between neighbours the transmission is analytic. From the exit to the
-        end of the cell the follower is locked.
-        """
-
-    @property
-    def follower_step(self) -> float:
-        """Follower angle per cell [rad]."""
-
-    @property
-    def path(self) -> Path:
-        """What kernels evaluate the transmission from: a pin path or a table."""
-
-    def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle [rad], zero at dead centre."""
-
-
-_MECHANISM = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
-
-
-def is_mechanism(thing: object) -> bool:
-    """Whether a thing, not a class, has all that a mechanism has; none of it is evaluated.
-
-    `isinstance` would ask for the path, which a mechanism that has a geometry and no
-    dynamics refuses.
-    """
-    own = vars(thing) if hasattr(thing, "__dict__") else {}
-    has = (hasattr(type(thing), name) or own.get(name) is not None for name in _MECHANISM)
-    return all(has) and not isinstance(thing, type)
-
-
-def checked(mechanism: Any, perfect: bool = True) -> Any:
-    """`mechanism`, or the error that it is none; errors of parts must not be lost unsaid."""
-    if not is_mechanism(mechanism):
-        raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
-    if perfect and not getattr(mechanism, "perfect", True):
-        remedy = "leave out its errors, which simulate and terminal take into account"
-        raise validate.fail("mechanism", "without errors of its parts here", mechanism, remedy)
-    return mechanism
-
-
-def dwell_angle(mechanism: Mechanism) -> float:
-    """Driver angle of a cell in which the follower is locked [rad]."""
-    dwell = mechanism.cell_angle - (mechanism.breaks[-1] - mechanism.breaks[0])
-    # angles in radians are rounded, so a dwell of 0 may come out as one or two units of rounding
-    return float(dwell) if dwell > 1e-12 else 0.0
-
-
-def meetings_of(mechanism: Any) -> tuple[Meeting, ...]:
-    """The engagements after which a mechanism repeats itself, one if its parts are perfect."""
-    if not getattr(mechanism, "perfect", True):
-        return mechanism.meetings  # type: ignore[no-any-return]
-    path, dwell = writeable(mechanism.path), dwell_angle(mechanism)
-    edges = smooth_intervals(path, mechanism.breaks)
-    kind = "pick-up" if dwell > 0.0 else "overlap"
-    return (Meeting(path, edges, dwell, 0.0, mechanism.follower_angle, kind, 0.0, math.nan),)
+np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
 
 @dataclass(frozen=True, repr=False)
@@ -167,19 +72,6 @@ def _viscous(body: str) -> dict[str, Any]:
         f"viscous drag of the {body} over its speed", "viscous", metavar="C",
         remedy="give the drag torque over the speed, 0 for none",
     )  # fmt: skip
-
-
-RESISTANCES = (
-    *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
-    *("driver_journal", "follower_journal"),
-)
-"""Numbers of a `Scene` that resist the motion beside friction in the slot."""
-LENGTHS = ("crank_radius", "pin_radius", "roller_radius")
-"""Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
-_ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")
-"""Lengths of imperfect parts."""
-IMPERFECT = (*_ERRORS, "pin_angle_errors", "slot_angle_errors")
-"""All errors of imperfect parts."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -382,48 +274,6 @@ class Escapement(Declared):
     def load_work(self, turned: Any) -> Any:
         """Work that the load takes while the follower turns by angles [rad] on its way [J]."""
         return self.load_torque * turned
-
-
-def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: bool) -> None:
-    """Refuse radii for a mechanism without a length, and a journal that it cannot have.
-
-    Parameters
-    ----------
-    values : Mapping
-        What is given of the radii and of the friction of bearings, by name [SI].
-    length : float or None
-        Unit of the mechanism's path [m].
-    plain_crank : bool
-        Whether the driver's bearing carries the force of the contact and no other.
-    """
-    radii = (*LENGTHS[1:], *_ERRORS, "driver_bearing_radius", "follower_bearing_radius")
-    for name in ("driver_bearing_friction", *radii):
-        value = values.get(name)
-        if not value:
-            continue
-        if name.startswith("driver") and not plain_crank:
-            rule = "0 for a gear-driven wheel, whose driver's bearing also carries the mesh"
-            raise validate.fail(name, rule, value, "give driver_bearing_torque instead")
-        if name in radii and not length:
-            rule = "left out for a mechanism without a length"
-            remedy = "give the mechanism its crank_radius or fixed_radius"
-            raise validate.fail(name, rule, value, remedy)
-
-
-@per_class
-def _numbers_of_contact(owner: type) -> list[Quantity]:
-    """What only a slot has, or only a mesh."""
-    return [entry for entry in quantities(owner).values() if entry.slotted is not None]
-
-
-def check_losses(owner: Declared, meshed: bool) -> None:
-    """Refuse a loss that its mechanism cannot have: a slot has friction, a mesh an efficiency."""
-    for entry in _numbers_of_contact(type(owner)):
-        value = getattr(owner, entry.key)
-        if value != entry.default and not entry.fits(meshed):
-            mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
-            rule = f"{entry.default:g} for a {mechanism}"
-            raise validate.fail(entry.name, rule, value, f"give its {entry.instead}")
 
 
 @dataclass(frozen=True)

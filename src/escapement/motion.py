@@ -6,7 +6,7 @@ and contact moment follow from the equation of motion, so they are
 computed when they are asked for.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from operator import attrgetter
@@ -15,10 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.dynamics import LOSSES, left_by_blow, tabulate, tabulate_losses
+from escapement.dynamics import LOSSES, tabulate, tabulate_losses
 from escapement.errors import InvalidValue
-from escapement.mechanisms.slotted import slide_change, transmission_at
-from escapement.model import Escapement, FloatArray
+from escapement.handoffs import blows_among, handoffs_of, slide_changes_of
+from escapement.ledger import Ledger, ledger_of
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
 from escapement.painleve import painleve_message
 from escapement.status import Status
 from escapement.text import Shown
@@ -58,30 +60,6 @@ class State:
     driver_bearing_reaction: FloatArray | None
     follower_bearing_reaction: FloatArray | None
     power_lost: dict[str, FloatArray]
-
-
-@dataclass(frozen=True, repr=False)
-class Ledger(Shown):
-    """Where the work of the drive went over a motion [J].
-
-    work is that of the drive, which a spring gives of the energy that it holds. It is
-    kinetic + load + all that is lost, up to `residual`, which is a share of the work or
-    of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
-    the slot or the mesh, into either bearing, into drag on either body and into blows.
-    """
-
-    _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES, "blows"), "J")
-
-    work: float
-    kinetic: float
-    load: float
-    friction: float
-    driver_bearing: float
-    follower_bearing: float
-    driver_drag: float
-    follower_drag: float
-    blows: float
-    residual: float
 
 
 def stall_message(angle: float, engagement: int, status: Status = Status.STALL) -> str:
@@ -156,40 +134,12 @@ class Motion(Shown):
     @cached_property
     def handoffs(self) -> Handoffs:
         """Every handoff: its kind, its blow, and the clearance that it needs."""
-        escapement, speed = self.escapement, self.handoff_velocities
-        meetings, own = escapement.meetings, escapement.inertia
-        engagement = np.arange(1, speed.size + 1)
-        # of each engagement in turn, what does not depend on the speed: a column
-        rows = []
-        for meeting, scene in zip(meetings, escapement.scenes, strict=True):
-            start = float(scene.edges[0])
-            strikes = meeting.kind == "strike"
-            left = left_by_blow(scene) if strikes else 1.0
-            ratio = transmission_at(scene.path, start)[0] if strikes else 0.0
-            rows.append((start + meeting.late, left, ratio, meeting.jump, meeting.radius))
-        start, left, ratio, jump, radius = np.array(rows).T[:, engagement % len(meetings)]
-        before = speed / left
-        lost = own.driver * before**2 - (own.driver + own.follower * ratio**2) * speed**2
-        crank = getattr(escapement.mechanism, "crank_radius", None) or np.nan
-        return Handoffs(
-            engagement,
-            self.handoff_times,
-            engagement * escapement.mechanism.cell_angle + start,
-            speed,
-            kind=np.array([meeting.kind for meeting in meetings])[engagement % len(meetings)],
-            speed_before=before,
-            impulse=own.follower * ratio * speed,
-            energy=np.where(left < 1.0, 0.5 * lost, 0.0),
-            jump=jump,
-            clearance_needed=np.where(jump > 0.0, crank * radius * jump, 0.0),
-        )
+        return handoffs_of(self.escapement, self.handoff_times, self.handoff_velocities)
 
     @property
     def impacts(self) -> Handoffs:
         """The handoffs with a blow."""
-        found = self.handoffs
-        struck = found.kind == "strike"
-        return Handoffs(*(getattr(found, field.name)[struck] for field in fields(Handoffs)))
+        return blows_among(self.handoffs)
 
     @cached_property
     def slide_changes(self) -> Events:
@@ -197,25 +147,7 @@ class Motion(Shown):
 
         There it crosses the line of centres; of a pin without width that is dead centre.
         """
-        trajectory, scenes = self.trajectory, self.escapement.scenes
-        pieces = np.flatnonzero(np.diff(trajectory.engagement) == 0) + 1
-        if scenes[0].path.table or pieces.size == 0:
-            return NoTrajectory.reversals
-        start = trajectory.start[pieces]
-        found = self.within(pieces, start)
-        engagement, side = trajectory.engagement[pieces], trajectory.sign[pieces]
-        which, late = engagement % len(scenes), np.array([m.late for m in self.escapement.meetings])
-        angle = found.theta - engagement * self.escapement.mechanism.cell_angle - late[which]
-        places = [
-            {s: slide_change(x.path, x.pin, s, x.edges[0], x.edges[-1]) for s in (1.0, -1.0)}
-            for x in scenes
-        ]
-        rows = zip(angle, side, which, strict=True)
-        here = [abs(x - places[k].get(s, np.nan)) < 1e-9 for x, s, k in rows]
-        # at a reversal the other wall takes over, and the contact point is another one
-        kept = np.array(here) & (side == trajectory.sign[pieces - 1])
-        columns = engagement, start, found.theta, found.theta_dot
-        return Events(*(column[kept] for column in columns))
+        return slide_changes_of(self)
 
     def at(self, t: ArrayLike) -> State:
         """State at any times within the motion [s].
@@ -387,23 +319,7 @@ class Motion(Shown):
     @cached_property
     def ledger(self) -> Ledger:
         """Energy balance from start to end; it closes up to the engine's error."""
-        escapement = self.escapement
-        if self.trajectory.start.size == 0:
-            return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
-        ends = self.at([0.0, self.end_time])
-        driver, follower = escapement.inertia.driver, escapement.inertia.follower
-        energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
-        work = escapement.drive_work(ends.theta[1] - ends.theta[0])
-        # at the end of the motion a handoff is still to come
-        passed = self.handoffs.time < self.end_time
-        load = escapement.load_work(ends.phi[1] - ends.phi[0] - self.handoffs.jump[passed].sum())
-        blows = float(self.handoffs.energy[passed].sum())
-        losses = dict(zip(LOSSES, self.trajectory.losses.sum(axis=1).tolist(), strict=True))
-        kinetic = float(energies[1] - energies[0])
-        scale = max(work, float(energies[0]))
-        missing = work - kinetic - load - sum(losses.values()) - blows
-        residual = float(missing / scale) if scale > 0.0 else 0.0
-        return Ledger(float(work), kinetic, float(load), **losses, blows=blows, residual=residual)
+        return ledger_of(self)
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float, invalid: str = "") -> Motion:

@@ -14,8 +14,9 @@ import numpy as np
 from escapement.chebyshev import zeros
 from escapement.dynamics import grip, is_ideal
 from escapement.jit import as_python, inner_jit, jit
+from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import circle, pose_at, transmission, transmission_at
-from escapement.model import Escapement, FloatArray, Inertia, Mechanism
+from escapement.model import Escapement, Inertia
 from escapement.roots import newton_in_bracket
 
 GRID = 32

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from escapement import validate
-from escapement.model import Escapement, FloatArray, checked
+from escapement.mechanism import FloatArray, checked
+from escapement.model import Escapement
 from escapement.motion import Motion
 from escapement.simulation import LONGEST, simulate, terminal
 from escapement.status import MESSAGES, Status

@@ -9,10 +9,11 @@ from typing import Any
 from escapement import validate
 from escapement.dynamics import ends_alike, is_lossless
 from escapement.errors import InvalidValue
+from escapement.fitting import MOST_UNEQUAL
 from escapement.jit import as_python
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import Figures
-from escapement.model import MOST_UNEQUAL, Escapement, Run
+from escapement.model import Escapement, Run
 from escapement.motion import Motion, no_motion
 from escapement.painleve import friction_limits, painleve_message, uniqueness_note
 from escapement.quantity import check_number, quantities

@@ -5,7 +5,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 from escapement.text import Shown
 
 

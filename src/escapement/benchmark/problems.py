@@ -34,8 +34,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from escapement.jit import jit
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, FloatArray, Inertia
+from escapement.model import Escapement, Inertia
 from escapement.simulation import simulate
 from escapement.units import INCH_POUND
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from escapement import validate
+from escapement.fitting import check_losses
 from escapement.lazy import offered
-from escapement.model import Escapement, Inertia, Mechanism, check_losses, checked
+from escapement.mechanism import Mechanism, checked
+from escapement.model import Escapement, Inertia
 from escapement.quantity import Declared, like, quantity
 
 if TYPE_CHECKING:

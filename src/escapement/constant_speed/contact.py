@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from escapement import validate
 from escapement.constant_speed import Case
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray, Mechanism, checked
 from escapement.mechanisms.slotted import transmission
-from escapement.model import FloatArray, Mechanism, checked
 from escapement.quantity import check_number
 
 Load = float | Callable[[FloatArray], ArrayLike]

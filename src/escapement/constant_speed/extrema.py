@@ -15,10 +15,11 @@ from escapement import validate
 from escapement.chebyshev import Extremum, Function, Series, extremes, fit
 from escapement.constant_speed import Case, geneva
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray, Mechanism, checked
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.mechanisms.slotted import transmission
-from escapement.model import Escapement, FloatArray, Mechanism, checked
+from escapement.model import Escapement
 from escapement.quantity import check_number
 from escapement.scene import smooth_intervals
 

@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.jit import inner_jit, jit
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import transmission_at
-from escapement.model import FloatArray
 from escapement.roots import newton_in_bracket
 from escapement.scene import Path
 

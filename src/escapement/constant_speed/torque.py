@@ -18,8 +18,8 @@ from escapement import validate
 from escapement.chebyshev import extremes, fit, zeros
 from escapement.constant_speed import Case, extrema
 from escapement.constant_speed.contact import Load, TorqueState, engaged_state, within_cell
+from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
-from escapement.model import FloatArray, Mechanism
 
 _PIECES = 512  # to begin with, of a load of any shape: a row in 5000 of a table is seen
 _ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too

@@ -16,7 +16,7 @@ from escapement.measurement import normality, periodic
 from escapement.measurement.encoder import Encoder, SensorShare
 from escapement.measurement.fit import Fit, fit_zeros, position
 from escapement.measurement.readings import TURN, Readings, read_readings, wraps, write_table
-from escapement.model import FloatArray, Mechanism
+from escapement.mechanism import FloatArray, Mechanism
 
 special = Lazy("scipy.special")
 _ALIKE = 0.05  # a smaller correlation spoils no p-value

@@ -10,7 +10,7 @@ import numpy as np
 from escapement import validate
 from escapement.measurement.fit import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
-from escapement.model import FloatArray, Mechanism, checked
+from escapement.mechanism import FloatArray, Mechanism, checked
 
 _HARMONICS = range(2, 6)  # an error once a turn is that of eccentricity
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from escapement.lazy import Lazy
 from escapement.measurement.readings import TURN, blocks, wraps
+from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
-from escapement.model import FloatArray, Mechanism
 
 optimize = Lazy("scipy.optimize")
 _START_SAMPLES = 1000

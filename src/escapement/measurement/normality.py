@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.lazy import Lazy
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 
 special, stats = Lazy("scipy.special"), Lazy("scipy.stats")
 _MOST_CLASSES = 1000

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from escapement.lazy import Lazy
 from escapement.measurement.readings import LEAST_SAMPLES, TURN, blocks
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
 MOST_TURNS = 1000.0

@@ -12,7 +12,7 @@ from escapement import validate
 from escapement.columns import read_columns
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files import write_file
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 
 TURN = 2.0 * np.pi
 FARTHEST = 1e10 * TURN

@@ -12,8 +12,8 @@ from typing import Any
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.kind import Kind, np, table
-from escapement.model import FloatArray
 from escapement.quantity import Numbers, Truth, quantity, setting
 
 FEWEST = 12

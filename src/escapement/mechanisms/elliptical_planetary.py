@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from escapement import validate
 from escapement.lazy import Lazy
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.kind import CELL, ArrayLike, Kind, np, slotted, table
-from escapement.model import FloatArray
 from escapement.quantity import Quantity, quantity
 from escapement.scene import Path
 

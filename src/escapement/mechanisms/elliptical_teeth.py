@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary, between_0_and
-from escapement.model import FloatArray
 
 PRESSURE_ANGLE = math.radians(20.0)
 ADDENDUM = 1.0

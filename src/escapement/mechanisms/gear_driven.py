@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import gear_equation
 from escapement.mechanisms.gear_equation import COGNATES, CURVES, MOST_LOBES
 from escapement.mechanisms.kind import (
@@ -22,7 +23,6 @@ from escapement.mechanisms.kind import (
     roller_radius,
     slotted,
 )
-from escapement.model import FloatArray
 from escapement.quantity import Choice, quantity, setting
 from escapement.scene import Path
 

@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.fitting import IMPERFECT, check_lengths
 from escapement.lazy import Lazy
 from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pin_radius, roller_radius
-from escapement.model import IMPERFECT, check_lengths
 from escapement.quantity import Numbers, Truth, declared, quantity, setting
 from escapement.scene import Meeting
 

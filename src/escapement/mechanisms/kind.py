@@ -8,8 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from escapement import validate
+from escapement.fitting import check_lengths
 from escapement.lazy import Lazy
-from escapement.model import FloatArray, check_lengths
+from escapement.mechanism import FloatArray
 from escapement.quantity import Declared, Setting, declared, quantity
 from escapement.scene import Path
 from escapement.units import degrees

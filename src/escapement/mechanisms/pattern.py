@@ -29,8 +29,8 @@ from typing import Any
 import numpy as np
 
 from escapement.jit import inner_jit, jit
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.slotted import path_numbers, pose_at, slide_edges
-from escapement.model import FloatArray
 from escapement.roots import newton_in_bracket
 from escapement.scene import Meeting, Path
 

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.jit import as_python, inner_jit, jit
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.table import ratio_at
-from escapement.model import FloatArray
 from escapement.roots import newton_in_bracket
 from escapement.scene import Path
 

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 from escapement.chebyshev import Series, fit, interpolate, nodes
 from escapement.errors import InvalidValue
 from escapement.jit import inner_jit
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 from escapement.scene import Path
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from os import PathLike
 from typing import Any
 
 from escapement.errors import InputFileError, InvalidValue
+from escapement.mechanism import FloatArray
 from escapement.mechanisms._rows import Rows
 from escapement.mechanisms.kind import ArrayLike, np, slotted, table
-from escapement.model import FloatArray
 from escapement.quantity import InputFile, Setting, declared
 from escapement.scene import Path
 

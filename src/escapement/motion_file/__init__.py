@@ -19,8 +19,8 @@ import numpy as np
 from escapement import __version__
 from escapement.errors import EscapementError, InputFileError
 from escapement.files import MOTIONS, check_target, file_format, pending_hdf5, write_file
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import KINDS
-from escapement.model import FloatArray
 from escapement.motion import Motion
 from escapement.motion_file.sampled import SampledTrajectory
 from escapement.status import Status

@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from escapement.engines.energy.pieces import follow
-from escapement.model import Escapement, FloatArray
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
 from escapement.trajectory import Events, Extrema
 
 _RTOL = 1e-12  # of states between what the file holds

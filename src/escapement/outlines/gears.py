@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import EllipticalPlanetary, GearDriven
-from escapement.model import FloatArray
 from escapement.outlines import (
     Body,
     ComplexArray,

@@ -12,8 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
-from escapement.model import FloatArray
 from escapement.outlines import (
     Body,
     ComplexArray,

@@ -8,8 +8,8 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
 from escapement import validate
+from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.model import FloatArray, Mechanism
 from escapement.motion import Motion
 from escapement.plots import drawing, style
 from escapement.plots.motion import plot_velocities

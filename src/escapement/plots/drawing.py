@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
+from escapement.mechanism import FloatArray, checked
 from escapement.mechanisms import Tabulated
 from escapement.mechanisms.slotted import transmission
-from escapement.model import FloatArray, checked
 from escapement.outlines import Body, ComplexArray, Disc
 from escapement.plots import style
 

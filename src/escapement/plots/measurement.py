@@ -10,7 +10,7 @@ from escapement import validate
 from escapement.measurement import Measurement, position
 from escapement.measurement.encoder import sensor_uncertainty
 from escapement.measurement.fit import spread_samples
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 from escapement.plots import style
 from escapement.plots.style import Named
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from escapement import validate
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 from escapement.motion import Motion
 from escapement.plots import style
 from escapement.plots.style import finished, scaled

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from escapement.mechanism import FloatArray
 from escapement.merits import TRANSIENT
-from escapement.model import FloatArray
 from escapement.plots import style
 from escapement.plots.study_panels import dress_axis
 from escapement.plots.study_table import (

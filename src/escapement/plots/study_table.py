@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 from escapement.plots.style import number_text, scaled
 from escapement.status import Status
 from escapement.study.result import DEFAULT, Study

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 from escapement.text import print_columns
 
 UNEXPLAINED = "unexplained"

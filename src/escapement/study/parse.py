@@ -15,9 +15,11 @@ from numpy.typing import ArrayLike
 from escapement import units, validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files import AnyPath, check_input
+from escapement.fitting import check_lengths
+from escapement.mechanism import Mechanism
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.merits import FIGURES
-from escapement.model import Escapement, Mechanism, check_lengths
+from escapement.model import Escapement
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.elements import part_lists

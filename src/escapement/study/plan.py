@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement import units
+from escapement.fitting import IMPERFECT, LENGTHS
+from escapement.mechanism import Mechanism
 from escapement.mechanisms import KINDS, kind_of
 from escapement.merits import FIGURES, Result
-from escapement.model import IMPERFECT, LENGTHS, Escapement, Inertia, Mechanism, Run
+from escapement.model import Escapement, Inertia, Run
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.elements import joined

@@ -16,18 +16,11 @@ from numpy.typing import NDArray
 
 from escapement import simulation, units
 from escapement.errors import InvalidValue
+from escapement.fitting import IMPERFECT, LENGTHS, MOST_UNEQUAL, RESISTANCES, ratio_in_range
+from escapement.mechanism import FloatArray
 from escapement.merits import FIGURES, TRANSIENT
 from escapement.metrics import Figures
-from escapement.model import (
-    IMPERFECT,
-    LENGTHS,
-    MOST_UNEQUAL,
-    RESISTANCES,
-    Escapement,
-    FloatArray,
-    Inertia,
-    ratio_in_range,
-)
+from escapement.model import Escapement, Inertia
 from escapement.natural import natural
 from escapement.quantity import quantities
 from escapement.scene import Scene

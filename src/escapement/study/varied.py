@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from escapement import units, validate
 from escapement.errors import InvalidValue
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 from escapement.quantity import Quantity
 from escapement.validate import known_keys
 

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from escapement import validate
 from escapement.chebyshev import zeros
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import GearDriven
 from escapement.mechanisms.gear_equation import CURVES, MOST_LOBES, lobe_ratios
-from escapement.model import FloatArray
 from escapement.synthesis.wheel import MotionPeaks, motion_peaks
 
 _MOST = 100_000

@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import COGNATES
 from escapement.mechanisms.kind import Wheel
 from escapement.mechanisms.slotted import circle
-from escapement.model import FloatArray
 
 STANDARD_MODULES = (
     *(0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0),

@@ -12,8 +12,8 @@ from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.jit import jit
+from escapement.mechanism import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
-from escapement.model import FloatArray, Mechanism, dwell_angle
 from escapement.painleve import beyond_painleve
 from escapement.scene import Scene, smooth_intervals, writeable
 

@@ -18,7 +18,8 @@ from escapement.engines.energy.events import EVENT
 from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
 from escapement.engines.energy.passage import Request
 from escapement.jit import inner_jit
-from escapement.model import Escapement, FloatArray
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
 from escapement.scene import Path, Scene, scene_tuple
 
 _KEY = "energy.cells"

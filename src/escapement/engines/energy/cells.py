@@ -10,8 +10,8 @@ import numpy as np
 from escapement.engines.energy.gauss import POINTS, N
 from escapement.engines.energy.panels import END, ROW, WORKSPACE, fill_end, record_dtype
 from escapement.jit import jit
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.slotted import transmission_on
-from escapement.model import FloatArray
 from escapement.scene import Path
 
 CELL = record_dtype({"g": ROW, "u": ROW, "dg": ROW, "radius": ROW, "entry": END, "exit": END})

@@ -14,10 +14,10 @@ from escapement.engines.energy.panels import tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.pattern import LONGEST_TRANSIENT, case_of, engage, find_cycle, memory
 from escapement.jit import inner_jit, jit
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import FITS, MEETING, lay_pattern, path_in
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import RISE_BAND, SETTLING_BAND
-from escapement.model import FloatArray
 from escapement.scene import Scene, writeable
 from escapement.status import Status
 

@@ -19,7 +19,8 @@ from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.pattern import pattern_handoffs
 from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_in
-from escapement.model import Escapement, FloatArray
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
 from escapement.motion import Motion, no_motion, stall_message
 from escapement.scene import scene_tuple
 from escapement.status import MESSAGES, Status

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 
 _FINEST = 1e-18
 """Absolute error of a root, for a piece whose time is of order one."""

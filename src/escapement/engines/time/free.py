@@ -6,7 +6,7 @@ import numpy as np
 
 from escapement.engines.time.law import Law
 from escapement.engines.time.piece import Ending, Task
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 
 
 class FreeTurn(NamedTuple):

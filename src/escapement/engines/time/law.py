@@ -10,8 +10,9 @@ from escapement import dynamics
 from escapement.drive import torque_after, torque_at
 from escapement.dynamics import scene_of
 from escapement.jit import as_python, jit
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.slotted import pose_at
-from escapement.model import Escapement, FloatArray
+from escapement.model import Escapement
 from escapement.scene import Scene, scene_tuple
 
 _GRID = 128

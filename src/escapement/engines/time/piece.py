@@ -18,7 +18,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 
 from escapement.engines.time.crossings import ROUNDING, find_roots
 from escapement.engines.time.law import Law, slope
-from escapement.model import FloatArray
+from escapement.mechanism import FloatArray
 
 MOST_STEPS = 25_000
 """Solver steps that a piece may take, a second or two; DOP853 needs fifty."""

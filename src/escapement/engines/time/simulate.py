@@ -17,8 +17,9 @@ from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
+from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission_at
-from escapement.model import Escapement, FloatArray, Mechanism
+from escapement.model import Escapement
 from escapement.motion import Motion, no_motion, stall_message
 from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status

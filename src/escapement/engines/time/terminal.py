@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import toms748
 
 from escapement.engines.time.simulate import simulate
+from escapement.mechanism import dwell_angle
 from escapement.mechanisms.slotted import transmission_at
 from escapement.merits import TRANSIENT
 from escapement.metrics import (
@@ -26,7 +27,7 @@ from escapement.metrics import (
     read_transient,
     transient_length,
 )
-from escapement.model import Escapement, dwell_angle
+from escapement.model import Escapement
 from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
 

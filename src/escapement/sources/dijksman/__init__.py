@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import GearDriven, Geneva
-from escapement.model import FloatArray
 from escapement.sources import report
 from escapement.sources.report import Cell, Slip, gives, judge
 from escapement.synthesis import motion_peaks

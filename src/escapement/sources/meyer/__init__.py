@@ -17,8 +17,9 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from escapement import validate
+from escapement.mechanism import Mechanism
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia, Mechanism
+from escapement.model import Escapement, Inertia
 from escapement.simulation import simulate, terminal
 from escapement.sources import report
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout

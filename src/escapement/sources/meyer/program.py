@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
-from escapement.model import FloatArray
 from escapement.scene import Path
 from escapement.sources.meyer.listing import CELL, PI, ROW, run_listing
 

@@ -1,0 +1,80 @@
+"""Which numbers of a model fit together, and which fit its mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from escapement import validate
+from escapement.lazy import Lazy
+from escapement.quantity import Declared, Quantity, per_class, quantities
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+else:
+    np = Lazy("numpy")
+
+MOST_UNEQUAL = 1e100
+"""Beyond this ratio of two numbers of a model the squares and products of kernels overflow."""
+
+
+def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
+    """Whether ratios of numbers of a model can be computed with."""
+    values = np.asarray(ratio)
+    return (values > 1.0 / MOST_UNEQUAL) & (values < MOST_UNEQUAL)
+
+
+RESISTANCES = (
+    *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
+    *("driver_journal", "follower_journal"),
+)
+"""Numbers of a `Scene` that resist the motion beside friction in the slot."""
+LENGTHS = ("crank_radius", "pin_radius", "roller_radius")
+"""Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
+_ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")
+"""Lengths of imperfect parts."""
+IMPERFECT = (*_ERRORS, "pin_angle_errors", "slot_angle_errors")
+"""All errors of imperfect parts."""
+
+
+def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: bool) -> None:
+    """Refuse radii for a mechanism without a length, and a journal that it cannot have.
+
+    Parameters
+    ----------
+    values : Mapping
+        What is given of the radii and of the friction of bearings, by name [SI].
+    length : float or None
+        Unit of the mechanism's path [m].
+    plain_crank : bool
+        Whether the driver's bearing carries the force of the contact and no other.
+    """
+    radii = (*LENGTHS[1:], *_ERRORS, "driver_bearing_radius", "follower_bearing_radius")
+    for name in ("driver_bearing_friction", *radii):
+        value = values.get(name)
+        if not value:
+            continue
+        if name.startswith("driver") and not plain_crank:
+            rule = "0 for a gear-driven wheel, whose driver's bearing also carries the mesh"
+            raise validate.fail(name, rule, value, "give driver_bearing_torque instead")
+        if name in radii and not length:
+            rule = "left out for a mechanism without a length"
+            remedy = "give the mechanism its crank_radius or fixed_radius"
+            raise validate.fail(name, rule, value, remedy)
+
+
+@per_class
+def _numbers_of_contact(owner: type) -> list[Quantity]:
+    """What only a slot has, or only a mesh."""
+    return [entry for entry in quantities(owner).values() if entry.slotted is not None]
+
+
+def check_losses(owner: Declared, meshed: bool) -> None:
+    """Refuse a loss that its mechanism cannot have: a slot has friction, a mesh an efficiency."""
+    for entry in _numbers_of_contact(type(owner)):
+        value = getattr(owner, entry.key)
+        if value != entry.default and not entry.fits(meshed):
+            mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
+            rule = f"{entry.default:g} for a {mechanism}"
+            raise validate.fail(entry.name, rule, value, f"give its {entry.instead}")
