@@ -84,6 +84,25 @@ class Scene(NamedTuple):
     follower_journal: float
 
 
+class Joint(NamedTuple):
+    """The joint of pin and slot where they do not fit exactly or are not rigid, in natural units.
+
+    play : half of what the slot is wider than the pin, in crank radii r.
+    restitution : rebound impulse over the impulse of compression.
+    stiffness : of either wall, over torque/r^2; 0 for a rigid one.
+    damping : of either wall, over sqrt(I_f torque)/r^2.
+    hertz : whether the force grows with the power 1.5 of the penetration (Hunt and Crossley).
+    slip : sliding speed below which friction fades, over r/sqrt(I_f/torque).
+    """
+
+    play: float
+    restitution: float
+    stiffness: float
+    damping: float
+    hertz: bool
+    slip: float
+
+
 class Meeting(NamedTuple):
     """A pin in a slot: what the engagements of a mechanism differ in.
 

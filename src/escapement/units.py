@@ -26,6 +26,9 @@ _NAMES = {
     "drag": ("N m s2 rad-2", "in lbf s2 rad-2"),
     "viscous": ("N m s rad-1", "in lbf s rad-1"),
     "rate": ("N m rad-1", "in lbf rad-1"),
+    "stiffness": ("N m-1", "lbf in-1"),
+    "damping": ("N s m-1", "lbf s in-1"),
+    "slip": ("m s-1", "in s-1"),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
@@ -125,8 +128,8 @@ def factor(quantity: str, system: str) -> float:
     Parameters
     ----------
     quantity : str
-        "torque", "power", "inertia", "length", "force", "drag", "viscous", "speed",
-        "acceleration", "time", "angle", "degrees", "energy" or "ratio".
+        "torque", "power", "inertia", "length", "force", "drag", "viscous", "rate", "stiffness",
+        "damping", "slip", "speed", "acceleration", "time", "angle", "degrees", "energy" or "ratio".
     system : str
         "SI" or "in-lbf-s".
     """
