@@ -1,0 +1,189 @@
+"""The equation of motion with duals: what changes along a motion when a number of the model does.
+
+Each number that varies has a slope of its own, and behind them stand those of the squared speed w
+and of the driver angle, at `SPEED` and `ANGLE`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from escapement import dynamics
+from escapement.fitting import LENGTHS
+from escapement.mechanism import FloatArray
+from escapement.mechanisms import slotted
+from escapement.model import Escapement, Inertia
+from escapement.natural import natural
+from escapement.quantity import quantities
+from escapement.scene import Path, Scene
+from escapement.tolerance.dual import Dual, uncompiled
+from escapement.tolerance.parts import Part, error_names, parts_of
+
+SPEED, ANGLE = -2, -1
+"""Places of the slopes by w and by the driver angle."""
+_LEFT_OUT = ("spring_rate", "restitution", "stiffness", "damping", "slip_speed")
+"""Numbers on which a terminal cycle of rigid parts does not depend."""
+
+
+def numbers_of(escapement: Escapement) -> dict[str, float]:
+    """The numbers of an escapement that may vary, by the names that studies use [SI]."""
+    mechanism: Any = escapement.mechanism
+    meshed, length = escapement.scene.path.table, getattr(mechanism, LENGTHS[0], None)
+    owners = {**vars(escapement.inertia), **vars(escapement)}
+    found = {}
+    for entry in (*quantities(Inertia).values(), *quantities(Escapement).values()):
+        bare = entry.unit != "length" or length
+        if entry.fits(meshed) and bare and entry.name not in _LEFT_OUT:
+            found[entry.name] = float(owners[entry.key])
+    found = {"torque": escapement.torque_unit, **found}
+    if length and not meshed:
+        found |= {name: float(getattr(mechanism, name, None) or 0.0) for name in LENGTHS}
+    return found | error_names(mechanism)
+
+
+@dataclass(frozen=True)
+class Law:
+    """An escapement whose numbers vary."""
+
+    escapement: Escapement
+    names: tuple[str, ...]
+
+    @property
+    def count(self) -> int:
+        """Slopes of a dual: one for each number, and those by w and the driver angle."""
+        return len(self.names) + 2
+
+    def seeded(self, value: Any, place: int) -> Dual:
+        """Values whose slope at a place is 1."""
+        slopes = np.zeros((*np.shape(value), self.count))
+        slopes[..., place] = 1.0
+        return Dual(value, slopes)
+
+    @cached_property
+    def values(self) -> dict[str, Any]:
+        """The numbers by their names [SI], each with its slope."""
+        escapement, own = self.escapement, self.escapement.inertia
+        known = {"driver_inertia": own.driver, "follower_inertia": own.follower}
+        known |= vars(escapement) | {"torque": escapement.torque_unit}
+        known |= {name: getattr(escapement.mechanism, name, None) or 0.0 for name in LENGTHS}
+        known |= error_names(escapement.mechanism)
+        return known | {n: self.seeded(known[n], i) for i, n in enumerate(self.names)}
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """The engagements of imperfect parts; none of perfect ones."""
+        mechanism: Any = self.escapement.mechanism
+        return parts_of(mechanism, self.values) if error_names(mechanism) else ()
+
+    @cached_property
+    def scenes(self) -> tuple[Scene, ...]:
+        """The scene of each meeting."""
+        numbers = natural(self.values, self.escapement.scene.path.table)
+        rest = np.array([0.0, 0.0, 1.0]), 0.0
+        if self.parts:
+            made = (Scene(p.path, (p.entry,), 0.0, *rest, **numbers) for p in self.parts)  # type: ignore[arg-type]
+            return tuple(made)
+        return tuple(Scene(*m[:3], *rest, **numbers) for m in self.escapement.meetings)
+
+    def blow(self, meeting: int) -> Any:
+        """Share of the speed that the blow leaves with which an engagement begins; 1 for none."""
+        strikes = bool(self.parts) and self.parts[meeting].strikes
+        return _law["left_by_blow"](self.scenes[meeting]) if strikes else 1.0
+
+    def clock(self) -> Any:
+        """Natural unit of time [s]."""
+        return np.sqrt(self.values["follower_inertia"] / self.values["torque"])
+
+    def state(self, angle: Any, w: Any) -> tuple[Dual, Dual]:
+        """Driver angles in the cell and squared speeds, each with its slope."""
+        return self.seeded(angle, ANGLE), self.seeded(w, SPEED)
+
+    def at(self, meeting: int, side: float, angle: Dual, w: Dual) -> Point:
+        """The law where a side of the slot carries the force, or 0 in a dwell."""
+        if self.parts and isinstance(late := self.parts[meeting].late, Dual):
+            angle = angle - Dual(0.0, late.slopes)
+        return Point(self.scenes[meeting], side, angle, w)
+
+
+@dataclass(frozen=True)
+class Point:
+    """What the law says at angles and squared speeds, in natural units."""
+
+    scene: Scene
+    side: float
+    angle: Dual
+    w: Dual
+
+    @cached_property
+    def pose(self) -> tuple[Any, ...]:
+        """g, c, k, u and R."""
+        if self.side == 0.0:
+            return 0.0, 0.0, 0.0, 0.0, 0.0
+        g, u, dg, radius = _pose(self.scene.path, self.angle)
+        c = _law["bend"](g, u, radius, self.side, self.scene)
+        return g, c, _law["dragged_slope"](g, dg, self.scene), u, radius
+
+    @cached_property
+    def _drive(self) -> tuple[Any, Any]:
+        return 1.0 - self.scene.bearing, _law["root_of"](self.w, self.scene)
+
+    @cached_property
+    def acceleration(self) -> Any:
+        """theta_ddot, half of dw/dtheta."""
+        g, c, k, _u, _r = self.pose
+        pull, root = self._drive
+        torque = _law["net_torque"](g, c, k, pull, self.w, root, self.scene)
+        return torque / _law["reduced_inertia"](g, c, self.scene)
+
+    @cached_property
+    def contact(self) -> Any:
+        """X, whose zero is a pin reversal."""
+        g, _c, k, _u, _r = self.pose
+        pull, root = self._drive
+        return _law["contact"](g, k, pull, self.w, root, self.scene)
+
+    @property
+    def slide(self) -> Any:
+        """The sliding speed v, at whose zero the contact point changes its way."""
+        g, _c, _k, u, radius = self.pose
+        return _law["slide_at"](g, u, radius, self.side, self.scene)
+
+    @property
+    def moment(self) -> Any:
+        """Moment N h on the follower."""
+        if self.side == 0.0:
+            return 0.0 * self.w
+        g, c, *_ = self.pose
+        return self.contact / _law["reduced_inertia"](g, c, self.scene)
+
+    @property
+    def force(self) -> Any:
+        """Force N of the contact."""
+        if self.side == 0.0:
+            return 0.0 * self.w
+        g, _c, _k, u, radius = self.pose
+        return self.moment / _law["grip"](g, u, radius, self.side, self.scene)[1]
+
+    @property
+    def follower_acceleration(self) -> Any:
+        """phi_ddot."""
+        g, _c, k, *_ = self.pose
+        dg = k - self.scene.follower_drag * (g * abs(g))
+        return g * self.acceleration + dg * self.w
+
+
+def _pose(path: Path, angle: Dual) -> Any:
+    """`pose_at` with duals; the angles of a table may lie in several of its pieces."""
+    pose_at = _slotted["pose_at"]
+    if not path.table or angle.value.ndim == 0:
+        return pose_at(path, angle)
+    each = [pose_at(path, angle[i])[::2] for i in range(angle.value.size)]
+    g, dg = (Dual([x.value for x in c], [x.slopes for x in c]) for c in zip(*each, strict=True))
+    return g, g, dg, 1.0
+
+
+_law, _slotted = uncompiled(dynamics), uncompiled(slotted)

@@ -1,0 +1,115 @@
+"""The handoffs of imperfect parts with duals: how they move with the errors of the parts.
+
+`mechanisms.pattern` finds the angles of handoffs as roots. Their derivatives follow from one step
+of Newton's method with duals, begun at the root: the implicit function theorem.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.mechanisms import pattern, slotted
+from escapement.mechanisms.pattern import CLOSE, Handoff
+from escapement.scene import Path
+from escapement.tolerance.dual import uncompiled
+
+
+class Part(NamedTuple):
+    """An engagement with duals.
+
+    path : its path.
+    late : driver angle by which its angle 0 lies behind the nominal one [rad].
+    entry : its angle where it begins to drive.
+    starts, leaves : driver angles, counted from the nominal dead centre, at which it begins to
+        drive and at which it leaves the follower at rest.
+    strikes : whether it begins with a blow.
+    """
+
+    path: Path
+    late: Any
+    entry: Any
+    starts: Any
+    leaves: Any
+    strikes: bool
+
+
+def error_names(mechanism: Any) -> dict[str, float]:
+    """The errors of the parts by the names that studies use [SI]; none of other mechanisms."""
+    counts = getattr(mechanism, "counts", None)
+    if counts is None or mechanism.perfect:
+        return {}
+    found = {"centre_distance_error": mechanism.centre_distance_error}
+    given = {"slots": mechanism.slots, "pins": mechanism.pins, "internal": mechanism.internal}
+    for name, count in counts(given).items():
+        values = getattr(mechanism, name) or (0.0,) * count
+        found |= {f"{name}_{i}": float(value) for i, value in enumerate(values)}
+    if not mechanism.crank_radius:
+        found = {name: value for name, value in found.items() if "angle" in name}
+    return found
+
+
+def parts_of(mechanism: Any, values: dict[str, Any]) -> tuple[Part, ...]:
+    """The engagements of a wheel with imperfect parts, of whose numbers some are duals [SI]."""
+    unit = values["crank_radius"] if mechanism.crank_radius else 1.0
+
+    def each(name: str, k: int) -> Any:
+        own = getattr(mechanism, name)
+        return values.get(f"{name}_{k}", own[k] if own else 0.0)
+
+    sense = 1.0 if mechanism.internal else -1.0
+    distance = values.get("centre_distance_error", mechanism.centre_distance_error)
+    centre = mechanism.centre_distance + distance / unit
+    rows = mechanism.pattern
+    found = [_engagement(mechanism, k, rows[k], sense, centre, unit, each) for k in range(rows.size)]
+    cell, step = mechanism.cell_angle, mechanism.follower_step
+    starts = [_handover(found[k - 1], found[k], cell, step) for k in range(rows.size)]
+    return tuple(
+        Part(b.path, b.late, x - (cell + b.late - a.late), x + a.late - cell, b.exit + b.late,
+             b.row.kind == Handoff.STRIKE)
+        for a, b, x in zip([found[-1], *found[:-1]], found, starts, strict=True)
+    )  # fmt: skip
+
+
+def _engagement(mechanism: Any, k: int, row: Any, sense: float, centre: Any, unit: Any, each: Any):
+    """A row of the pattern with duals."""
+    j, i = k % mechanism.pins, k % mechanism.slots
+    radius = 1.0 + each("crank_radius_errors", j) / unit
+    offset = each("slot_offsets", i) / unit
+    half = np.arccos(-sense * radius / centre)
+    numbers = _slotted["path_numbers"](centre, 0.0, sense * radius, sense, 1.0, half, offset)
+    path = Path(False, numbers)  # type: ignore[arg-type]
+    late, ahead = each("pin_angle_errors", j), each("slot_angle_errors", i)
+    found = SimpleNamespace(path=path, numbers=numbers, row=row, late=late, ahead=ahead)
+    found.centre, found.crank = centre, sense * radius
+    found.entry, found.exit = (_polished(found, float(x)) for x in (row.entry, row.exit))
+    return found
+
+
+def _polished(engagement: Any, x: float) -> Any:
+    """A root of g with its derivatives."""
+    g, _u, dg, _radius = _pose(engagement.path, x)
+    return x - g / dg
+
+
+def _handover(a: Any, b: Any, cell: float, step: float) -> Any:
+    """Driver angle of A at which B begins to drive."""
+    shift = cell + b.late - a.late
+    start = float(b.row.edges[0]) + float(shift)
+    kind = b.row.kind
+    if kind == Handoff.PICK_UP:
+        return b.entry + shift
+    if kind == Handoff.OVERLAP:
+        g_a, _u, dg_a, _r = _pose(a.path, start)
+        g_b, _u, dg_b, _r = _pose(b.path, start - shift)
+        return start - (g_a - g_b) / (dg_a - dg_b)
+    if abs(start - float(a.exit)) <= CLOSE:
+        return a.exit
+    rest = _turned(a, a.exit) - step
+    return start - (_turned(b, start - shift) - rest) / _pose(b.path, start - shift)[0]
+
+
+_slotted, _pattern = uncompiled(slotted), uncompiled(pattern)
+_pose, _turned = _slotted["pose_at"], _pattern["turned_by"]
