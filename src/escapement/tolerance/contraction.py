@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.engines.energy.gauss import POINTS, WEIGHTS
+from escapement.engines.energy.gauss import WEIGHTS
 from escapement.mechanism import FloatArray
 from escapement.tolerance.dual import Dual, slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED
@@ -25,12 +25,11 @@ def contraction(varied: Variation, first: FloatArray) -> Dual:
     def closed(columns: FloatArray) -> FloatArray:
         return np.asarray(columns[..., :-1] + columns[..., -1:] * first)
 
-    for panel in varied.panels:
-        times = panel.start + panel.half * (1.0 + POINTS)
-        decay = _decay(varied, panel.piece, times)
-        slopes = slopes_of(decay, varied.law.count)
-        inner = slopes[..., :SPEED] + slopes[..., SPEED, None] * closed(panel.s)
-        change += panel.half * (WEIGHTS * np.sqrt(panel.w)) @ inner
+    for panels, times, _point in varied.sampled:
+        slopes = slopes_of(_decay(varied, panels[0].piece, times), varied.law.count)
+        for panel, part in zip(panels, np.split(slopes, len(panels)), strict=True):
+            inner = part[:, :SPEED] + part[:, SPEED, None] * closed(panel.s)
+            change += panel.half * (WEIGHTS * np.sqrt(panel.w)) @ inner
     for boundary in varied.boundaries[1:]:
         if boundary.angle.any():
             change += closed(boundary.angle) * _step(varied, boundary)

@@ -5,10 +5,10 @@ functions and Python's operators work on it, so that a formula written for numbe
 the exact derivatives too (forward differentiation).
 """
 
-from collections.abc import Callable
-from types import FunctionType, ModuleType
-from functools import cache
 import sys
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from escapement.engines.energy.gauss import POINTS
 from escapement.mechanism import FloatArray
 from escapement.tolerance.dual import slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED, Point
-from escapement.tolerance.variation import Panel, Variation
+from escapement.tolerance.panels import Panel
+from escapement.tolerance.variation import Variation
 
 Quantity = Callable[[Point], Any]
 
@@ -29,12 +29,10 @@ def extreme(varied: Variation, quantity: Quantity, sign: float = 1.0) -> tuple[f
         The value and its derivatives.
     """
     best: tuple[float, Any] = (-np.inf, None)
-    for panel in varied.panels:
-        times = panel.start + panel.half * (1.0 + POINTS)
-        values = sign * value_of(quantity(varied.point(panel.piece, times)))
-        values = np.broadcast_to(values, times.shape)
+    for panels, times, point in varied.sampled:
+        values = np.broadcast_to(sign * value_of(quantity(point)), times.shape)
         if values.max() > best[0]:
-            best = float(values.max()), ("within", panel, times, int(values.argmax()))
+            best = float(values.max()), ("within", panels, times, int(values.argmax()))
     for k, boundary in enumerate(varied.boundaries):
         for piece in {max(boundary.piece - 1, 0), min(boundary.piece, len(varied.sides) - 1)}:
             value = sign * float(value_of(quantity(varied.point(piece, boundary.time))))
@@ -53,14 +51,14 @@ def _total_slope(varied: Variation, quantity: Quantity, piece: int, time: float)
 
 
 def _within(
-    varied: Variation, quantity: Quantity, panel: Panel, times: FloatArray, k: int
+    varied: Variation, quantity: Quantity, panels: list[Panel], times: FloatArray, k: int
 ) -> tuple[float, FloatArray]:
-    """The extremum next to a point of a panel."""
+    """The extremum next to a point of a piece."""
     from scipy.optimize import brentq
 
-    piece, ends = panel.piece, (panel.start, panel.start + 2.0 * panel.half)
-    low = times[k - 1] if k else ends[0]
-    high = times[k + 1] if k + 1 < times.size else ends[1]
+    piece = panels[0].piece
+    ends = np.array([varied.times[piece], *times, varied.times[piece + 1]])
+    low, high = ends[k], ends[k + 2]
 
     def slope(time: float) -> float:
         return _total_slope(varied, quantity, piece, time)
@@ -70,7 +68,8 @@ def _within(
         time = brentq(slope, low, high, xtol=1e-15 * high)
     value = quantity(varied.point(piece, time))
     found = slopes_of(value, varied.law.count)
-    s = panel.at(time)
+    starts = [panel.start for panel in panels]
+    s = panels[max(int(np.searchsorted(starts, time, side="right")) - 1, 0)].at(time)
     return float(value_of(value)), np.append(found[:SPEED], 0.0) + found[SPEED] * s
 
 

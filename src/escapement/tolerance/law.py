@@ -14,13 +14,12 @@ import numpy as np
 
 from escapement import dynamics
 from escapement.fitting import LENGTHS
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import slotted
 from escapement.model import Escapement, Inertia
 from escapement.natural import natural
 from escapement.quantity import quantities
 from escapement.scene import Path, Scene
-from escapement.tolerance.dual import Dual, uncompiled
+from escapement.tolerance.dual import Dual, slopes_of, uncompiled, value_of
 from escapement.tolerance.parts import Part, error_names, parts_of
 
 SPEED, ANGLE = -2, -1
@@ -97,6 +96,10 @@ class Law:
     def clock(self) -> Any:
         """Natural unit of time [s]."""
         return np.sqrt(self.values["follower_inertia"] / self.values["torque"])
+
+    def plain(self, number: Any) -> Dual:
+        """A number with its slopes by the numbers alone."""
+        return Dual(value_of(number), slopes_of(number, self.count)[..., :SPEED])
 
     def state(self, angle: Any, w: Any) -> tuple[Dual, Dual]:
         """Driver angles in the cell and squared speeds, each with its slope."""

@@ -62,10 +62,10 @@ def parts_of(mechanism: Any, values: dict[str, Any]) -> tuple[Part, ...]:
     sense = 1.0 if mechanism.internal else -1.0
     distance = values.get("centre_distance_error", mechanism.centre_distance_error)
     centre = mechanism.centre_distance + distance / unit
-    rows = mechanism.pattern
-    found = [_engagement(mechanism, k, rows[k], sense, centre, unit, each) for k in range(rows.size)]
+    count = mechanism.pattern.size
+    found = [_engagement(mechanism, k, sense, centre, unit, each) for k in range(count)]
     cell, step = mechanism.cell_angle, mechanism.follower_step
-    starts = [_handover(found[k - 1], found[k], cell, step) for k in range(rows.size)]
+    starts = [_handover(found[k - 1], found[k], cell, step) for k in range(count)]
     return tuple(
         Part(b.path, b.late, x - (cell + b.late - a.late), x + a.late - cell, b.exit + b.late,
              b.row.kind == Handoff.STRIKE)
@@ -73,14 +73,15 @@ def parts_of(mechanism: Any, values: dict[str, Any]) -> tuple[Part, ...]:
     )  # fmt: skip
 
 
-def _engagement(mechanism: Any, k: int, row: Any, sense: float, centre: Any, unit: Any, each: Any):
+def _engagement(mechanism: Any, k: int, sense: float, centre: Any, unit: Any, each: Any) -> Any:
     """A row of the pattern with duals."""
+    row: Any = mechanism.pattern[k]
     j, i = k % mechanism.pins, k % mechanism.slots
     radius = 1.0 + each("crank_radius_errors", j) / unit
     offset = each("slot_offsets", i) / unit
     half = np.arccos(-sense * radius / centre)
     numbers = _slotted["path_numbers"](centre, 0.0, sense * radius, sense, 1.0, half, offset)
-    path = Path(False, numbers)  # type: ignore[arg-type]
+    path = Path(False, numbers)
     late, ahead = each("pin_angle_errors", j), each("slot_angle_errors", i)
     found = SimpleNamespace(path=path, numbers=numbers, row=row, late=late, ahead=ahead)
     found.centre, found.crank = centre, sense * radius

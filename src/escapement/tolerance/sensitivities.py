@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from escapement import painleve, simulation
+from escapement import simulation
 from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
-from escapement.merits import FIGURES
-from escapement.mechanisms import slotted
-from escapement.metrics import LEAST_RATIO, Figures
+from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.status import Status
 from escapement.text import Shown
-from escapement.tolerance.contraction import contraction
-from escapement.tolerance.dual import Dual, uncompiled
-from escapement.tolerance.extremes import extreme
-from escapement.tolerance.law import ANGLE, SPEED, Law, numbers_of
-from escapement.tolerance.variation import Variation
+from escapement.tolerance.figures import figures_of
+from escapement.tolerance.law import numbers_of
 
 JUMPS = ("rise_time", "settling_time")
 """Figures that jump where another extremum is the first one within the band."""
-LONGEST = 2000
-"""Engagements of a transient that is followed for the rise times."""
+_STEPS = np.array([1e-4, 2e-4, 4e-4])
+"""Roots of the errors at which corners are approached: a blow grows with the root of an error."""
+_TO_ZERO = np.linalg.inv(np.vander(_STEPS, increasing=True))[0]
 Table = dict[str, dict[str, float]]
 
 
@@ -37,9 +30,9 @@ class Sensitivities(Shown):
 
     absolute : by figure and number, dF/dq in SI: `absolute["period"]["torque"]`.
     relative : likewise d ln F/d ln q, per cent per cent; only where both are not zero.
-    one_sided : by figure and number, where a figure has a corner because parts that were perfect
-        become imperfect: the derivatives for an error below and above zero.
-    jumps : figures that have none, because they jump.
+    one_sided : by figure and error of a part of a perfect wheel, where figures have a corner: the
+        derivatives towards errors below and above zero. Empty unless they were asked for.
+    jumps : figures that have no derivative, because they jump.
     figures : the figures of merit themselves.
     message : what is left out, and why.
     """
@@ -51,8 +44,13 @@ class Sensitivities(Shown):
     figures: Figures
     message: str
 
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        period = self.relative["period"].items()
+        rows = [(f"period by {name}", slope, "% per %") for name, slope in period]
+        return [*rows, ("message", self.message, "")]
 
-def sensitivities(escapement: Escapement) -> Sensitivities:
+
+def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivities:
     """Derivatives of every figure of the terminal cycle by every number of the model.
 
     They are exact: the equation of motion, its events and the fixed point of the cycle are
@@ -62,13 +60,17 @@ def sensitivities(escapement: Escapement) -> Sensitivities:
     Parameters
     ----------
     escapement : Escapement
-        It needs a terminal cycle, at constant torque and in rigid contact without clearance.
+        It needs a terminal cycle, in rigid contact without clearance. Of a spring that runs down
+        the derivatives are those at its full torque.
+    errors : bool
+        Whether to give `one_sided` too, which takes some seconds. With perfect parts a figure has
+        a corner: these derivatives are the limits of those at ever smaller errors.
 
     Returns
     -------
     Sensitivities
-        The numbers have the names that the axes of studies have. Those of mechanisms without a
-        `crank_radius` have no lengths.
+        The numbers have the names that the axes of studies have. Mechanisms without a
+        `crank_radius` have no lengths. Errors of imperfect parts are among the numbers.
 
     Raises
     ------
@@ -80,7 +82,7 @@ def sensitivities(escapement: Escapement) -> Sensitivities:
         raise InvalidValue(f"escapement must have a terminal cycle: {figures.message}")
     escapement = escapement.held
     numbers = numbers_of(escapement)
-    duals, message = _figures(escapement, figures, tuple(numbers))
+    duals, message = figures_of(escapement, figures, tuple(numbers))
     absolute: Table = {}
     relative: Table = {}
     for figure, dual in duals.items():
@@ -91,147 +93,35 @@ def sensitivities(escapement: Escapement) -> Sensitivities:
             for name, slope in found.items()
             if numbers[name] != 0.0 and value != 0.0
         }
-    return Sensitivities(absolute, relative, {}, JUMPS, figures, message)
+    corners = _corners(escapement) if errors else {}
+    return Sensitivities(absolute, relative, corners, JUMPS, figures, message)
 
 
-def _figures(
-    escapement: Escapement, figures: Figures, names: tuple[str, ...]
-) -> tuple[dict[str, Dual], str]:
-    """The figures [SI] as duals by the numbers alone, and what is not among them."""
-    law = Law(escapement, names)
-    varied = Variation(figures.motion, law)  # type: ignore[arg-type]
-    end = varied.boundaries[-1]
-    # the cycle closes where S behind its last handoff is S at its start
-    first = end.behind[:-1] / (1.0 - end.behind[-1])
-
-    def closed(columns: FloatArray) -> FloatArray:
-        return np.asarray(columns[..., :-1] + columns[..., -1:] * first)
-
-    clock, torque = _plain(law.clock()), _plain(law.values["torque"])
-    length = _plain(law.values["crank_radius"]) if "crank_radius" in names else None
-    starts = [b for b in varied.boundaries if varied.begins(b.piece)]
-    instants = [Dual(b.time, closed(b.instant)) for b in starts]
-    beats = [b - a for a, b in zip(instants, instants[1:], strict=False)]
-    found: dict[str, Any] = {"period": (instants[-1] - instants[0]) / len(beats) * clock}
-
-    def most(quantity: Callable[[Any], Any], sign: float = 1.0) -> Dual:
-        value, slopes = extreme(varied, quantity, sign)
-        return Dual(value, closed(slopes))
-
-    fastest, slowest = (np.sqrt(most(lambda p: p.w, s)) / clock for s in (1.0, -1.0))
-    handoff = np.sqrt(Dual(end.w_behind, closed(end.total_behind)))
-    found |= {
-        "velocity_max": fastest,
-        "velocity_min": slowest,
-        "velocity_mean": escapement.mechanism.cell_angle / found["period"],
-        "velocity_average_published": 0.5 * (fastest + slowest),
-        "handoff_velocity": handoff / clock,
-        "contraction": contraction(varied, first),
-        "acceleration_max": most(lambda p: abs(p.acceleration)) / clock**2.0,
-        "follower_acceleration_max": most(lambda p: abs(p.follower_acceleration)) / clock**2.0,
-        "contact_moment_max": most(lambda p: abs(p.moment)) * torque,
-    }
-    if length is not None:
-        found["contact_force_max"] = most(lambda p: abs(p.force)) * torque / length
-    reversals = [b for b in varied.boundaries if varied.reverses(b.piece)]
-    if reversals:
-        last = int(np.argmax(figures.reversal_angles))
-        found["last_reversal_angle"] = Dual(figures.last_reversal_angle, closed(reversals[last].angle))
-    if law.parts:
-        ordered = sorted(beats, key=float)
-        found["beat_error"] = (ordered[-1] - ordered[0]) * clock
-        found["blow_max"] = max((_blow(varied, b, closed) for b in starts[1:]), key=float) * torque
-    message = "done"
-    for name in ("critical_friction", "uniqueness_friction"):
-        limit = _limit(escapement, getattr(figures, name), names, name.startswith("u"))
-        if limit is not None:
-            found[name] = limit
-    if "critical_friction" in found:
-        found["jam_margin"] = 1.0 - _plain(law.values["friction"]) / found["critical_friction"]
-    rises, note = _rises(escapement, figures, law, found["handoff_velocity"], clock)
-    order = [name for name in FIGURES if name in found or name in rises]
-    return {name: (found | rises)[name] for name in order}, note or message
-
-
-def _plain(dual: Dual) -> Dual:
-    """A number without the slopes by speed and angle."""
-    return Dual(dual.value, dual.slopes[..., :SPEED])
-
-
-def _blow(varied: Variation, boundary: Any, closed: Any) -> Dual:
-    """Energy that the blow at a handoff takes, in natural units."""
-    law, meeting = varied.law, varied.next_meeting(boundary.piece)
-    left = _plain(law.blow(meeting)) if law.parts[meeting].strikes else None
-    if left is None:
-        return Dual(0.0, np.zeros(len(law.names)))
-    scene = law.scenes[meeting]
-    ratio = _plain(uncompiled(slotted)["pose_at"](scene.path, scene.edges[0])[0])
-    w = Dual(boundary.w_before, closed(boundary.total_before))
-    rho = _plain(scene.rho)  # type: ignore[arg-type]
-    return 0.5 * w * (rho - (rho + ratio * ratio) * left * left)
-
-
-def _limit(
-    escapement: Escapement, limit: float, names: tuple[str, ...], before: bool
-) -> Dual | None:
-    """A Painleve limit: there the least margin J h of one half of the engagement vanishes."""
-    from scipy.optimize import brentq
-
-    if not 0.0 < limit < math.inf or "friction" not in names:
-        return None
-    law = Law(replace(escapement, friction=limit), names)
-    margin = uncompiled(painleve)["margin"]
-    best: tuple[float, Any] = (math.inf, None)
-    for place, scene in enumerate(law.scenes):
-        edges = law.escapement.scenes[place].edges
-        ends = (edges[0], 0.0) if before else (0.0, edges[-1])
-
-        def rising(angle: float, scene: Any = scene) -> float:
-            return float(margin(law.seeded(angle, ANGLE), scene).slopes[ANGLE])
-
-        grid = np.linspace(*ends, 2001)
-        least = [float(painleve.margin(x, law.escapement.scenes[place])) for x in grid]
-        k = int(np.argmin(least))
-        low, high = grid[max(k - 1, 0)], grid[min(k + 1, 2000)]
-        angle = grid[k]
-        if rising(low) < 0.0 < rising(high):
-            angle = brentq(rising, low, high, xtol=1e-15)
-        if least[k] < best[0]:
-            best = least[k], margin(law.seeded(angle, ANGLE), scene)
-    found = best[1].slopes[:SPEED]
-    own = names.index("friction")
-    slopes = -found / found[own]
-    slopes[own] = 0.0
-    return Dual(limit, slopes)
-
-
-def _rises(
-    escapement: Escapement, figures: Figures, law: Law, handoff: Dual, clock: Dual
-) -> tuple[dict[str, Dual], str]:
-    """`rise_time_63` and `rise_time_98` of a start from rest."""
-    late = figures.rise_time_98
-    if not late > 0.0:
-        return {}, "the rise times have no derivative, because there are none"
-    count = len(escapement.meetings)
-    long = simulation.simulate(escapement, duration=late * (1.0 + 1e-9))
-    wanted = count * (1 + long.handoff_times.size // count)
-    if wanted > LONGEST:
-        return {}, f"the rise times have no derivative here: they take over {LONGEST} engagements"
-    motion = simulation.simulate(escapement, wanted)
-    varied = Variation(motion, law)
-    rounds = [b for b in varied.boundaries[1:] if varied.begins(b.piece)][count - 1 :: count]
-    deviations, times = [abs(handoff)], [0.0 * clock]
-    for boundary in rounds:
-        speed = np.sqrt(Dual(boundary.w_behind, boundary.total_behind[:-1])) / clock
-        deviations.append(abs(speed - handoff))
-        times.append(Dual(boundary.time, boundary.instant[:-1]) * clock)
-    shares = [d / deviations[0] for d in deviations]
-    depth = [-np.log(x if float(x) > LEAST_RATIO else LEAST_RATIO + 0.0 * clock) for x in shares]
-    found = {}
-    for name, level in (("rise_time_63", 1.0), ("rise_time_98", -math.log(0.02))):
-        k = next((k for k, d in enumerate(depth) if float(d) >= level), 0)
-        if k:
-            share = (level - depth[k - 1]) / (depth[k] - depth[k - 1])
-            found[name] = times[k - 1] + share * (times[k] - times[k - 1])
-    return found, ""
-
+def _corners(escapement: Escapement) -> dict[str, dict[str, tuple[float, float]]]:
+    """Derivatives by the errors of parts on either side of perfect ones."""
+    mechanism: Any = escapement.mechanism
+    if not hasattr(mechanism, "counts") or not mechanism.perfect:
+        return {}
+    found: dict[str, dict[str, tuple[float, float]]] = {}
+    lists = mechanism.counts({"slots": mechanism.slots, "pins": mechanism.pins})
+    for name in ("centre_distance_error", *lists):
+        if "angle" not in name and not mechanism.crank_radius:
+            continue
+        unit = 1.0 if "angle" in name else mechanism.crank_radius
+        sides = []
+        for sign in (-1.0, 1.0):
+            tables = []
+            for step in _STEPS:
+                error = sign * step**2 * unit
+                some: Any = (error, *(0.0,) * (lists[name] - 1)) if name in lists else error
+                varied = replace(escapement, mechanism=replace(mechanism, **{name: some}))
+                names = (f"{name}_0" if name in lists else name,)
+                duals, _ = figures_of(varied, simulation.terminal(varied), names, cycle_only=True)
+                tables.append({figure: float(dual.slopes[0]) for figure, dual in duals.items()})
+            sides.append({
+                figure: float(_TO_ZERO @ [table[figure] for table in tables])
+                for figure in tables[0]
+            })  # fmt: skip
+        for figure in sides[0]:
+            found.setdefault(figure, {})[names[0]] = sides[0][figure], sides[1][figure]
+    return found

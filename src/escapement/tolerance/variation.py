@@ -7,7 +7,8 @@ fixed angle. Between events
 
 where f is smooth. At an event, where Phi(theta, w; q) = 0, its angle and S change by
 
-    theta_q = -(Phi_q + Phi_w S)/(Phi_theta + Phi_w f),        S jumps by (f_before - f_behind) theta_q,
+    theta_q = -(Phi_q + Phi_w S)/(Phi_theta + Phi_w f),
+    S_behind = S_before + (f_before - f_behind) theta_q,
 
 and a blow that leaves the share L of the speed makes of w the L^2-fold. The time of a stretch
 changes by the integral of -S/(2 w) over the time, and by theta_q/theta_dot at its ends. Along a
@@ -19,48 +20,20 @@ Columns: one for each number, and a last one for a change of w at the start by 1
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property, partial
+from itertools import groupby
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from escapement.engines.energy.gauss import BARYCENTRIC, CUMULATE, POINTS, TRANSFORM, WEIGHTS
+from escapement.engines.energy.gauss import CUMULATE, WEIGHTS
 from escapement.mechanism import FloatArray
 from escapement.motion import Motion
 from escapement.tolerance.dual import slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED, Law, Point
-
-RESOLVED = 1e-12
-"""A panel is halved until the last Legendre coefficients are below this share of the first."""
-MOST_HALVINGS = 12
-
-
-@dataclass(frozen=True)
-class Panel:
-    """A stretch of a piece over time, at Gauss points.
-
-    piece : index of the piece in the motion.
-    start, half : its beginning and half its length [natural units of time].
-    angle, w : at the points, shape (n,).
-    s : S at the points, shape (n, columns).
-    """
-
-    piece: int
-    start: float
-    half: float
-    angle: FloatArray
-    w: FloatArray
-    s: FloatArray
-
-    def at(self, time: float) -> FloatArray:
-        """S at a time within the panel, shape (columns,)."""
-        x = (time - self.start) / self.half - 1.0
-        gap = x - POINTS
-        if not gap.all():
-            return np.asarray(self.s[gap == 0.0][0])
-        weights = BARYCENTRIC / gap
-        return np.asarray(weights @ self.s / weights.sum())
+from escapement.tolerance.panels import Panel, resolved
 
 
 @dataclass(frozen=True)
@@ -132,6 +105,16 @@ class Variation:
         angle, speed = self.motion.trajectory.state(piece, times)
         return angle, (speed * self.clock) ** 2
 
+    @cached_property
+    def sampled(self) -> list[tuple[list[Panel], FloatArray, Point]]:
+        """The panels of each piece, the times of their points, and the law there."""
+        found = []
+        for piece, group in groupby(self.panels, attrgetter("piece")):
+            panels = list(group)
+            times = np.concatenate([panel.times for panel in panels])
+            found.append((panels, times, self.point(piece, times)))
+        return found
+
     def point(self, piece: int, time: Any) -> Point:
         """The law at a time within a piece, one-sided at its ends."""
         angle, w = (x.reshape(np.shape(time)) for x in self.state(piece, time))
@@ -144,7 +127,9 @@ class Variation:
         """Derivative of a dual at an event whose angle moves; `slope` is dw/dtheta."""
         found = slopes_of(value, self.law.count)
         own = np.append(found[..., :SPEED], 0.0)
-        change: FloatArray = own + found[..., SPEED] * (s + slope * moved) + found[..., ANGLE] * moved
+        change: FloatArray = (
+            own + found[..., SPEED] * (s + slope * moved) + found[..., ANGLE] * moved
+        )
         return change
 
     def _follow(self) -> None:
@@ -222,7 +207,7 @@ class Variation:
         """Place in the pattern of the engagement that a piece begins, or that follows the last."""
         if piece < len(self.engagements):
             return self.meeting(piece)
-        return (self.engagements[-1] + 1) % len(self.law.scenes)
+        return int((self.engagements[-1] + 1) % len(self.law.scenes))
 
     def _behind(self, piece: int, before: Point) -> tuple[Point, Any]:
         """The law behind an event, and the share of the speed that its blow leaves."""
@@ -248,40 +233,15 @@ class Variation:
         slide = before.slide
         return slide if abs(value_of(slide)) < 1e-9 else None
 
-    def _along(
-        self, piece: int, s: FloatArray, times: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _along(self, piece: int, s: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """S and the time at the end of a piece."""
-        for start, half, point, rate, source in self._resolved(piece):
+        ends = self.times[piece : piece + 2]
+        for start, half, w, rate, source in resolved(self.law, partial(self.point, piece), ends):
             grown = rate @ CUMULATE * half
             driven = (np.exp(-grown)[:, None] * source).T @ CUMULATE * half
             at_points = np.exp(grown)[:, None] * (s + driven.T)
-            w = value_of(point.w)
-            self.panels.append(Panel(piece, start, half, value_of(point.angle), w, at_points))
+            self.panels.append(Panel(piece, start, half, w, at_points))
             times = times - 0.5 * half * (WEIGHTS / w) @ at_points
             end = half * (WEIGHTS @ rate)
             s = np.exp(end) * (s + half * (WEIGHTS * np.exp(-grown)) @ source)
         return s, times
-
-    def _resolved(self, piece: int) -> Iterator[tuple[float, float, Point, Any, Any]]:
-        """The panels of a piece, short enough: start, half, the law, and what S' = a S + b holds."""
-        todo = [(*self.times[piece : piece + 2], 0)]
-        while todo:
-            start, end, depth = todo.pop()
-            half = 0.5 * (end - start)
-            if half <= 0.0:
-                continue
-            point = self.point(piece, start + half * (1.0 + POINTS))
-            slopes = 2.0 * slopes_of(point.acceleration, self.law.count)
-            slopes = np.broadcast_to(slopes, (POINTS.size, self.law.count))
-            speed = np.sqrt(value_of(point.w))
-            rate = speed * slopes[:, SPEED]
-            source = np.zeros((POINTS.size, self.columns))
-            source[:, :-1] = speed[:, None] * slopes[:, :SPEED]
-            series = np.abs(TRANSFORM @ np.column_stack([rate * half, source, speed]))
-            ample = (series[-2:] <= RESOLVED * (series.max(axis=0) + 1e-3)).all()
-            if ample or depth == MOST_HALVINGS:
-                yield start, half, point, rate, source
-            else:
-                middle = start + half
-                todo += [(middle, end, depth + 1), (start, middle, depth + 1)]

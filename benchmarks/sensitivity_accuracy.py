@@ -1,0 +1,160 @@
+"""How exact the derivatives of `escapement.sensitivities` are.
+
+``python benchmarks/sensitivity_accuracy.py [DESIGNS]`` compares them with differences of the
+figures over random designs (Richardson's extrapolation, steps of 1, 0.1 and 0.01 % of the number,
+of which the most consistent counts), and the period's derivative in ten designs with differences
+of periods computed to 34 digits. It writes the worst case of each figure, relative to the figure
+over the number, to ``results/sensitivity_accuracy.csv``.
+"""
+
+import csv
+import sys
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+
+import escapement as esc
+from escapement.tolerance.law import numbers_of
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "benchmarks" / "results" / "sensitivity_accuracy.csv"
+FOLLOWER = 5e-6
+LENGTHS = ("crank_radius", "pin_radius", "centre_distance_error")
+
+
+def with_number(timer, name, value):
+    """The escapement with another value of one number."""
+    if name.endswith("_inertia"):
+        own = replace(timer.inertia, **{name.removesuffix("_inertia"): value})
+        return replace(timer, inertia=own)
+    if name[-1].isdigit():
+        key, place = name.rsplit("_", 1)
+        values = list(getattr(timer.mechanism, key))
+        values[int(place)] = value
+        name, value = key, tuple(values)
+    if hasattr(timer.mechanism, name):
+        return replace(timer, mechanism=replace(timer.mechanism, **{name: value}))
+    return replace(timer, **{name: value})
+
+
+def random_design(random):
+    """An escapement with some of the effects that there are."""
+    n, own = random.randint(3, 8), {}
+    if random.random() < 0.6:
+        own["crank_radius"] = 0.01
+        if random.random() < 0.6:
+            own["pin_radius"] = random.uniform(1e-4, 8e-4)
+        if random.random() < 0.5:
+            pins = esc.Geneva(n).pins
+            errors = {"pin_angle_errors": (pins, 3e-4), "crank_radius_errors": (pins, 5e-6)}
+            errors |= {"slot_angle_errors": (n, 3e-4), "slot_offsets": (n, 5e-6)}
+            own["centre_distance_error"] = random.gauss(0.0, 5e-6)
+            for name, (count, size) in errors.items():
+                own[name] = tuple(random.gauss(0.0, size) for _ in range(count))
+    inertia = esc.Inertia(10.0 ** random.uniform(-1.5, 0.5) * FOLLOWER, FOLLOWER)
+    timer = esc.Escapement(esc.Geneva(n, **own), inertia, torque=random.uniform(0.005, 0.02))
+    plain = {key: own[key] for key in ("crank_radius", "pin_radius") if key in own}
+    limit = esc.critical_friction(esc.Geneva(n, **plain), inertia)
+    some = {"friction": min(limit, 2.0) * random.uniform(0.1, 0.7)}
+    for name, size in {
+        "load_torque": 0.1 * timer.torque, "driver_bearing_torque": 0.1 * timer.torque,
+        "driver_drag": 0.05 * FOLLOWER, "follower_drag": 0.05 * FOLLOWER,
+        "driver_viscous": 0.05 * (FOLLOWER * timer.torque) ** 0.5,
+        "follower_viscous": 0.05 * (FOLLOWER * timer.torque) ** 0.5,
+    }.items():  # fmt: skip
+        if random.random() < 0.35:
+            some[name] = size * random.uniform(0.1, 1.0)
+    if own and random.random() < 0.4:
+        for body in ("driver", "follower"):
+            some[f"{body}_bearing_friction"] = random.uniform(0.05, 0.2)
+            some[f"{body}_bearing_radius"] = random.uniform(1e-4, 1e-3)
+    return replace(timer, **some)
+
+
+def richardson(timer, name, figures, value):
+    """Derivatives of figures by differences, and by how much their extrapolations disagree."""
+    best = {}
+    for share in (1e-2, 1e-3, 1e-4):
+        step = share * abs(value)
+        at = {k: esc.terminal(with_number(timer, name, value + k * step)).as_dict()
+              for k in (-4, -2, -1, 1, 2, 4)}  # fmt: skip
+        for figure in figures:
+            one, two, four = ((at[k][figure] - at[-k][figure]) / (2 * k * step) for k in (1, 2, 4))
+            fine, rough = (4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0
+            found = (16.0 * fine - rough) / 15.0
+            doubt = abs(found - fine)
+            if figure not in best or doubt < best[figure][1]:
+                best[figure] = found, doubt
+    return best
+
+
+def compare(count):
+    """The worst disagreement of each figure over random designs."""
+    worst, random = {}, Random(28)
+    for case in range(count):
+        timer = random_design(random)
+        try:
+            exact = esc.sensitivities(timer)
+        except ValueError:
+            continue
+        numbers = {name: value for name, value in numbers_of(timer).items() if value}
+        values = exact.figures.as_dict()
+        for name in random.sample(sorted(numbers), min(3, len(numbers))):
+            for figure, (found, _) in richardson(
+                timer, name, exact.absolute, numbers[name]
+            ).items():
+                if not values[figure]:
+                    continue
+                error = abs(exact.absolute[figure][name] - found)
+                error *= abs(numbers[name] / values[figure])
+                if error > worst.get(figure, (-1.0,))[0]:
+                    worst[figure] = error, case, name
+        print(case, file=sys.stderr)
+    return worst
+
+
+def in_34_digits(count=10):
+    """The worst relative error of a period's derivative against differences of 34 digits."""
+    sys.path.insert(0, str(ROOT / "tests" / "reference"))
+    from mpmath import mp, mpf
+    from taylor import solve
+
+    worst, random = 0.0, Random(34)
+    fine = {"digits": 42, "order": 32, "tolerance": "1e-29"}
+    for _ in range(count):
+        slots = random.choice((3, 4, 6))
+        data = {"slots": slots, "pins": esc.Geneva(slots).pins, "internal": False}
+        data |= {"driver_inertia": random.uniform(0.05, 0.5), "follower_inertia": 1.0}
+        data |= {"torque": 1.0, "load_torque": 0.0, "initial_speed": 0.0, "engagements": 16}
+        wheel = esc.Geneva(slots)
+        inertia = esc.Inertia(data["driver_inertia"], 1.0)
+        data["friction"] = random.uniform(0.5, 0.8) * esc.critical_friction(wheel, inertia)
+        name = random.choice(("friction", "driver_inertia", "follower_inertia"))
+        timer = esc.Escapement(wheel, inertia, torque=1.0, friction=data["friction"])
+        own = esc.sensitivities(timer).absolute["period"][name]
+        with mp.workdps(42):
+            step, periods = mpf(10) ** -11, []
+            for k in (-1, 1):
+                # the integrator takes numbers as they are, so that 42 digits arrive there
+                times = solve(data | {name: mpf(data[name]) + k * step}, fine)["handoff_times"]
+                periods.append(times[-1] - times[-2])
+            exact = (periods[1] - periods[0]) / (2 * step)
+            worst = max(worst, float(abs(own - exact) / abs(exact)))
+        print(slots, name, own, float(abs(own - exact) / abs(exact)), file=sys.stderr)
+    return worst
+
+
+def main():
+    """Compare, print and write."""
+    rows = [(figure, f"{error:.2e}", case, name)
+            for figure, (error, case, name) in compare(int((sys.argv[1:] or ["300"])[0])).items()]  # fmt: skip
+    rows.append(("period, against 34 digits", f"{in_34_digits():.2e}", "", ""))
+    with RESULTS.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerows([("figure", "worst_error", "design", "number"), *rows])
+    for row in rows:
+        print(*row)
+
+
+if __name__ == "__main__":
+    main()
