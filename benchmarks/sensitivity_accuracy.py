@@ -2,9 +2,9 @@
 
 ``python benchmarks/sensitivity_accuracy.py [DESIGNS]`` compares them with differences of the
 figures over random designs (Richardson's extrapolation, steps of 1, 0.1 and 0.01 % of the number,
-of which the most consistent counts), and the period's derivative in ten designs with differences
-of periods computed to 34 digits. It writes the worst case of each figure, relative to the figure
-over the number, to ``results/sensitivity_accuracy.csv``.
+of which the most consistent counts), and in ten designs with differences of figures computed to
+34 digits. It writes the worst error of each figure, relative to the figure over the number, to
+``results/sensitivity_accuracy.csv``.
 """
 
 import csv
@@ -114,41 +114,43 @@ def compare(count):
 
 
 def in_34_digits(count=10):
-    """The worst relative error of a period's derivative against differences of 34 digits."""
+    """The worst relative error of figures' derivatives against differences of 34 digits."""
     sys.path.insert(0, str(ROOT / "tests" / "reference"))
     from mpmath import mp, mpf
     from taylor import solve
 
-    worst, random = 0.0, Random(34)
+    figures = ("period", "velocity_max", "velocity_min", "handoff_velocity", "contraction")
+    worst, random = dict.fromkeys(figures, 0.0), Random(34)
     fine = {"digits": 42, "order": 32, "tolerance": "1e-29"}
     for _ in range(count):
         slots = random.choice((3, 4, 6))
-        data = {"slots": slots, "pins": esc.Geneva(slots).pins, "internal": False}
-        data |= {"driver_inertia": random.uniform(0.05, 0.5), "follower_inertia": 1.0}
-        data |= {"torque": 1.0, "load_torque": 0.0, "initial_speed": 0.0, "engagements": 16}
-        wheel = esc.Geneva(slots)
-        inertia = esc.Inertia(data["driver_inertia"], 1.0)
-        data["friction"] = random.uniform(0.5, 0.8) * esc.critical_friction(wheel, inertia)
+        wheel, inertia = esc.Geneva(slots), esc.Inertia(random.uniform(0.05, 0.5), 1.0)
+        friction = random.uniform(0.5, 0.8) * esc.critical_friction(wheel, inertia)
+        data = {"slots": slots, "pins": wheel.pins, "internal": False, "friction": friction}
+        data |= {"driver_inertia": inertia.driver, "follower_inertia": 1.0, "torque": 1.0}
+        data |= {"load_torque": 0.0, "initial_speed": 0.0, "engagements": 4}
         name = random.choice(("friction", "driver_inertia", "follower_inertia"))
-        timer = esc.Escapement(wheel, inertia, torque=1.0, friction=data["friction"])
-        own = esc.sensitivities(timer).absolute["period"][name]
+        own = esc.sensitivities(esc.Escapement(wheel, inertia, torque=1.0, friction=friction))
         with mp.workdps(42):
-            step, periods = mpf(10) ** -11, []
-            for k in (-1, 1):
-                # the integrator takes numbers as they are, so that 42 digits arrive there
-                times = solve(data | {name: mpf(data[name]) + k * step}, fine)["handoff_times"]
-                periods.append(times[-1] - times[-2])
-            exact = (periods[1] - periods[0]) / (2 * step)
-            worst = max(worst, float(abs(own - exact) / abs(exact)))
-        print(slots, name, own, float(abs(own - exact) / abs(exact)), file=sys.stderr)
+            step = mpf(10) ** -11
+            low, high = (
+                solve(data | {name: mpf(data[name]) + k * step}, fine)["terminal"] for k in (-1, 1)
+            )
+            for figure in figures:
+                exact = (high[figure] - low[figure]) / (2 * step)
+                error = float(abs(own.absolute[figure][name] - exact) / abs(exact))
+                worst[figure] = max(worst[figure], error)
+        print(slots, name, worst, file=sys.stderr)
     return worst
 
 
 def main():
     """Compare, print and write."""
-    rows = [(figure, f"{error:.2e}", case, name)
-            for figure, (error, case, name) in compare(int((sys.argv[1:] or ["300"])[0])).items()]  # fmt: skip
-    rows.append(("period, against 34 digits", f"{in_34_digits():.2e}", "", ""))
+    designs = int((sys.argv[1:] or ["300"])[0])
+    rows = [(name, f"{x:.2e}", case, by) for name, (x, case, by) in compare(designs).items()]
+    rows += [
+        (f"{name}, against 34 digits", f"{x:.2e}", "", "") for name, x in in_34_digits().items()
+    ]
     with RESULTS.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerows([("figure", "worst_error", "design", "number"), *rows])
