@@ -39,6 +39,8 @@ from escapement.study.result import Study as Study
 from escapement.study.run import run_plan as run_plan
 from escapement.study.run import sweep as sweep
 from escapement.study.writer import write_study as write_study
+from escapement.tolerance.budget import Budget as Budget
+from escapement.tolerance.budget import budget as budget
 from escapement.tolerance.sensitivities import Sensitivities as Sensitivities
 from escapement.tolerance.sensitivities import sensitivities as sensitivities
 from escapement.torque_curve import TorqueCurve as TorqueCurve

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -200,11 +201,15 @@ class StudyPlan:
             When the parameters are legal one by one and not together, such as
             more pins than the slots allow.
         """
-        values = self.values(case)
+        return self.built(self.values(case))
+
+    def built(self, values: Mapping[str, Any]) -> Escapement:
+        """The escapement with these values of its settings in SI; errors as `escapement`."""
+        values = dict(values)
         values["torque"] = self.curve or values["torque"]
         inertias = {entry.key: values[name] for name, entry in declared(Inertia).items()}
         return Escapement(
-            mechanism=self.mechanism(case),
+            mechanism=self._machine(values),
             inertia=Inertia(**inertias),
             **{name: values[name] for name in quantities(Escapement) if name in values},
         )
@@ -220,11 +225,12 @@ class StudyPlan:
 
     def mechanism(self, case: int, ideal: bool = False) -> Mechanism:
         """The mechanism of one case, or one like it with thin pins; errors as `escapement`."""
+        return self._machine(self.values(case) | dict.fromkeys(LENGTHS[1:] if ideal else ()))
+
+    def _machine(self, values: Mapping[str, Any]) -> Mechanism:
         if not isinstance(self.build, type):
             own: Mechanism = self.build
             return own
-        values = self.values(case)
-        values |= dict.fromkeys(LENGTHS[1:] if ideal else ())
         every = {name: joined(name, values) or values.get(name) for name in declared(self.build)}
         given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)

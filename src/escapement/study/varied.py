@@ -21,7 +21,9 @@ from escapement.validate import known_keys
 CASE = "case"
 """Name of the dimension along which a sample varies."""
 MOST_VALUES = 10_000_000
-METHODS = ("latin-hypercube", "sobol", "list")
+METHODS = ("random", "latin-hypercube", "sobol", "list")
+
+_DRAWS = ("hypercubes", "correlations")
 
 _ENDS = ("low", "high")
 _BESIDE = {
@@ -127,7 +129,7 @@ def sample_columns(
     InvalidValue
         For an unknown key, or a value that breaks its rule.
     """
-    known_keys(table, ("method", "size", "seed", *parameters), "in [sample]")
+    known_keys(table, ("method", "size", "seed", *_DRAWS, *parameters), "in [sample]")
     method = validate.choice("sample.method", table.get("method"), METHODS)
     forms = {name: form for name, form in table.items() if name in parameters}
     if not forms:
@@ -143,8 +145,13 @@ def sample_columns(
     else:
         size, seed = _size(method, table), table.get("seed", 0)
         seed = validate.integer("sample.seed", seed, 0, "leave it out for 0")
-        shares = unit_cube(method, size, len(forms), seed)
         plain |= {"size": size, "seed": seed}
+        if "hypercubes" in table:
+            plain["hypercubes"] = _hypercubes(method, size, table["hypercubes"])
+        shares = unit_cube(method, size, len(forms), seed, plain.get("hypercubes", 1))
+        if "correlations" in table:
+            plain["correlations"] = pairs = _pairs(table["correlations"], [*forms])
+            shares = _correlated(shares, pairs, [*forms])
         fingerprint = f"{zlib.crc32(shares.tobytes()):08x}"
         # the order of the parameters decides which coordinate of the points each one gets
         found = {
@@ -172,13 +179,72 @@ def _size(method: str, table: Mapping[str, Any]) -> int:
     return size
 
 
-def unit_cube(method: str, size: int, count: int, seed: int) -> FloatArray:
+def _hypercubes(method: str, size: int, given: Any) -> int:
+    count = validate.integer("sample.hypercubes", given, 1, "leave it out for one")
+    if method != "latin-hypercube" or size % count:
+        rule = "left out, or with method 'latin-hypercube' a divisor of the size"
+        raise validate.fail("sample.hypercubes", rule, given, "give for example 10")
+    return count
+
+
+def _pairs(given: Any, names: list[str]) -> list[list[Any]]:
+    """Correlations as lists of two parameters and a number."""
+    rule, remedy = "a list of pairs with a number", 'write [["friction", "torque", 0.5]]'
+    try:
+        pairs: list[list[Any]] = [[str(a), str(b), float(r)] for a, b, r in given]
+    except (TypeError, ValueError):
+        raise validate.fail("sample.correlations", rule, given, remedy) from None
+    for one, two, r in pairs:
+        if not {one, two} <= {*names} or one == two or not -1.0 < r < 1.0:
+            rule = "between two parameters of the sample, and between -1 and 1"
+            raise validate.fail("sample.correlations", rule, [one, two, r], remedy)
+    return pairs
+
+
+def correlation_matrix(pairs: list[list[Any]], names: list[str]) -> FloatArray:
+    """The matrix of correlations between parameters, those that are not given being 0.
+
+    Raises
+    ------
+    InvalidValue
+        When no distribution has them all.
+    """
+    matrix = np.eye(len(names))
+    for one, two, r in pairs:
+        i, j = names.index(one), names.index(two)
+        matrix[i, j] = matrix[j, i] = r
+    if np.linalg.eigvalsh(matrix)[0] <= 0.0:
+        rule, remedy = "possible together", "make some of them smaller"
+        raise validate.fail("sample.correlations", rule, pairs, remedy)
+    return matrix
+
+
+def _correlated(shares: FloatArray, pairs: list[list[Any]], names: list[str]) -> FloatArray:
+    """Shares whose normal scores have the correlations; each alone is distributed as before."""
+    from scipy.special import ndtr, ndtri
+
+    scores = ndtri(np.clip(shares, _NEVER, 1.0 - _NEVER))
+    return np.asarray(ndtr(np.linalg.cholesky(correlation_matrix(pairs, names)) @ scores))
+
+
+def unit_cube(method: str, size: int, count: int, seed: int, hypercubes: int = 1) -> FloatArray:
     """Points of a sample in the unit cube, shape (count, size)."""
     from scipy.stats import qmc
 
+    random = np.random.default_rng(seed)
+    if method == "random":
+        return random.random((count, size))
     kind = {"latin-hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol}[method]
-    points = kind(count, seed=np.random.default_rng(seed)).random(size)
-    return np.ascontiguousarray(points.T)
+    # each hypercube goes on where the one before it left the random numbers
+    drawn = [kind(count, seed=random).random(size // hypercubes) for _ in range(hypercubes)]
+    return np.ascontiguousarray(np.concatenate(drawn).T)
+
+
+def drawn_values(
+    form: Any, parameter: Quantity, nominal: float | None, share: FloatArray
+) -> NDArray[Any]:
+    """Values of a parameter below which the given shares of its distribution lie."""
+    return _drawn(form, parameter, nominal, share)[0]
 
 
 def _drawn(form: Any, parameter: Quantity, nominal: float | None, share: FloatArray) -> Column:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -93,35 +95,49 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
             for name, slope in found.items()
             if numbers[name] != 0.0 and value != 0.0
         }
-    corners = _corners(escapement) if errors else {}
+    corners = corners_of(escapement, error_axes(escapement.mechanism)) if errors else {}
     return Sensitivities(absolute, relative, corners, JUMPS, figures, message)
 
 
-def _corners(escapement: Escapement) -> dict[str, dict[str, tuple[float, float]]]:
-    """Derivatives by the errors of parts on either side of perfect ones."""
+def corners_of(
+    escapement: Escapement, wanted: Sequence[str]
+) -> dict[str, dict[str, tuple[float, float]]]:
+    """Derivatives by errors of parts on either side of perfect ones.
+
+    Pins are alike, and so are slots: what holds for the first one holds for each.
+    """
     mechanism: Any = escapement.mechanism
-    if not hasattr(mechanism, "counts") or not mechanism.perfect:
-        return {}
+    solved: dict[str, list[dict[str, float]]] = {}
     found: dict[str, dict[str, tuple[float, float]]] = {}
-    lists = mechanism.counts({"slots": mechanism.slots, "pins": mechanism.pins})
-    for name in ("centre_distance_error", *lists):
-        if "angle" not in name and not mechanism.crank_radius:
-            continue
-        unit = 1.0 if "angle" in name else mechanism.crank_radius
-        sides = []
-        for sign in (-1.0, 1.0):
-            tables = []
-            for step in _STEPS:
-                error = sign * step**2 * unit
-                some: Any = (error, *(0.0,) * (lists[name] - 1)) if name in lists else error
-                varied = replace(escapement, mechanism=replace(mechanism, **{name: some}))
-                names = (f"{name}_0" if name in lists else name,)
-                duals, _ = figures_of(varied, simulation.terminal(varied), names, cycle_only=True)
-                tables.append({figure: float(dual.slopes[0]) for figure, dual in duals.items()})
-            sides.append({
-                figure: float(_TO_ZERO @ [table[figure] for table in tables])
-                for figure in tables[0]
-            })  # fmt: skip
-        for figure in sides[0]:
-            found.setdefault(figure, {})[names[0]] = sides[0][figure], sides[1][figure]
+    for name in wanted:
+        key = re.sub(r"_\d+$", "", name)
+        if key not in solved:
+            solved[key] = [_side(escapement, mechanism, key, sign) for sign in (-1.0, 1.0)]
+        below, above = solved[key]
+        for figure in below:
+            found.setdefault(figure, {})[name] = below[figure], above[figure]
     return found
+
+
+def _side(escapement: Escapement, mechanism: Any, key: str, sign: float) -> dict[str, float]:
+    """Limits of the derivatives by an error on one side of zero."""
+    count = mechanism.counts({"slots": mechanism.slots, "pins": mechanism.pins}).get(key)
+    unit = 1.0 if "angle" in key else mechanism.crank_radius
+    tables = []
+    for step in _STEPS:
+        error = sign * step**2 * unit
+        some: Any = (error, *(0.0,) * (count - 1)) if count else error
+        varied = replace(escapement, mechanism=replace(mechanism, **{key: some}))
+        names = (f"{key}_0" if count else key,)
+        duals, _ = figures_of(varied, simulation.terminal(varied), names, cycle_only=True)
+        tables.append({figure: float(dual.slopes[0]) for figure, dual in duals.items()})
+    return {name: float(_TO_ZERO @ [table[name] for table in tables]) for name in tables[0]}
+
+
+def error_axes(mechanism: Any) -> list[str]:
+    """One error of each kind that the parts of a perfect wheel may have, by its name in studies."""
+    if not hasattr(mechanism, "counts") or not mechanism.perfect:
+        return []
+    lists = mechanism.counts({"slots": mechanism.slots, "pins": mechanism.pins})
+    names = ["centre_distance_error", *(f"{name}_0" for name in lists)]
+    return [name for name in names if "angle" in name or mechanism.crank_radius]

@@ -1,0 +1,96 @@
+"""Estimates from a sample, each with its 95 % interval.
+
+The interval of a moment comes from the scatter of its influence values: of a statistic T they are
+what each case adds to it, to first order, so that their standard deviation over sqrt(n) is the
+standard error of T whatever the distribution. That of a share is Clopper and Pearson's, that of a
+quantile counts the cases below it. Cases of a Latin hypercube are not independent, so that there
+the scatter over hypercubes that were drawn one by one gives the interval.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.mechanism import FloatArray
+
+LEVEL = 0.95
+"""Confidence of every interval."""
+Influence = tuple[float, FloatArray]
+"""A statistic of a sample, and the influence of each case."""
+
+
+class Estimate(NamedTuple):
+    """A value with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def mean(values: FloatArray) -> Influence:
+    """The mean."""
+    return float(values.mean()), values - values.mean()
+
+
+def deviation(values: FloatArray) -> Influence:
+    """The standard deviation."""
+    own = values - values.mean()
+    size = float(np.sqrt((own**2).mean()))
+    return size, (own**2 - size**2) / (2.0 * size) if size else 0.0 * own
+
+
+def capability(values: FloatArray, low: float, high: float) -> Influence:
+    """C_pk: distance of the mean from the nearer limit over three standard deviations."""
+    (middle, own), (size, spread) = mean(values), deviation(values)
+    if not size:
+        return math.nan, own
+    room, sense = min((middle - low, 1.0), (high - middle, -1.0))
+    value = room / (3.0 * size)
+    return value, (sense * own - 3.0 * value * spread) / (3.0 * size)
+
+
+def estimate(
+    statistic: Callable[[FloatArray], Influence], values: FloatArray, groups: int = 1
+) -> Estimate:
+    """A statistic of a sample, whose cases come in equal groups if they are not independent."""
+    from scipy.stats import norm, t
+
+    value, influence = statistic(values)
+    if groups == 1:
+        error = float(influence.std() / math.sqrt(values.size))
+        factor = float(norm.ppf(0.5 + 0.5 * LEVEL))
+    else:
+        parts = np.array([statistic(part)[0] for part in np.array_split(values, groups)])
+        error = float(parts.std(ddof=1) / math.sqrt(groups))
+        factor = float(t.ppf(0.5 + 0.5 * LEVEL, groups - 1))
+    return Estimate(value, value - factor * error, value + factor * error)
+
+
+def share(inside: Any, groups: int = 1) -> Estimate:
+    """The share of cases for which something is true."""
+    from scipy.stats import binomtest
+
+    found = np.asarray(inside)
+    if groups > 1 and 0 < found.sum() < found.size:
+        value, low, high = estimate(mean, found.astype(float), groups)
+        return Estimate(value, max(low, 0.0), min(high, 1.0))
+    test = binomtest(int(found.sum()), found.size)
+    interval = test.proportion_ci(LEVEL, method="exact")
+    return Estimate(float(found.mean()), float(interval.low), float(interval.high))
+
+
+def quantile(values: FloatArray, level: float, groups: int = 1) -> Estimate:
+    """The value below which a share of the cases lies."""
+    from scipy.stats import binom
+
+    if groups > 1:
+        return estimate(lambda x: (float(np.quantile(x, level)), x), values, groups)
+    ordered, n = np.sort(values), values.size
+    tail = 0.5 * (1.0 - LEVEL)
+    low, high = (int(binom.ppf(p, n, level)) for p in (tail, 1.0 - tail))
+    ends = ordered[max(low - 1, 0)], ordered[min(high, n - 1)]
+    return Estimate(float(np.quantile(values, level)), float(ends[0]), float(ends[1]))

@@ -1,0 +1,66 @@
+"""What a tolerance does to a number: its mean, standard deviation and ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from escapement.fitting import IMPERFECT
+from escapement.mechanism import FloatArray
+from escapement.study.plan import StudyPlan
+from escapement.study.varied import drawn_values
+
+ENDS = 3.0
+"""The worst case of a normal distribution is taken this many standard deviations out."""
+_Z = np.linspace(-8.0, 8.0, 641)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A number of a plan with a tolerance, in SI.
+
+    nominal, mean, sigma : its nominal value, mean and standard deviation.
+    low, high : its ends; of a normal distribution without ends, three standard deviations out.
+    magnitude : mean of its distance from the nominal value.
+    """
+
+    nominal: float
+    mean: float
+    sigma: float
+    low: float
+    high: float
+    magnitude: float
+
+
+def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]:
+    """The spread of every sampled number, by name.
+
+    A plan keeps no nominal value of a number that is drawn between two ends: it is the one that is
+    `given` [SI], or the mean.
+    """
+    from scipy.special import ndtr
+
+    table: Mapping[str, Any] = plan.configuration["sample"]
+    shares = np.concatenate([ndtr([-ENDS, ENDS]), [0.0, 1.0], ndtr(_Z)])
+    density = np.exp(-0.5 * _Z**2)
+    weights = density / density.sum()
+    found = {}
+    for name in plan.sampled:
+        key = name if name in table else name.rpartition("_")[0]
+        entry, form = plan.parameters[name], table[key]
+        nominal = plan.fixed_si.get(name)
+        nominal = given.get(name) if nominal is None else nominal
+        nominal = 0.0 if nominal is None and name.startswith(IMPERFECT) else nominal
+        own = None if nominal is None else nominal / entry.to_si(1.0)
+        values: FloatArray = entry.to_si(drawn_values(form, entry, own, shares))
+        inner, bounded = values[4:], any(x in form for x in ("tolerance", "relative_tolerance"))
+        ends = values[2:4] if bounded or "low" in form else values[:2]
+        mean = float(weights @ inner)
+        middle = mean if nominal is None else float(nominal)
+        sigma = float(np.sqrt(weights @ (inner - mean) ** 2))
+        size = float(weights @ np.abs(inner - middle))
+        found[name] = Spread(middle, mean, sigma, float(ends[0]), float(ends[1]), size)
+    return found

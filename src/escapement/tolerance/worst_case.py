@@ -1,0 +1,83 @@
+"""The least and greatest value of a figure when every number stays within its tolerance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.mechanism import FloatArray
+
+Evaluate = Callable[[FloatArray], float]
+"""A figure at values of the numbers; NaN where it has none."""
+
+
+class Worst(NamedTuple):
+    """The ends of a figure.
+
+    low, high : least and greatest value.
+    searched : whether they were searched for; otherwise they lie at a vertex, as derivatives of
+        one sign tell.
+    """
+
+    low: float
+    high: float
+    searched: bool
+
+
+def worst_case(
+    evaluate: Evaluate,
+    slopes: Callable[[FloatArray], FloatArray],
+    bounds: FloatArray,
+    nominal: FloatArray,
+    tried: FloatArray,
+) -> Worst:
+    """The ends of a figure over a box.
+
+    A derivative that has the same sign at the nominal place and at the two vertices to which the
+    signs point leads there. Otherwise the figure is searched from these vertices and from the
+    extreme cases of a sample.
+
+    Parameters
+    ----------
+    evaluate, slopes : callable
+        The figure, and its derivatives by each number; NaN where there are none.
+    bounds : ndarray, shape (n, 2)
+        Ends of the numbers.
+    nominal : ndarray, shape (n,)
+        The nominal place.
+    tried : ndarray, shape (2, n)
+        Cases of a sample with the least and greatest value.
+    """
+    first = slopes(nominal)
+    vertices = [np.where(sign * first > 0.0, bounds[:, 1], bounds[:, 0]) for sign in (-1.0, 1.0)]
+    alike = bool(np.isfinite(first).all())
+    for vertex in vertices:
+        alike = alike and bool((np.sign(slopes(vertex)) * np.sign(first) >= 0.0).all())
+    if alike:
+        low, high = (evaluate(vertex) for vertex in vertices)
+        return Worst(low, high, False)
+    ends = []
+    for sign, vertex, case in zip((-1.0, 1.0), vertices, tried, strict=True):
+        starts = [vertex, case]
+        ends.append(sign * max(_climb(evaluate, sign, bounds, start) for start in starts))
+    return Worst(ends[0], ends[1], True)
+
+
+def _climb(evaluate: Evaluate, sign: float, bounds: FloatArray, start: FloatArray) -> float:
+    """The greatest value of a figure, or of its negative, near a start within bounds."""
+    from scipy.optimize import minimize
+
+    low, wide = bounds[:, 0], bounds[:, 1] - bounds[:, 0]
+
+    def cost(shares: FloatArray) -> float:
+        value = evaluate(low + shares * wide)
+        return -sign * value if np.isfinite(value) else 1e300
+
+    begin = np.clip((start - low) / wide, 0.0, 1.0)
+    # a figure may have corners, which a method without derivatives does not mind
+    found = minimize(
+        cost, begin, method="Powell", bounds=[(0.0, 1.0)] * len(begin), options={"xtol": 1e-6}
+    )
+    return max(-float(found.fun), -cost(begin))
