@@ -5,6 +5,7 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 """
 
 from escapement.plots.animation import animate as animate
+from escapement.plots.budget import plot_budget as plot_budget
 from escapement.plots.drawing import plot_mechanism as plot_mechanism
 from escapement.plots.drawing import plot_table as plot_table
 from escapement.plots.drive_torque import plot_drive_torque as plot_drive_torque

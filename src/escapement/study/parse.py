@@ -54,6 +54,11 @@ def load_plan(path: AnyPath) -> StudyPlan:
     InvalidValue
         When a key is unknown, missing, or its value breaks a rule.
     """
+    return load_tables(path)[0]
+
+
+def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
+    """The plan of a study file, and tables of it that are not the study's; errors as above."""
     check_input(path, "study file")
     try:
         # editors on Windows begin a file with a byte order mark
@@ -67,12 +72,15 @@ def load_plan(path: AnyPath) -> StudyPlan:
             f"study file {path} must be valid TOML, got: {error}; {remedy or 'correct it there'}"
         ) from None
     try:
+        others = {name: _table(content, name) for name in apart}
+        for name in apart:
+            content.pop(name, None)
         if isinstance(torque := content.get("torque"), dict) and isinstance(
             torque.get("file"), str
         ):
             # its name is meant from where the study lies
             torque["file"] = Path(path).parent / torque["file"]
-        return parse_plan(content)
+        return parse_plan(content), others
     except InvalidValue as error:
         raise InvalidValue(f"{path}: {error}") from None
 

@@ -154,7 +154,7 @@ def budget(
         sample["correlations"] = [list(pair) for pair in correlations]
     wanted = [*dict.fromkeys([*(limits or {}), *figures])] or ["period"]
     plan = plan_from(escapement, {}, sample=sample, results=wanted)
-    options = {"indices": indices, "path": path, "workers": workers}
+    options: Any = {"indices": indices, "path": path, "workers": workers}
     return budget_of(plan, limits or {}, given=numbers_of(escapement.held), **options)
 
 

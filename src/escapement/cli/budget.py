@@ -1,0 +1,123 @@
+"""What the tolerances of a drawing do to figures of merit, and which to tighten."""
+
+from pathlib import Path
+from typing import Any
+
+import escapement as esc
+from escapement import validate
+from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli._arguments import Arguments, Parser
+from escapement.errors import InvalidValue
+from escapement.text import print_columns, words
+from escapement.units import factor, printed
+
+UNITS = "units of the figures printed (default: those of the study)"
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    add = parser.add_argument
+    text = "a study with a [sample] of tolerances, and [limits] of figures"
+    add("config", type=Path, metavar="CONFIG.toml", help=text)
+    rule: dict[str, Any] = {"minimum": 0, "whole": True, "remedy": "give 0 for none"}
+    text = "cases for Sobol' indices, of which (numbers + 2) N are solved (default: 0)"
+    _arguments.add_number(parser, "indices", text, "N", **rule)
+    output = parser.add_argument_group("output")
+    _arguments.add_output(output, "OUT.h5", "write the sample, as sweep does")
+    _arguments.add_plot(output, "draw contributors, and the sample with its limits")
+
+
+def execute(args: Arguments) -> int:
+    """Compute the budget, write and draw what was asked for, print it."""
+    from escapement.study.parse import load_tables
+    from escapement.study.plan import unit_kind
+    from escapement.tolerance.budget import budget_of
+
+    _output.check_wanted(args, file="OUT.h5")
+    plan, tables = load_tables(args.config, "limits")
+    system = plan.configuration["units"]
+    limits = {}
+    for name, ends in tables["limits"].items():
+        scale = factor(unit_kind(validate.choice("limits", name, tuple(plan.results))), system)
+        if not (isinstance(ends, list) and len(ends) == 2):
+            remedy = f"write {name} = [low, high]"
+            raise validate.fail(f"limits.{name}", "a list of two numbers", ends, remedy)
+        low, high = (scale * validate.number(f"limits.{name}", x, "correct it") for x in ends)
+        limits[name] = low, high
+    try:
+        options: Any = {"indices": args.indices or 0, "path": args.output}
+        found = budget_of(plan, limits, **options)
+    except InvalidValue as error:
+        raise InvalidValue(f"{args.config}: {error}") from None
+    _output.draw(args.plot, lambda plots: plots.plot_budget(found))
+    shown = args.units or system
+    record = {name: _record(scatter, name, shown) for name, scatter in found.figures.items()}
+    extra = {"size": found.size, "seed": found.seed, "failed": list(found.failed)}
+    _output.tell(args, {**record, **extra, "message": found.message}, lambda: _print(found, shown))
+    return SOME_FAILED if found.failed.value else 0
+
+
+def _record(scatter: Any, name: str, system: str) -> dict[str, Any]:
+    """The scatter of a figure by JSON key, in a system of units.
+
+    An estimate is a list of its value and the ends of its interval.
+    """
+    from escapement.study.plan import unit_kind
+
+    scale = 1.0 / factor(unit_kind(name), system)
+    slopes = {
+        number: slope * scale * factor(unit_kind(number), system)
+        for number, slope in scatter.slopes.items()
+    }
+    record: dict[str, Any] = {
+        "nominal": scatter.nominal * scale,
+        "worst_case": [scatter.worst.low * scale, scatter.worst.high * scale],
+        "worst_case_searched": scatter.worst.searched,
+        "standard_deviation_first_order": scatter.sigma * scale,
+        "slopes": slopes,
+        "contributions": scatter.contributions,
+        "balanced_factors": scatter.balanced,
+        "mean": [x * scale for x in scatter.mean],
+        "standard_deviation": [x * scale for x in scatter.deviation],
+        "quantiles": {
+            f"{level:g}": [x * scale for x in value] for level, value in scatter.quantiles.items()
+        },
+    }
+    if scatter.inside is not None and scatter.capability is not None:
+        record |= {"yield": list(scatter.inside), "capability": list(scatter.capability)}
+    if scatter.first:
+        record["first_indices"] = {key: list(value) for key, value in scatter.first.items()}
+        record["total_indices"] = {key: list(value) for key, value in scatter.total.items()}
+    return record
+
+
+def _print(found: "esc.Budget", system: str) -> None:
+    """The budget as tables."""
+    from escapement.study.plan import unit_kind
+
+    for name, scatter in found.figures.items():
+        record, unit = _record(scatter, name, system), printed(unit_kind(name), system)
+        print(f"{words(name)} [{unit}]" if unit else words(name))
+        rows: list[tuple[Any, ...]] = [
+            ("nominal", record["nominal"], "", ""),
+            ("worst case", "", *record["worst_case"]),
+            ("mean, 95 % interval", *record["mean"]),
+            ("standard deviation", *record["standard_deviation"]),
+            ("to first order", record["standard_deviation_first_order"], "", ""),
+        ]
+        if scatter.inside is not None and scatter.capability is not None:
+            rows += [("share within limits", *scatter.inside), ("C_pk", *scatter.capability)]
+        print_columns([["", "value", "from", "to"]], rows)
+        print()
+        header = ["tolerance", "share of variance", "factor for equal shares"]
+        parts = scatter.contributions.items()
+        table: list[tuple[Any, ...]] = [
+            (key, share, scatter.balanced.get(key, "")) for key, share in parts
+        ]
+        if scatter.first:
+            header += ["first index", "total index"]
+            more = ((scatter.first[key].value, scatter.total[key].value) for key, _ in parts)
+            table = [(*row, *pair) for row, pair in zip(table, more, strict=True)]
+        print_columns([header], table)
+        print()
+    _output.note(f"{found.size} cases, seed {found.seed}; {found.message}")
