@@ -32,6 +32,7 @@ _BESIDE = {
     "relative_tolerance": (),
     "standard_deviation": _ENDS,
     "relative_standard_deviation": _ENDS,
+    "log_standard_deviation": _ENDS,
 }
 """Keys of a distribution beside the one that tells its width; one without a width has ends."""
 WIDTHS = frozenset(_BESIDE) - {""}
@@ -292,8 +293,9 @@ def _around(
             f"{label} must have a nominal value to spread around, got none; "
             f"give {parameter.label} a fixed value, or {label} low and high"
         )
-    relative, remedy = key.startswith("relative"), "a parameter without one stays fixed"
-    kind = "ratio" if relative else parameter.unit
+    log, remedy = key.startswith("log"), "a parameter without one stays fixed"
+    relative = key.startswith("relative")
+    kind = "ratio" if relative or log else parameter.unit
     given = units.measured(f"{label}.{key}", form[key], kind, parameter.system, remedy)
     given = validate.positive(f"{label}.{key}", given, remedy)
     width = given * nominal if relative else given
@@ -315,8 +317,16 @@ def _around(
         )
     from scipy.special import ndtr, ndtri
 
+    if log:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            nominal, low, high = np.log([nominal, max(low, 0.0), high])
+        validate.positive(
+            f"the nominal value of {label}", float(np.exp(nominal)), "it has a logarithm"
+        )
+        width = given
     # truncnorm has the same distribution, but other bits than files of the same seed hold
     below, up_to = (ndtr((end - nominal) / width) for end in (low, high))
     # a share of exactly 0 or 1 would be infinitely far away
     inside = np.clip(below + share * (up_to - below), _NEVER, 1.0 - _NEVER)
-    return np.clip(nominal + width * ndtri(inside), low, high), {key: given} | ends
+    values = np.clip(nominal + width * ndtri(inside), low, high)
+    return np.exp(values) if log else values, {key: given} | ends

@@ -35,6 +35,8 @@ def sobol_indices(
     """
     from scipy.stats import sobol_indices as compute
 
+    if count == 1:
+        return [Estimate(1.0, 1.0, 1.0)], [Estimate(1.0, 1.0, 1.0)]
     random = np.random.default_rng(seed)
     a, b = random.random((2, count, size))
     mixed = np.stack([np.where(np.arange(count)[:, None] == i, b, a) for i in range(count)])

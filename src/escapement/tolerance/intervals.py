@@ -87,10 +87,15 @@ def quantile(values: FloatArray, level: float, groups: int = 1) -> Estimate:
     """The value below which a share of the cases lies."""
     from scipy.stats import binom
 
-    if groups > 1:
-        return estimate(lambda x: (float(np.quantile(x, level)), x), values, groups)
     ordered, n = np.sort(values), values.size
-    tail = 0.5 * (1.0 - LEVEL)
-    low, high = (int(binom.ppf(p, n, level)) for p in (tail, 1.0 - tail))
+    value = float(np.quantile(values, level))
+    if groups > 1:
+        below = estimate(mean, (values <= value).astype(float), groups)
+        # a sample tells no level finer than one case
+        room = 0.5 * (below.high - below.low) + 1.0 / n
+        low, high = math.floor(n * (level - room)), math.ceil(n * (level + room))
+    else:
+        tail = 0.5 * (1.0 - LEVEL)
+        low, high = (int(binom.ppf(p, n, level)) for p in (tail, 1.0 - tail))
     ends = ordered[max(low - 1, 0)], ordered[min(high, n - 1)]
-    return Estimate(float(np.quantile(values, level)), float(ends[0]), float(ends[1]))
+    return Estimate(value, float(ends[0]), float(ends[1]))

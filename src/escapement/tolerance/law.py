@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebval
 
 from escapement import dynamics
 from escapement.fitting import LENGTHS
@@ -180,12 +181,22 @@ class Point:
 
 
 def _pose(path: Path, angle: Dual) -> Any:
-    """`pose_at` with duals; the angles of a table may lie in several of its pieces."""
-    pose_at = _slotted["pose_at"]
-    if not path.table or angle.value.ndim == 0:
-        return pose_at(path, angle)
-    each = [pose_at(path, angle[i])[::2] for i in range(angle.value.size)]
-    g, dg = (Dual([x.value for x in c], [x.slopes for x in c]) for c in zip(*each, strict=True))
+    """`pose_at` with duals."""
+    if not path.table:
+        return _slotted["pose_at"](path, angle)
+    # the angles of a table may lie in several of its pieces, and its slopes are series too
+    pieces, order = path.numbers[:2].astype(int)
+    edges = path.numbers[2 : 3 + pieces]
+    series = path.numbers[3 + pieces :][: pieces * order].reshape(pieces, order)
+    place = np.clip(np.searchsorted(edges, angle.value, side="right") - 1, 0, pieces - 1)
+    scale = 2.0 / (edges[place + 1] - edges[place])
+    x = (angle.value - edges[place]) * scale - 1.0
+    found: list[Any] = []
+    own: Any = series[place]
+    for k in range(3):
+        found.append(chebval(x, np.moveaxis(own, -1, 0), tensor=False) * scale**k)
+        own = chebder(own, axis=-1)
+    g, dg = (Dual(found[k], found[k + 1][..., None] * angle.slopes) for k in range(2))
     return g, g, dg, 1.0
 
 
