@@ -91,11 +91,11 @@ def quantile(values: FloatArray, level: float, groups: int = 1) -> Estimate:
     value = float(np.quantile(values, level))
     if groups > 1:
         below = estimate(mean, (values <= value).astype(float), groups)
-        # a sample tells no level finer than one case
-        room = 0.5 * (below.high - below.low) + 1.0 / n
-        low, high = math.floor(n * (level - room)), math.ceil(n * (level + room))
-    else:
-        tail = 0.5 * (1.0 - LEVEL)
-        low, high = (int(binom.ppf(p, n, level)) for p in (tail, 1.0 - tail))
+        # where no hypercube differs from the others, a sample still tells no more than one case
+        room = 0.5 * (below.high - below.low) or 0.5 / n
+        levels = np.clip([level - room, level + room], 0.0, 1.0)
+        return Estimate(value, *np.quantile(values, levels).tolist())
+    tail = 0.5 * (1.0 - LEVEL)
+    low, high = (int(binom.ppf(p, n, level)) for p in (tail, 1.0 - tail))
     ends = ordered[max(low - 1, 0)], ordered[min(high, n - 1)]
     return Estimate(value, float(ends[0]), float(ends[1]))
