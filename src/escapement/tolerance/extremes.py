@@ -15,8 +15,10 @@ from escapement.mechanism import FloatArray
 from escapement.tolerance.dual import slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED, Point
 from escapement.tolerance.panels import Panel
-from escapement.tolerance.variation import Variation
+from escapement.tolerance.variation import Boundary, Variation
 
+CLOSE = 0.02
+"""A peak between two points is higher than the points by less than this share."""
 Quantity = Callable[[Point], Any]
 
 
@@ -28,19 +30,20 @@ def extreme(varied: Variation, quantity: Quantity, sign: float = 1.0) -> tuple[f
     float, ndarray of shape (columns,)
         The value and its derivatives.
     """
-    best: tuple[float, Any] = (-np.inf, None)
-    for panels, times, point in varied.sampled:
-        values = np.broadcast_to(sign * value_of(quantity(point)), times.shape)
-        if values.max() > best[0]:
-            best = float(values.max()), ("within", panels, times, int(values.argmax()))
-    for k, boundary in enumerate(varied.boundaries):
-        for piece in {max(boundary.piece - 1, 0), min(boundary.piece, len(varied.sides) - 1)}:
-            value = sign * float(value_of(quantity(varied.point(piece, boundary.time))))
-            if value > best[0]:
-                best = value, ("end", k, piece)
-    if best[1][0] == "end":
-        return sign * best[0], _at_end(varied, quantity, *best[1][1:])
-    return _within(varied, quantity, *best[1][1:])
+    found: list[tuple[float, Any]] = []
+    for panels, inner, point in varied.sampled:
+        piece = panels[0].piece
+        ends = varied.times[piece : piece + 2]
+        values = np.broadcast_to(sign * value_of(quantity(point)), inner.shape)
+        at_ends = [sign * float(value_of(quantity(varied.point(piece, t)))) for t in ends]
+        values = np.array([at_ends[0], *values, at_ends[1]])
+        k = int(values.argmax())
+        found.append((values[k], (panels, np.array([ends[0], *inner, ends[1]]), k)))
+    best = max(value for value, _ in found)
+    # the peaks of several engagements may be nearly alike
+    near = [place for value, place in found if value >= best - CLOSE * abs(best)]
+    peaks = [_nearby(varied, quantity, sign, *place) for place in near]
+    return max(peaks, key=lambda peak: sign * peak[0])
 
 
 def _total_slope(varied: Variation, quantity: Quantity, piece: int, time: float) -> float:
@@ -50,22 +53,28 @@ def _total_slope(varied: Variation, quantity: Quantity, piece: int, time: float)
     return float(found[ANGLE] + found[SPEED] * 2.0 * value_of(point.acceleration))
 
 
-def _within(
-    varied: Variation, quantity: Quantity, panels: list[Panel], times: FloatArray, k: int
+def _nearby(
+    varied: Variation,
+    quantity: Quantity,
+    sign: float,
+    panels: list[Panel],
+    times: FloatArray,
+    k: int,
 ) -> tuple[float, FloatArray]:
-    """The extremum next to a point of a piece."""
+    """The extremum next to a point of a piece, or at its end."""
     from scipy.optimize import brentq
 
     piece = panels[0].piece
-    ends = np.array([varied.times[piece], *times, varied.times[piece + 1]])
-    low, high = ends[k], ends[k + 2]
 
     def slope(time: float) -> float:
-        return _total_slope(varied, quantity, piece, time)
+        return sign * _total_slope(varied, quantity, piece, time)
 
-    time = times[k]
-    if slope(low) * slope(high) < 0.0:
-        time = brentq(slope, low, high, xtol=1e-15 * high)
+    low, high = times[max(k - 1, 0)], times[min(k + 1, times.size - 1)]
+    if not slope(low) > 0.0 > slope(high):
+        boundary = varied.boundaries[piece + (k > 0)]
+        value = quantity(varied.point(piece, boundary.time))
+        return float(value_of(value)), _at_end(varied, quantity, boundary, piece)
+    time = brentq(slope, low, high, xtol=1e-15 * high)
     value = quantity(varied.point(piece, time))
     found = slopes_of(value, varied.law.count)
     starts = [panel.start for panel in panels]
@@ -73,9 +82,8 @@ def _within(
     return float(value_of(value)), np.append(found[:SPEED], 0.0) + found[SPEED] * s
 
 
-def _at_end(varied: Variation, quantity: Quantity, k: int, piece: int) -> FloatArray:
+def _at_end(varied: Variation, quantity: Quantity, boundary: Boundary, piece: int) -> FloatArray:
     """The derivative at a boundary, on the side of a piece."""
-    boundary = varied.boundaries[k]
     point = varied.point(piece, boundary.time)
     s = boundary.behind if piece == boundary.piece else boundary.before
     slope = 2.0 * float(value_of(point.acceleration))

@@ -106,11 +106,14 @@ class Law:
         """Driver angles in the cell and squared speeds, each with its slope."""
         return self.seeded(angle, ANGLE), self.seeded(w, SPEED)
 
-    def at(self, meeting: int, side: float, angle: Dual, w: Dual) -> Point:
-        """The law where a side of the slot carries the force, or 0 in a dwell."""
+    def at(self, meeting: int, side: float, angle: Dual, w: Dual, *signs: float) -> Point:
+        """The law where a side of the slot carries the force, or 0 in a dwell.
+
+        The signs of the sliding speed and of g are given where they may vanish.
+        """
         if self.parts and isinstance(late := self.parts[meeting].late, Dual):
             angle = angle - Dual(0.0, late.slopes)
-        return Point(self.scenes[meeting], side, angle, w)
+        return Point(self.scenes[meeting], side, angle, w, *signs)
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,8 @@ class Point:
     side: float
     angle: Dual
     w: Dual
+    way: float = 0.0
+    turn: float = 0.0
 
     @cached_property
     def pose(self) -> tuple[Any, ...]:
@@ -128,8 +133,8 @@ class Point:
         if self.side == 0.0:
             return 0.0, 0.0, 0.0, 0.0, 0.0
         g, u, dg, radius = _pose(self.scene.path, self.angle)
-        c = _law["bend"](g, u, radius, self.side, self.scene)
-        return g, c, _law["dragged_slope"](g, dg, self.scene), u, radius
+        c = _law["bend"](g, u, radius, self.side, self.scene, self.way, self.turn)
+        return g, c, _law["dragged_slope"](g, dg, self.scene, self.turn), u, radius
 
     @cached_property
     def _drive(self) -> tuple[Any, Any]:
@@ -170,7 +175,9 @@ class Point:
         if self.side == 0.0:
             return 0.0 * self.w
         g, _c, _k, u, radius = self.pose
-        return self.moment / _law["grip"](g, u, radius, self.side, self.scene)[1]
+        return (
+            self.moment / _law["grip"](g, u, radius, self.side, self.scene, self.way, self.turn)[1]
+        )
 
     @property
     def follower_acceleration(self) -> Any:

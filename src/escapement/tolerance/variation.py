@@ -121,7 +121,22 @@ class Variation:
         place, speed = self.law.state(angle, w)
         if piece == 0 and self.start.any():
             place.slopes[..., :SPEED] += self.start
-        return self.law.at(self.meeting(piece), self.sides[piece], place, speed)
+        signs = self._signs[piece]
+        return self.law.at(self.meeting(piece), self.sides[piece], place, speed, *signs)
+
+    @cached_property
+    def _signs(self) -> list[tuple[float, float]]:
+        """The signs of the sliding speed and of g in each piece, at whose ends they may vanish."""
+        found = []
+        for piece, side in enumerate(self.sides):
+            signs = 0.0, 0.0
+            if side != 0.0 and not self.law.scenes[0].path.table:
+                middle = self.times[piece : piece + 2].mean()
+                angle, w = (x[0] for x in self.state(piece, middle))
+                here = self.law.at(self.meeting(piece), side, *self.law.state(angle, w))
+                signs = float(np.sign(here.slide.value)), float(np.sign(here.pose[0].value))
+            found.append(signs)
+        return found
 
     def total(self, value: Any, s: FloatArray, moved: FloatArray, slope: float) -> FloatArray:
         """Derivative of a dual at an event whose angle moves; `slope` is dw/dtheta."""
@@ -220,7 +235,7 @@ class Variation:
         left = self.law.blow(meeting)
         w, place = value_of(left) ** 2 * before.w.value, self.law.parts[meeting].starts
         state = self.law.state(value_of(place) - value_of(self.law.parts[meeting].late), w)
-        return self.law.at(meeting, 1.0, *state), left
+        return self.law.at(meeting, 1.0, *state, -1.0, 1.0), left
 
     def _condition(self, piece: int, before: Point) -> Any:
         """What is zero at the event with which a piece begins; None where it stays in its place."""
