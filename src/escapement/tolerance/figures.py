@@ -14,7 +14,7 @@ from escapement import painleve, simulation
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import slotted
 from escapement.merits import FIGURES
-from escapement.metrics import LEAST_RATIO, Figures
+from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.tolerance.contraction import contraction
 from escapement.tolerance.dual import Dual, uncompiled
@@ -22,6 +22,8 @@ from escapement.tolerance.extremes import extreme
 from escapement.tolerance.law import ANGLE, SPEED, Law
 from escapement.tolerance.variation import Variation
 
+SHALLOW = 1e-6
+"""A deviation that has fallen further has too few digits for its derivative."""
 LONGEST = 2000
 """Engagements of a transient that is followed for the rise times."""
 
@@ -157,11 +159,13 @@ def _rises(
         deviations.append(abs(speed - handoff))
         times.append(Dual(boundary.time, boundary.instant[:-1]) * clock)
     shares = [d / deviations[0] for d in deviations]
-    depth = [-np.log(x if float(x) > LEAST_RATIO else LEAST_RATIO + 0.0 * clock) for x in shares]
+    depth = [-np.log(x) for x in shares if float(x) > SHALLOW]
     found = {}
     for name, level in (("rise_time_63", 1.0), ("rise_time_98", -math.log(0.02))):
         k = next((k for k, d in enumerate(depth) if float(d) >= level), 0)
         if k:
             share = (level - depth[k - 1]) / (depth[k] - depth[k - 1])
             found[name] = times[k - 1] + share * (times[k] - times[k - 1])
+    if len(found) < 2:
+        return found, "rise times have no derivative where a cycle all but ends the deviation"
     return found, "done"
