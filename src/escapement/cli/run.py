@@ -124,7 +124,7 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
     if args.output is not None:
         from escapement.progress import Progress
 
-        shown: dict[str, Any] = {"what": "samples", "log": _log.progress}
+        shown: dict[str, Any] = {"what": "engagements", "log": _log.progress}
         with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
             options = {"units": args.units, "force": args.force, "progress": progress}
             esc.write_motion(motion, args.output, **options)

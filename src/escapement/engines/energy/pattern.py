@@ -72,10 +72,10 @@ class Round(NamedTuple):
 
 
 @inner_jit(allocates=True, inlined=True)
-def _scene(shared, meeting):
-    """The scene of an engagement."""
-    path = path_in(meeting)
-    return Scene(path, meeting.edges[: meeting.used], meeting.dwell, *shared[3:])
+def scene_in(shared, meeting, turned=0.0):
+    """The scene of an engagement, after a driver angle turned."""
+    path, edges = path_in(meeting), meeting.edges[: meeting.used]
+    return Scene(path, edges, meeting.dwell, shared[3], turned, *shared[5:])
 
 
 @inner_jit(allocates=True)
@@ -97,11 +97,11 @@ def case_of(addresses, shared, none, meetings, store, counts, events):
     shares, slopes, gains = np.ones(size), np.empty(size), np.empty(size)
     status = OK
     for k in range(size):
-        scene, following = _scene(shared, meetings[k]), meetings[(k + 1) % size]
+        scene, following = scene_in(shared, meetings[k]), meetings[(k + 1) % size]
         if beyond_painleve(scene):
             status = PAINLEVE
         if following.kind == Handoff.STRIKE:
-            shares[k] = left_by_blow(_scene(shared, following))
+            shares[k] = left_by_blow(scene_in(shared, following))
         g_in = transmission_at(scene.path, scene.edges[0])[0]
         g_out = transmission_at(scene.path, scene.edges[-1])[0] if scene.dwell == 0.0 else 0.0
         gains[k] = shares[k] * shares[k] / (scene.rho + g_out * g_out)
@@ -118,7 +118,7 @@ def engage(case, place, w, rising, request):
     count = case.counts[chain] if case.meetings.size == chains else NO_PANELS
     rows = case.store.panels[chain * MAX_PANELS : (chain + 1) * MAX_PANELS]
     store = Store(rows, case.store.workspace)
-    scene = _scene(case.shared, case.meetings[place])
+    scene = scene_in(case.shared, case.meetings[place])
     found = march(
         case.addresses, scene, case.none, store, count, request, w, rising, case.events, NO_EVENTS
     )

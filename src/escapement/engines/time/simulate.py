@@ -23,7 +23,7 @@ from escapement.model import Escapement
 from escapement.motion import Motion, no_motion, stall_message
 from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status
-from escapement.trajectory import Events, Extrema
+from escapement.trajectory import Events, Extrema, Held
 
 _SHARPER = 0.05
 """Local tolerance over the one asked for: errors add up over a motion, and the energy ledger
@@ -63,7 +63,7 @@ class Event(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SolvedTrajectory:
+class SolvedTrajectory(Held):
     """The pieces and events of a motion in SI; see `escapement.trajectory.Trajectory`."""
 
     clock: float
