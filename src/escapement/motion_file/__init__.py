@@ -174,8 +174,9 @@ def _create(
     hdf5: Any, prefix: str, columns: Columns, size: int | None, units: str
 ) -> dict[str, Any]:
     """Datasets of one length, the first of them the dimension scale of all; None lets them grow."""
-    # an empty one has no chunks that could be filtered
-    options = {} if size == 0 else FILTERS | {"chunks": (min(size or _BLOCK, _BLOCK),)}
+    # an empty one has no chunks that could be filtered; the default cache would hold 16 chunks
+    options: dict[str, Any] = FILTERS | {"rdcc_nbytes": 1 << 20}
+    options = {} if size == 0 else options | {"chunks": (min(size or _BLOCK, _BLOCK),)}
     made = {}
     for key, column in columns.items():
         name, most = prefix + key, (size,)
