@@ -162,9 +162,6 @@ class Escapement(Declared):
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
         self._check_curve()
-        if self.curve is not None and not getattr(self.mechanism, "perfect", True):
-            rule, remedy = "constant with errors of the parts", "leave out one or the other"
-            raise validate.fail("torque", rule, self.torque, remedy)
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
 
@@ -198,14 +195,6 @@ class Escapement(Declared):
         if self.curve is None:
             return self
         return replace(self, torque=self.curve.torque[0], spring_rate=0.0)
-
-    def after(self, turned: float) -> Escapement:
-        """The escapement once its driver has turned by an angle [rad]."""
-        if isinstance(self.torque, TorqueCurve):
-            return replace(self, torque=self.torque.after(turned))
-        if self.curve is None:
-            return self
-        return replace(self, torque=self.torque - self.spring_rate * turned)
 
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
