@@ -137,8 +137,9 @@ def _blocks(
             columns = {name: pair for name, pair in found.items() if pair[1] is not None}
             yield "", columns, times.size if part is motion else None
             if progress is not None:
-                ends = motion.handoff_times
-                progress(int(np.searchsorted(ends, state.t[-1], side="right")), ends.size, 0)
+                ends, last = motion.handoff_times, start + _BLOCK >= times.size
+                reached = part.end_time if last else state.t[-1]
+                progress(int(np.searchsorted(ends, reached, side="right")), ends.size, 0)
         for owner, prefix, names in GROUPS if whole else ():
             source: Any = getattr(part, owner) if owner else part
             columns = {key: (column, values_of(source, key)) for key, column in names.items()}
