@@ -153,6 +153,13 @@ def test_imperfect_parts_run_down(angles):
     assert esc.rundown(timer, turns=5.0).times == pytest.approx(run.times[:20], rel=1e-12)
 
 
+def test_a_pin_that_misses_its_slot_runs_nowhere():
+    wheel = esc.Geneva(4, crank_radius=0.02, slot_angle_errors=(0.0, 0.7, 0.0, 0.0))
+    run = esc.rundown(replace(TIMER, mechanism=wheel))
+    assert (run.status.label, run.times.size, run.end_time) == ("invalid", 0, 0.0)
+    assert run.message.startswith("pin 1 cannot drive slot 1")
+
+
 def test_a_constant_torque_must_be_told_how_far():
     with pytest.raises(InvalidValue, match="turns must be given"):
         esc.rundown(replace(TIMER, spring_rate=0.0))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
+
+import numpy as np
 
 from escapement.dynamics import LOSSES
 from escapement.text import Shown
@@ -34,8 +37,8 @@ class Ledger(Shown):
     residual: float
 
 
-def ledger_of(motion: Any) -> Ledger:
-    """Energy balance of a motion from start to end."""
+def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = None) -> Ledger:
+    """Energy balance of a motion from start to end; `progress` is as of `write_motion`."""
     escapement = motion.escapement
     if isinstance(motion.trajectory, NoTrajectory):
         return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
@@ -50,7 +53,12 @@ def ledger_of(motion: Any) -> Ledger:
         jumps = float(motion.handoffs.jump[passed].sum())
         blows = float(motion.handoffs.energy[passed].sum())
     load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps)
-    lost = sum(part.trajectory.losses.sum(axis=1) for part in motion.parts())
+    lost, done = np.zeros(len(LOSSES)), 0
+    for part in motion.parts():
+        lost += part.trajectory.losses.sum(axis=1)
+        done += part.handoff_times.size
+        if progress is not None:
+            progress(done, motion.handoff_times.size, 0)
     losses = dict(zip(LOSSES, lost.tolist(), strict=True))
     kinetic = float(energies[1] - energies[0])
     scale = max(work, float(energies[0]))

@@ -149,6 +149,10 @@ def rundown(
     spent = _spent_after(escapement)
     if turns is not None and duration is not None:
         raise validate.fail("duration", "left out beside turns", duration, "leave one of them out")
+    first = simulate(escapement, 1, initial_speed=initial_speed, rtol=rtol)
+    if first.status is Status.INVALID:
+        none = first.handoff_times
+        return Rundown(escapement, none, math.nan, 0.0, 0.0, first.status, first.message)
     count = None if duration is not None else _engagements(turns, escapement, spent)
     nominal = terminal(escapement.held, rtol=rtol).period
     motion = simulate(escapement, count, duration=duration, initial_speed=initial_speed, rtol=rtol)
