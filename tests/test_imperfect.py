@@ -301,6 +301,15 @@ def test_both_engines_agree_on_springs_and_curves(seed):
     assert esc.terminal(case).period == esc.terminal(case.held).period
 
 
+def test_the_blow_before_a_stop_counts():
+    case = timer(centre_distance_error=-5e-4 * CENTRES)
+    case = dataclasses.replace(case, spring_rate=case.torque / 20.0)
+    motion = esc.simulate(case, 200)
+    assert motion.status is Status.SPENT
+    assert motion.end_time == motion.impacts.time[-1]
+    assert abs(motion.ledger.residual) < 1e-14
+
+
 def test_a_curve_that_stays_is_a_constant_torque():
     flat = esc.TorqueCurve((0.0, 0.7), (0.10 * INCH_POUND,) * 2)
     plain = timer(slot_angle_errors=(0, 1e-3, 0, 0))

@@ -48,8 +48,9 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
     jumps = blows = 0.0
     if len(escapement.meetings) > 1:
-        # at the end of the motion a handoff is still to come
-        passed = motion.handoffs.time < motion.end_time
+        # a handoff at the end of the motion is still to come, unless the motion stops behind it
+        last = motion.trajectory.around(np.array([motion.end_time])).engagement[-1]
+        passed = motion.handoffs.engagement <= last
         jumps = float(motion.handoffs.jump[passed].sum())
         blows = float(motion.handoffs.energy[passed].sum())
     load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps)

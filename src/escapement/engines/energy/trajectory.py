@@ -123,8 +123,8 @@ class EnergyTrajectory:
         owner = np.searchsorted(numbers, table["engagement"])
         time, after = start[owner] + table["time"] * clock, np.minimum(numbers + 1, self.turns)
         ends = np.where(numbers < self.turns, self._entries(after)[0], np.inf)
-        # no rounding may put an event into the next engagement
-        table["time"] = np.minimum(time, ends[owner])
+        # no rounding may put an event before the last one, or into the next engagement
+        table["time"] = np.maximum.accumulate(np.minimum(time, ends[owner]))
         return np.asarray(table[table["time"] <= self.end_time])
 
     @cached_property
