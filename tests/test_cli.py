@@ -95,7 +95,7 @@ def test_run_shows_how_far_a_long_motion_is_written(command, monkeypatch):
     options = [*RUN, "--engagements", "2", "-o"]
     assert command(*options, "short.h5")[2] == ""
     monkeypatch.setattr("escapement.cli.run._LONG", 2)
-    assert "samples" in command(*options, "long.h5")[2]
+    assert "engagements" in command(*options, "long.h5")[2]
 
 
 def test_run_gives_the_same_motion_in_either_system(report):

@@ -48,6 +48,19 @@ def test_a_motion_that_stops_is_read_back(load, engine, tmp_path):
     np.testing.assert_allclose(again.at(times).theta, motion.at(times).theta, atol=1e-9)
 
 
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_a_motion_behind_a_spent_spring_is_read_back(engine, tmp_path):
+    """There a reversal lies at dead centre, up to rounding, where another piece begins."""
+    timer = esc.Escapement(esc.Geneva(4), MEYER, 0.0113, friction=0.3, spring_rate=1e-3)
+    motion = esc.simulate(timer, 200, engine=engine)
+    assert motion.status.label == "spent"
+    assert (np.diff(motion.trajectory.start) >= 0.0).all()
+    write_motion(motion, tmp_path / "motion.h5")
+    again = read_motion(tmp_path / "motion.h5")
+    times = np.linspace(0.0, motion.end_time, 301)
+    np.testing.assert_allclose(again.at(times).theta, motion.at(times).theta, atol=1e-9)
+
+
 def test_a_mechanism_of_the_users_own_is_no_damage(tmp_path):
     class Mine(esc.Geneva):
         pass

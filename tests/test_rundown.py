@@ -96,23 +96,14 @@ def test_series_keep_to_the_error_of_single_engagements(seed):
     run = esc.rundown(timer, turns=turns)
     time, speed, cell = 0.0, 0.0, timer.mechanism.cell_angle
     for k in range(run.times.size):
-        one = esc.simulate(timer.after(k * cell), 1, initial_speed=speed)
+        held = replace(timer, torque=timer.torque - timer.spring_rate * k * cell)
+        one = esc.simulate(held, 1, initial_speed=speed)
         time, speed = time + one.end_time, float(one.handoff_velocities[0])
     assert run.times[-1] == pytest.approx(time, rel=2e-12)
 
 
-def test_a_curve_goes_on_where_it_was():
-    curve = esc.TorqueCurve((0.0, 20.0, 50.0), (0.01, 0.012, 0.01), periodic=True)
+def test_a_curve_that_ends_ends_it():
     wound = esc.TorqueCurve((0.0, 30.0, 70.0), (0.012, 0.01, 0.0))
-    for torque in (curve, wound):
-        timer = replace(TIMER, torque=torque, spring_rate=0.0)
-        run = esc.rundown(timer, turns=10.0)
-        for whole in (9, 30):
-            speed = esc.simulate(timer, whole).handoff_velocities[-1]
-            rest = esc.simulate(
-                timer.after(whole * CELL), run.times.size - whole, initial_speed=speed
-            )
-            assert run.times[-1] == pytest.approx(run.times[whole - 1] + rest.end_time, rel=1e-12)
     spent = esc.rundown(replace(TIMER, torque=wound, spring_rate=0.0))
     assert spent.status.label == "spent"
     assert spent.end_turns == pytest.approx(70.0 / (2.0 * pi), rel=1e-14)
@@ -139,12 +130,34 @@ def test_refusals(changes, message):
         esc.rundown(TIMER, **changes)
 
 
-def test_only_perfect_parts_run_down():
-    wheel = esc.Geneva(4, crank_radius=0.02, centre_distance_error=1e-5)
-    with pytest.raises(InvalidValue, match="without errors of its parts"):
-        esc.rundown(esc.Escapement(wheel, INERTIA, 0.0113, 0.35), turns=1.0)
+def test_a_mechanism_alone_does_not_run_down():
     with pytest.raises(InvalidValue, match="escapement must be an Escapement"):
-        esc.rundown(wheel, turns=1.0)
+        esc.rundown(esc.Geneva(4), turns=1.0)
+
+
+@pytest.mark.parametrize("angles", [(0.0, 1e-3, -2e-3, 0.0), ()])
+def test_imperfect_parts_run_down(angles):
+    """A turn takes them, pin by pin, through cells of different lengths."""
+    wheel = esc.Geneva(
+        4, crank_radius=0.02, centre_distance_error=-1e-5, pin_angle_errors=angles
+    )  # fmt: skip
+    timer = replace(TIMER, mechanism=wheel, spring_rate=TIMER.torque / (40.3 * CELL))
+    run, motion = esc.rundown(timer), esc.simulate(timer, 50)
+    assert (run.status.label, run.times.size) == ("spent", 40)
+    turned = motion.at([0.0, run.end_time, *run.times]).theta
+    assert turned[1] - turned[0] == pytest.approx(40.3 * CELL, rel=1e-13)
+    assert turned[2:] - turned[0] == pytest.approx(2.0 * pi * run.turns, rel=1e-13)
+    # over turns of the driver the mean speed is that of the whole way
+    way = np.sum(run.mean_speeds * run.periods)
+    assert way == pytest.approx(turned[-1] - turned[0], rel=1e-13)
+    assert esc.rundown(timer, turns=5.0).times == pytest.approx(run.times[:20], rel=1e-12)
+
+
+def test_a_pin_that_misses_its_slot_runs_nowhere():
+    wheel = esc.Geneva(4, crank_radius=0.02, slot_angle_errors=(0.0, 0.7, 0.0, 0.0))
+    run = esc.rundown(replace(TIMER, mechanism=wheel))
+    assert (run.status.label, run.times.size, run.end_time) == ("invalid", 0, 0.0)
+    assert run.message.startswith("pin 1 cannot drive slot 1")
 
 
 def test_a_constant_torque_must_be_told_how_far():

@@ -110,6 +110,25 @@ def test_a_load_stops_a_driver_behind_a_spent_spring():
     assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.parametrize("slots", [4, 5])
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_oil_behind_a_spent_spring_stops_a_driver_in_finite_time(slots, friction):
+    """It ends where both bodies have the energy of a driver at the threshold."""
+    viscous = 0.1 * math.sqrt(timer().inertia.follower * TORQUE)
+    cell = esc.Geneva(slots).cell_angle
+    real = timer(
+        slots=slots, friction=friction, driver_viscous=viscous, spring_rate=TORQUE / (3.3 * cell)
+    )
+    motion = agree(real, 200, rtol=1e-9)
+    slow = esc.simulate(real, 200, engine="ivp")
+    assert motion.status is slow.status is Status.SPENT
+    assert slow.end_time == pytest.approx(motion.end_time, rel=1e-9)
+    end, own = motion.at(motion.end_time), real.inertia
+    energy = own.driver * end.theta_dot**2 + own.follower * end.phi_dot**2
+    assert energy == pytest.approx(1e-6 * own.driver * TORQUE / own.follower, rel=1e-9)
+    assert abs(motion.ledger.residual) < 1e-12
+
+
 def test_curves_that_say_the_same_give_the_same():
     straight = esc.TorqueCurve([0.0, TORQUE / WOUND.spring_rate], [TORQUE, 0.0])
     bent = esc.TorqueCurve(

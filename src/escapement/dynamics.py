@@ -41,7 +41,7 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
-from escapement.drive import torque_after
+from escapement.drive import REST, is_spent, torque_after
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
@@ -296,6 +296,20 @@ def bent_pose(theta, side, scene):
         return 0.0, 0.0, 0.0
     g, u, dg, radius = pose_at(scene.path, theta)
     return g, bend(g, u, radius, side, scene), dragged_slope(g, dg, scene)
+
+
+@jit
+def rest_speed(theta, side, scene):
+    """Driver speed at which a motion counts as at rest: 0, unless viscous drag alone acts on it.
+
+    Behind a spent spring the driver would slow down for ever then. It is at rest once the kinetic
+    energy of both bodies is that of a driver with the squared speed `REST`; the energy falls, so
+    that it never is faster again.
+    """
+    if not (is_viscous(scene) and is_spent(theta, scene)):
+        return 0.0
+    g = bent_pose(theta, side, scene)[0]
+    return np.sqrt(REST * scene.rho / (scene.rho + g * g))
 
 
 @jit

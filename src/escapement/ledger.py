@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
+import numpy as np
+
 from escapement.dynamics import LOSSES
 from escapement.text import Shown
+from escapement.trajectory import NoTrajectory
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,20 +37,30 @@ class Ledger(Shown):
     residual: float
 
 
-def ledger_of(motion: Any) -> Ledger:
-    """Energy balance of a motion from start to end."""
+def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = None) -> Ledger:
+    """Energy balance of a motion from start to end; `progress` is as of `write_motion`."""
     escapement = motion.escapement
-    if motion.trajectory.start.size == 0:
+    if isinstance(motion.trajectory, NoTrajectory):
         return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
     ends = motion.at([0.0, motion.end_time])
     driver, follower = escapement.inertia.driver, escapement.inertia.follower
     energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
-    # at the end of the motion a handoff is still to come
-    passed = motion.handoffs.time < motion.end_time
-    load = escapement.load_work(ends.phi[1] - ends.phi[0] - motion.handoffs.jump[passed].sum())
-    blows = float(motion.handoffs.energy[passed].sum())
-    losses = dict(zip(LOSSES, motion.trajectory.losses.sum(axis=1).tolist(), strict=True))
+    jumps = blows = 0.0
+    if len(escapement.meetings) > 1:
+        # a handoff at the end of the motion is still to come, unless the motion stops behind it
+        last = motion.trajectory.around(np.array([motion.end_time])).engagement[-1]
+        passed = motion.handoffs.engagement <= last
+        jumps = float(motion.handoffs.jump[passed].sum())
+        blows = float(motion.handoffs.energy[passed].sum())
+    load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps)
+    lost, done = np.zeros(len(LOSSES)), 0
+    for part in motion.parts():
+        lost += part.trajectory.losses.sum(axis=1)
+        done += part.handoff_times.size
+        if progress is not None:
+            progress(done, motion.handoff_times.size, 0)
+    losses = dict(zip(LOSSES, lost.tolist(), strict=True))
     kinetic = float(energies[1] - energies[0])
     scale = max(work, float(energies[0]))
     missing = work - kinetic - load - sum(losses.values()) - blows

@@ -10,7 +10,7 @@ from typing import Any
 from escapement import validate
 from escapement.fitting import LENGTHS, MOST_UNEQUAL, RESISTANCES, check_lengths, check_losses
 from escapement.lazy import Lazy
-from escapement.mechanism import Mechanism, checked, meetings_of
+from escapement.mechanism import FloatArray, Mechanism, checked, meetings_of
 from escapement.natural import natural
 from escapement.quantity import Declared, quantity, setting
 from escapement.scene import Meeting, Path, Scene
@@ -162,9 +162,6 @@ class Escapement(Declared):
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
         self._check_curve()
-        if self.curve is not None and not getattr(self.mechanism, "perfect", True):
-            rule, remedy = "constant with errors of the parts", "leave out one or the other"
-            raise validate.fail("torque", rule, self.torque, remedy)
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
 
@@ -198,14 +195,6 @@ class Escapement(Declared):
         if self.curve is None:
             return self
         return replace(self, torque=self.curve.torque[0], spring_rate=0.0)
-
-    def after(self, turned: float) -> Escapement:
-        """The escapement once its driver has turned by an angle [rad]."""
-        if isinstance(self.torque, TorqueCurve):
-            return replace(self, torque=self.torque.after(turned))
-        if self.curve is None:
-            return self
-        return replace(self, torque=self.torque - self.spring_rate * turned)
 
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
@@ -246,7 +235,7 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process derives the scene and what hangs on it anew."""
-        derived = ("meetings", "scenes", "scene", "kept")
+        derived = ("meetings", "scenes", "scene", "kept", "_begins")
         return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property
@@ -265,7 +254,19 @@ class Escapement(Declared):
 
     def turned_before(self, engagement: Any) -> Any:
         """Driver angle turned before an engagement [rad]; 0 where the torque is constant."""
-        return 0.0 if self.curve is None else engagement * self.mechanism.cell_angle
+        return 0.0 if self.curve is None else self.angle_before(engagement)
+
+    def angle_before(self, engagement: Any) -> Any:
+        """Driver angle from the start of the motion to that of an engagement [rad]."""
+        begins = self._begins
+        angle = engagement * self.mechanism.cell_angle
+        return angle + (begins[engagement % begins.size] - begins[0]) if begins.size > 1 else angle
+
+    @cached_property
+    def _begins(self) -> FloatArray:
+        """Where its engagements begin, from the nominal dead centre of each [rad]."""
+        begins: FloatArray = np.array([m.late + m.edges[0] for m in self.meetings])
+        return begins
 
     def drive_work(self, turned: Any) -> Any:
         """Work of the drive from the start of the motion over a driver angle [J]."""

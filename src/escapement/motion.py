@@ -6,9 +6,9 @@ and contact moment follow from the equation of motion, so they are
 computed when they are asked for.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -166,7 +166,7 @@ class Motion(Shown):
             times = np.asarray(t, dtype=float)
         except (TypeError, ValueError, OverflowError):
             raise fail("t", "a time in s or an array of times", t, "give finite numbers") from None
-        if self.trajectory.start.size == 0:
+        if isinstance(self.trajectory, NoTrajectory):
             raise InvalidValue(f"t must lie within the motion, but there is none: {self.message}")
         outside = ~((times >= 0.0) & (times <= self.end_time))
         if outside.any():
@@ -174,8 +174,8 @@ class Motion(Shown):
                 f"t must be between 0 and the end of the motion, {self.end_time!r} s, got "
                 f"{float(times[outside].flat[0])!r}; simulate a longer motion or drop the time"
             )
-        pieces = np.searchsorted(self.trajectory.start, times, side="right") - 1
-        return self._state(pieces, times)
+        # of a long motion, the engagements alone that hold these times are solved
+        return self._at(self.trajectory.around(times), times)
 
     def within(self, piece: ArrayLike, t: ArrayLike) -> State:
         """State at times within pieces, one-sided at their boundaries.
@@ -196,21 +196,27 @@ class Motion(Shown):
         count = self.trajectory.start.size
         if pieces.dtype.kind not in "iu" or ((pieces < 0) | (pieces >= count)).any():
             raise fail("piece", f"whole and from 0 to {count - 1}", piece, "they count from 0")
-        return self._state(np.broadcast_to(pieces, times.shape), times)
+        return self._state(self.trajectory, np.broadcast_to(pieces, times.shape), times)
 
-    def _state(self, pieces: np.ndarray, times: FloatArray) -> State:
+    def _at(self, trajectory: Trajectory, times: FloatArray) -> State:
+        """State at `times`, which lie within these pieces."""
+        pieces = np.searchsorted(trajectory.start, times, side="right") - 1
+        return self._state(trajectory, pieces, times)
+
+    def _state(self, trajectory: Trajectory, pieces: np.ndarray, times: FloatArray) -> State:
         """State at `times`, each within the piece of that index."""
         escapement, clock = self.escapement, self.escapement.time_unit
         mechanism, owners = escapement.mechanism, pieces.reshape(-1)
-        theta, speed = self._driver(owners, times.reshape(-1))
-        engagement, sign = self.trajectory.engagement[owners], self.trajectory.sign[owners]
-        turned = theta - mechanism.breaks[0] + engagement * mechanism.cell_angle
+        theta, speed = trajectory.states(owners, times.reshape(-1))
+        engagement, sign = trajectory.engagement[owners], trajectory.sign[owners]
+        turned = escapement.turned_before(engagement) + np.zeros(theta.size)
         g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
         losses = np.zeros((1 + len(LOSSES), theta.size))
         phi, late = engagement * mechanism.follower_step, np.zeros(theta.size)
         for k, meeting in enumerate(escapement.meetings):
             here, scene = engagement % len(escapement.meetings) == k, escapement.scenes[k]
             late[here] = meeting.late
+            turned[here] += theta[here] - scene.edges[0]
             engaged = np.where(sign[here] == 0.0, scene.edges[-1], theta[here])
             phi[here] += meeting.turned(engaged)
             for side in (1.0, 0.0, -1.0):
@@ -251,17 +257,6 @@ class Motion(Shown):
         powers = (losses[1:] * speed).reshape(len(LOSSES), *times.shape)
         return State(t=times, **shaped, power_lost=dict(zip(LOSSES, powers, strict=True)))
 
-    def _driver(self, pieces: np.ndarray, t: FloatArray) -> FloatArray:
-        """Driver angle in the cell [rad] and speed [rad/s]; shape (2, t)."""
-        found = np.empty((2, t.size))
-        # the trajectory is asked once for all times within a piece
-        order = np.argsort(pieces, kind="stable")
-        firsts = np.flatnonzero(np.diff(pieces[order], prepend=-1))
-        for first, last in pairwise([*firsts.tolist(), t.size]):
-            chosen = order[first:last]
-            found[:, chosen] = self.trajectory.state(pieces[chosen[0]], t[chosen])
-        return found
-
     @cached_property
     def t(self) -> FloatArray:
         """Default grid of times [s]: a hundred even ones an engagement, and all events.
@@ -270,11 +265,31 @@ class Motion(Shown):
         them, so that the samples show every peak of `theta_dot` in full, and the start of
         every piece.
         """
-        ends = np.concatenate([[0.0], self.handoff_times, [self.end_time]])
-        even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
+        parts = [self._grid() if part is self else part.t for part in self.parts()]
+        return parts[0] if len(parts) == 1 else np.unique(np.concatenate(parts))
+
+    def _grid(self) -> FloatArray:
+        """The default grid of a motion of one part."""
         starts, peaks = self.trajectory.start, self.extrema.time
+        ends = np.concatenate([starts[:1], self.handoff_times, [self.end_time]])
+        even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
         times = np.concatenate([even, starts, self.reversals.time, peaks, ends[-1:]])
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
+
+    def parts(self) -> "Iterator[Motion]":
+        """A long motion as several of some engagements each, itself where it is short.
+
+        Their times and angles are those of the whole; the end of each is the start of the next.
+        """
+        for part, some in self.trajectory.parts():
+            if part is self.trajectory:
+                yield self
+                return
+            times, speeds = self.handoff_times[some], self.handoff_velocities[some]
+            end = self.end_time if some.stop > self.handoff_times.size else float(times[-1])
+            yield replace(
+                self, trajectory=part, end_time=end, handoff_times=times, handoff_velocities=speeds
+            )
 
     @cached_property
     def samples(self) -> State:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from escapement import validate
-from escapement.mechanism import FloatArray, checked
+from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import Motion
 from escapement.simulation import LONGEST, simulate, terminal
@@ -54,8 +54,8 @@ class Rundown(Shown):
     @cached_property
     def turns(self) -> FloatArray:
         """Driver turns since the start at the end of each engagement, shape (n,)."""
-        cell = self.escapement.mechanism.cell_angle / (2.0 * math.pi)
-        return np.asarray(cell * np.arange(1, self.times.size + 1))
+        angle = self.escapement.angle_before(np.arange(1, self.times.size + 1))
+        return np.asarray(angle / (2.0 * math.pi))
 
     @property
     def remaining_turns(self) -> FloatArray:
@@ -75,7 +75,7 @@ class Rundown(Shown):
     @property
     def mean_speeds(self) -> FloatArray:
         """Mean driver speed over each engagement [rad/s], shape (n,)."""
-        return self.escapement.mechanism.cell_angle / self.periods
+        return 2.0 * math.pi * np.diff(self.turns, prepend=0.0) / self.periods
 
     @property
     def rate_errors(self) -> FloatArray:
@@ -146,25 +146,26 @@ def rundown(
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    checked(escapement.mechanism)
-    cell, spent = escapement.mechanism.cell_angle, _spent_after(escapement)
+    spent = _spent_after(escapement)
     if turns is not None and duration is not None:
         raise validate.fail("duration", "left out beside turns", duration, "leave one of them out")
-    count = None if duration is not None else _engagements(turns, cell, spent)
+    first = simulate(escapement, 1, initial_speed=initial_speed, rtol=rtol)
+    if first.status is Status.INVALID:
+        none = first.handoff_times
+        return Rundown(escapement, none, math.nan, 0.0, 0.0, first.status, first.message)
+    count = None if duration is not None else _engagements(turns, escapement, spent)
     nominal = terminal(escapement.held, rtol=rtol).period
     motion = simulate(escapement, count, duration=duration, initial_speed=initial_speed, rtol=rtol)
     times, status, message = motion.handoff_times, motion.status, motion.message
     whole = times.size
-    if spent <= (whole + 1) * cell and status in (Status.OK, Status.SPENT):
+    if status in (Status.OK, Status.SPENT):
         # behind a spent spring the driver turns on for a while, of no use to a timer
-        whole = min(whole, int(spent / cell))
-    begin = float(times[whole - 1]) if whole else 0.0
-    end, turned = begin, whole * cell
-    if motion.end_time > begin:
-        speed = float(motion.handoff_velocities[whole - 1]) if whole else initial_speed
-        last = simulate(escapement.after(turned), 1, initial_speed=speed, rtol=rtol)
-        since, angle = _last_stretch(last, motion.end_time - begin, spent - turned)
-        end, turned = begin + since, turned + angle
+        ends = escapement.angle_before(np.arange(1, whole + 1))
+        whole = int(np.searchsorted(ends, spent, side="right"))
+    end = float(times[whole - 1]) if whole else 0.0
+    turned = float(escapement.angle_before(whole))
+    if motion.end_time > end:
+        end, turned = _last_stretch(motion, end, spent)
     if turned >= spent * (1.0 - 1e-12):
         status = Status.SPENT
     turns = turned / (2.0 * math.pi)
@@ -183,32 +184,35 @@ def _spent_after(escapement: Escapement) -> float:
     return float(curve.angle[last + 1])
 
 
-def _engagements(turns: float | None, cell: float, spent: float) -> int:
+def _engagements(turns: float | None, escapement: Escapement, spent: float) -> int:
     """How many engagements to run."""
+    cell = escapement.mechanism.cell_angle
     if turns is None:
         if spent == math.inf:
             rule = "given, as turns or as duration, where the torque does not end"
             raise validate.fail("turns", rule, None, "such a timer runs for ever")
         return min(math.ceil(spent / cell) + 1, MOST)
     turns = validate.positive("turns", turns, "give how often the driver turns")
-    count = math.ceil(turns * 2.0 * math.pi / cell * (1.0 - 1e-12))
+    angle = turns * 2.0 * math.pi * (1.0 - 1e-12)
+    count = math.ceil(angle / cell)
     if count > MOST:
         rule = f"at most {MOST * cell / (2.0 * math.pi):g}, ten million engagements"
         raise validate.fail("turns", rule, turns, "run fewer")
-    return count
+    # an engagement of imperfect parts ends a little before or behind its cell
+    return count + int(escapement.angle_before(count) < angle)
 
 
-def _last_stretch(last: Motion, time: float, spent: float) -> tuple[float, float]:
-    """Time [s] and driver angle [rad] from the last handoff to the end of a run.
+def _last_stretch(motion: Motion, begin: float, spent: float) -> tuple[float, float]:
+    """When a run ends that goes on behind a handoff at `begin` [s], and where [rad].
 
-    `last` is the engagement there; the run ends after a time, or where the spring is spent.
+    It ends with the motion, or where the spring is spent.
     """
-    start, time = last.escapement.mechanism.breaks[0], min(time, last.end_time)
+    start, end = float(motion.at(0.0).theta), motion.end_time
 
-    def angle(since: float) -> float:
-        return float(last.at([since]).theta[0]) - start
+    def angle(t: float) -> float:
+        return float(motion.at(t).theta) - start
 
-    turned = angle(time)
+    turned = angle(end)
     if turned > spent:
-        time, turned = brentq(lambda since: angle(since) - spent, 0.0, time, xtol=1e-300), spent
-    return time, turned
+        end, turned = brentq(lambda t: angle(t) - spent, begin, end, xtol=1e-300), spent
+    return end, turned

@@ -75,7 +75,8 @@ def simulate(
     Motion
         Its `status` tells whether it ran to its end: it is STALL where a load stops it, and
         SPENT where the spring is spent and nothing moves, which is from pin entry on once the
-        driver speed is below a thousandth of sqrt(torque/I_f). `end_time` then is that time.
+        driver speed is below a thousandth of sqrt(torque/I_f), and with viscous drag once the
+        kinetic energy is that of a driver of this speed. `end_time` then is that time.
 
     Raises
     ------

@@ -130,19 +130,6 @@ class TorqueCurve(Shown):
         """The curve with its torque multiplied by a factor."""
         return TorqueCurve(self.angle, [factor * x for x in self.torque], self.periodic)
 
-    def after(self, turned: float) -> TorqueCurve | float:
-        """What is left of the curve after an angle turned [rad]; a torque where it is constant."""
-        if not self.periodic and turned >= self.angle[-1]:
-            return self.torque[-1]
-        lap = turned % self.period if self.periodic else turned
-        points = [*zip(self.angle, self.torque, strict=True)]
-        behind = [(angle - lap, torque) for angle, torque in points if angle > lap]
-        if self.periodic:
-            again = [(angle - lap + self.period, t) for angle, t in points[1:] if angle < lap]
-            behind += [*again, (self.period, float(self(lap)))] if lap > 0.0 else []
-        angles, torques = zip((0.0, float(self(lap))), *behind, strict=True)
-        return TorqueCurve(angles, torques, self.periodic)
-
     @property
     def greatest(self) -> float:
         """Greatest torque [N m]."""

@@ -1,7 +1,9 @@
 """What an engine hands over: the pieces of a motion, and its events."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from itertools import pairwise
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -62,7 +64,10 @@ class Handoffs(Events):
 
 
 class Trajectory(Protocol):
-    """The pieces of a motion, its events, and the driver's state within a piece."""
+    """The pieces of a motion, its events, and the driver's state within them.
+
+    One that is held as a whole inherits the rest from `Held`.
+    """
 
     @property
     def start(self) -> FloatArray:
@@ -88,11 +93,47 @@ class Trajectory(Protocol):
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed, corners at handoffs included."""
 
+    def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Driver angles in the cell [rad] and speeds [rad/s] at times, each within a piece."""
+
+    def around(self, t: FloatArray) -> "Trajectory":
+        """A trajectory with the pieces that hold these times [s], perhaps without others."""
+
+    def parts(self) -> "Iterator[tuple[Trajectory, slice]]":
+        """Trajectories of some engagements each, one after the other, and which these are.
+
+        A short one is its only part.
+        """
+
+
+class Held:
+    """What trajectories share that are held as a whole, and know the states of one piece."""
+
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
+        """Driver angles in the cell [rad] and speeds [rad/s] at times within a piece."""
+        raise NotImplementedError
+
+    def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The same at times, each within a piece of its own."""
+        found = np.empty((2, t.size))
+        # each piece is asked once for all times within it
+        order = np.argsort(pieces, kind="stable")
+        firsts = np.flatnonzero(np.diff(pieces[order], prepend=-1))
+        for first, last in pairwise([*firsts.tolist(), t.size]):
+            chosen = order[first:last]
+            found[:, chosen] = self.state(pieces[chosen[0]], t[chosen])
+        return found[0], found[1]
+
+    def around(self, t: FloatArray) -> Self:
+        """All of it."""
+        return self
+
+    def parts(self) -> Iterator[tuple[Self, slice]]:
+        """All of it."""
+        yield self, slice(None)
 
 
-class NoTrajectory:
+class NoTrajectory(Held):
     """Trajectory of an escapement that has no motion: it consists of no pieces."""
 
     start = sign = np.empty(0)
@@ -100,7 +141,3 @@ class NoTrajectory:
     engagement = np.empty(0, dtype=int)
     reversals = Events(engagement, start, start, start)
     extrema = Extrema(engagement, start, start, start, maximum=np.empty(0, dtype=bool))
-
-    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Raise IndexError: there is no piece to ask for."""
-        raise IndexError(piece)

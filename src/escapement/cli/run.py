@@ -124,7 +124,7 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
     if args.output is not None:
         from escapement.progress import Progress
 
-        shown: dict[str, Any] = {"what": "samples", "log": _log.progress}
+        shown: dict[str, Any] = {"what": "engagements", "log": _log.progress}
         with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
             options = {"units": args.units, "force": args.force, "progress": progress}
             esc.write_motion(motion, args.output, **options)
@@ -158,11 +158,21 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     return found | {
         "handoff_times": motion.handoff_times,
         "handoff_velocities": motion.handoff_velocities,
-        "energy_residual": motion.ledger.residual,
+        "energy_residual": _residual(motion),
         "status": outcome.status.label,
         "message": "; ".join(reasons),
         "engine": motion.engine,
     }
+
+
+def _residual(motion: "esc.Motion") -> float:
+    """What the energy balance leaves, as a share of the work; of a long motion it takes a while."""
+    from escapement.ledger import ledger_of
+    from escapement.progress import Progress
+
+    shown: dict[str, Any] = {"what": "engagements balanced", "log": _log.progress}
+    with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
+        return ledger_of(motion, progress).residual
 
 
 def _settings_of(escapement: Escapement) -> Iterator[_Input]:

@@ -58,7 +58,8 @@ def execute(args: Arguments) -> int:
     _output.draw(args.plot, lambda plots: plots.plot_rundown(run))
     stopped = run.message if run.message != MESSAGES[Status.OK] else ""
     _output.report(args, summarise(run), _KINDS, stopped)
-    return SOME_FAILED if run.status in (Status.PAINLEVE, Status.NOT_CONVERGED) else 0
+    failed = (Status.PAINLEVE, Status.NOT_CONVERGED, Status.INVALID)
+    return SOME_FAILED if run.status in failed else 0
 
 
 def _columns(run: "esc.Rundown") -> tuple[Any, ...]:

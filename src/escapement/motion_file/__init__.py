@@ -9,6 +9,7 @@ dimension scale. Torque and force are in the user's units, all else is in SI.
 import json
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -44,9 +45,12 @@ from escapement.variables import (
 
 CONTENT = "motion"
 """Root attribute `content`, by which a motion is told from a study."""
-_BLOCK = 65536  # samples computed and written at a time, and the length of a chunk
+_BLOCK = 65536  # samples computed and written at a time, and the greatest length of a chunk
+_READ = 1 << 20  # samples read at a time
 Progress = Callable[[int, int, int], None]
-"""Called with the samples written, their number and 0."""
+"""Called with the engagements written, their number and 0."""
+_Lines = dict[str, tuple[tuple[str, str, str], FloatArray]]
+"""Of datasets of one length, by their names: the column, and a stretch of values."""
 
 
 def write_motion(
@@ -59,6 +63,9 @@ def write_motion(
 ) -> None:
     """Write a motion to HDF5, or its samples to CSV where the name ends in .csv.
 
+    A long motion by "energy" is computed while it is written, some engagements at a time, so that
+    memory does not grow with it.
+
     Parameters
     ----------
     motion : Motion
@@ -70,7 +77,7 @@ def write_motion(
     force : bool
         Replace an existing file, once the new one is complete.
     progress : callable, optional
-        Called with the samples written, their number and 0, block by block.
+        Called with the engagements written, their number and 0, block by block.
 
     Raises
     ------
@@ -83,19 +90,18 @@ def write_motion(
     """
     check_target(path, force)
     table = file_format(path, MOTIONS) == ".csv"
-    # HDF5 may crash where memory ends while it has a file
-    blocks = _blocks(motion, motion.t, units, progress)
+    blocks = _blocks(motion, not table, progress)
     if table:
-        write_file(path, _lines(blocks), force)
+        write_file(path, _lines(blocks, units), force)
         return
-    with pending_hdf5(path, force) as (hdf5, _):
+    # HDF5 may crash where memory ends while it has a file; later blocks need no more than the first
+    first = next(blocks)
+    with pending_hdf5(path, force) as (hdf5, disk):
         _write_root(hdf5, motion)
-        _write_samples(hdf5, motion, blocks, units)
-        for owner, prefix, columns in GROUPS:
-            source: Any = getattr(motion, owner) if owner else motion
-            size = getattr(source, next(iter(columns))).size
-            for key, dataset in _create(hdf5, prefix, columns, size, units).items():
-                dataset[...] = values_of(source, key)
+        made: dict[str, Any] = {}
+        for prefix, columns, total in chain([first], blocks):
+            if disk.error is None:
+                _append(hdf5, made, prefix, columns, total, units)
 
 
 def _write_root(hdf5: Any, motion: Motion) -> None:
@@ -116,43 +122,67 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
 
 
 def _blocks(
-    motion: Motion, times: FloatArray, units: str, progress: Progress | None
-) -> Iterator[dict[str, FloatArray]]:
-    """Samples in blocks, so that memory does not grow with the motion."""
-    for start in range(0, times.size, _BLOCK):
-        state = motion.at(times[start : start + _BLOCK])
-        found = {name: (getattr(state, name), SAMPLES[name][0]) for name in SAMPLES}
-        yield {name: x / factor(unit, units) for name, (x, unit) in found.items() if x is not None}
-        if progress is not None:
-            progress(min(start + _BLOCK, times.size), times.size, 0)
+    motion: Motion, whole: bool, progress: Progress | None
+) -> Iterator[tuple[str, _Lines, int | None]]:
+    """Samples and, of a `whole` motion, all else, block by block, so that memory does not grow.
+
+    Beside the prefix and values of some datasets comes their final length, None where not known.
+    """
+    for part in motion.parts():
+        # the end of a part is the start of the next one
+        times = part.t if part.end_time == motion.end_time else part.t[:-1]
+        for start in range(0, times.size, _BLOCK):
+            state = part.at(times[start : start + _BLOCK])
+            found = {name: (SAMPLES[name], getattr(state, name)) for name in SAMPLES}
+            columns = {name: pair for name, pair in found.items() if pair[1] is not None}
+            yield "", columns, times.size if part is motion else None
+            if progress is not None:
+                ends, last = motion.handoff_times, start + _BLOCK >= times.size
+                reached = part.end_time if last else state.t[-1]
+                progress(int(np.searchsorted(ends, reached, side="right")), ends.size, 0)
+        for owner, prefix, names in GROUPS if whole else ():
+            source: Any = getattr(part, owner) if owner else part
+            columns = {key: (column, values_of(source, key)) for key, column in names.items()}
+            size = next(iter(columns.values()))[1].size
+            yield prefix, columns, size if part is motion else None
 
 
-def _lines(blocks: Iterator[dict[str, FloatArray]]) -> Iterator[bytes]:
-    for number, block in enumerate(blocks):
+def _lines(blocks: Iterator[tuple[str, _Lines, int | None]], units: str) -> Iterator[bytes]:
+    for number, (_prefix, columns, _total) in enumerate(blocks):
         if number == 0:
-            yield (",".join(block) + "\n").encode()
-        yield csv_lines(block.values())
+            yield (",".join(columns) + "\n").encode()
+        yield csv_lines([values / factor(c[0], units) for c, values in columns.values()])
 
 
-def _write_samples(
-    hdf5: Any, motion: Motion, blocks: Iterator[dict[str, FloatArray]], units: str
+def _append(
+    hdf5: Any, made: dict[str, Any], prefix: str, columns: _Lines, total: int | None, units: str
 ) -> None:
-    made: dict[str, Any] = {}
-    for number, block in enumerate(blocks):
-        columns = {name: SAMPLES[name] for name in block}
-        made = made or _create(hdf5, "", columns, motion.t.size, units)
-        for name, values in block.items():
-            made[name][number * _BLOCK : number * _BLOCK + values.size] = values
+    """Append values to datasets of one length, which are created first."""
+    names = [prefix + key for key in columns]
+    if names[0] not in made:
+        settings = {key: column for key, (column, _values) in columns.items()}
+        made |= _create(hdf5, prefix, settings, total, units)
+        made[f"filled {names[0]}"] = 0
+    first = made[f"filled {names[0]}"]
+    for name, (column, values) in zip(names, columns.values(), strict=True):
+        if total is None:
+            made[name].resize((first + values.size,))
+        made[name][first : first + values.size] = values / factor(column[0], units)
+    made[f"filled {names[0]}"] = first + values.size
 
 
-def _create(hdf5: Any, prefix: str, columns: Columns, size: int, units: str) -> dict[str, Any]:
-    """Datasets of one length, the first of them the dimension scale of all."""
-    # an empty one has no chunks that could be filtered
-    options = FILTERS | {"chunks": (min(size, _BLOCK),)} if size else {}
+def _create(
+    hdf5: Any, prefix: str, columns: Columns, size: int | None, units: str
+) -> dict[str, Any]:
+    """Datasets of one length, the first of them the dimension scale of all; None lets them grow."""
+    # an empty one has no chunks that could be filtered; the default cache would hold 16 chunks
+    options: dict[str, Any] = FILTERS | {"rdcc_nbytes": 1 << 20}
+    options = {} if size == 0 else options | {"chunks": (min(size or _BLOCK, _BLOCK),)}
     made = {}
     for key, column in columns.items():
-        made[key] = hdf5.create_dataset(prefix + key, (size,), column[2], **options)
-        made[key].attrs.update(attributes_of(key, column, units))
+        name, most = prefix + key, (size,)
+        made[name] = hdf5.create_dataset(name, (size or 0,), column[2], maxshape=most, **options)
+        made[name].attrs.update(attributes_of(key, column, units))
     scale, *rest = made.values()
     scale.make_scale(scale.name.removeprefix("/"))
     for dataset in rest:
@@ -203,31 +233,50 @@ def read_motion(path: str | PathLike[str]) -> Motion:
 def _read(hdf5: Any) -> Motion:
     escapement = parse_plan(configuration_of(hdf5)).escapement(0)
     attributes = {name: kind(hdf5.attrs[name]) for name, kind in ATTRIBUTES.items()}
-    samples = {name: hdf5[name][()] for name in ("t", "theta", "theta_dot")}
     groups = [
         # files of the first versions hold the loss in friction alone
         {key: hdf5[prefix + key][()] for key in columns if key not in LOST or prefix + key in hdf5}
         for _, prefix, columns in GROUPS
     ]
     handoffs, reversals, extrema, pieces = groups
-    t, end = samples["t"], attributes["end_time"]
     # a damaged file may be read without an error of HDF5
-    for columns in (samples, *groups):
-        _check_columns(columns, end)
-    whole = t.size and pieces["start"].size and (np.diff(t) > 0.0).all()
-    if not (whole and t[0] == 0.0 and t[-1] == end):
-        raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s, and have a piece")
+    for columns in groups:
+        _check_columns(columns, attributes["end_time"])
+    theta, speed = _at_starts(hdf5, pieces["start"], attributes["end_time"])
     extrema["maximum"] = extrema["maximum"].astype(bool)
     none = np.zeros_like(pieces["start"])
     pieces["losses"] = np.array([pieces.pop(key, none) for key in LOST])
     pieces |= {"reversals": Events(**reversals), "extrema": Extrema(**extrema)}
     return Motion(
         escapement=escapement,
-        trajectory=SampledTrajectory(escapement, **pieces, **samples),
+        trajectory=SampledTrajectory(escapement, **pieces, theta=theta, theta_dot=speed),
         status=Status[str(hdf5.attrs["status"]).upper()],
         **attributes,
         **handoffs,
     )
+
+
+def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
+    """Driver angles and speeds at the starts of pieces; all samples are read, block by block."""
+    names = "t", "theta", "theta_dot"
+    sizes = [hdf5[name].shape for name in names]
+    found, done, last = np.empty((2, start.size)), 0, -np.inf
+    if not start.size or sizes[0] == (0,) or sizes.count(sizes[0]) < 3 or len(sizes[0]) != 1:
+        raise ValueError("t, theta and theta_dot must be lines of one length, and have a piece")
+    for first in range(0, sizes[0][0], _READ):
+        block = {name: hdf5[name][first : first + _READ] for name in names}
+        _check_columns(block, end)
+        t, *values = block.values()
+        if not (np.diff(t, prepend=last) > 0.0).all() or (first == 0 and t[0] != 0.0):
+            raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s")
+        # a piece of no length may end the motion
+        upto = int(np.searchsorted(start, t[-1], side="right")) if t[-1] < end else start.size
+        sample = np.minimum(np.searchsorted(t, start[done:upto]), t.size - 1)
+        found[:, done:upto] = np.array(values)[:, sample]
+        done, last = upto, t[-1]
+    if last != end:
+        raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s")
+    return found
 
 
 def _check_columns(columns: dict[str, Any], end: float) -> None:

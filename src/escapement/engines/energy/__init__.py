@@ -40,6 +40,7 @@ Files, in the order in which they are best read:
     peaks      the greatest accelerations, contact moment and force on a panel
     rundown    thousands of engagements of a spring, as series over the angle turned
     pieces     events of a motion, and its states at given times
+    trajectory events and states of a motion, of the engagements that are asked for
     simulate   the motion that `escapement.simulate` returns
     cycle      the terminal cycle by Newton's method
     figures    figures of merit of one case, transient included

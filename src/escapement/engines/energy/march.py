@@ -157,7 +157,16 @@ def _pass_over(scene, work, panel, starting, state, request):
         # the linearised viscous drag has no solution on a panel that holds a stop
         way = -w / slope_of_w(scene, panel, side, w)
         if 0.0 < way <= 4.0 * panel.half:
-            return _stops(panel, way, w, time, energy)
+            return _stops(panel, way, w, 0.0, time, energy)
+    if is_viscous(scene) and not energy > scene.rho * REST and is_spent(panel.left, scene):
+        # see `dynamics.rest_speed`
+        excess = state.energy - scene.rho * REST
+        if excess <= 0.0:
+            return _stops(panel, 0.0, w, w, time, energy)
+        if panel.half <= SHORTEST_STOP:
+            way = 2.0 * panel.half * excess / (state.energy - energy)
+            return _stops(panel, way, w, w, time, energy)
+        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     # the map alone needs no values inside, unless the right end shows a reversal or a stop
     if split or (request.detail == Detail.MAP and (right > 0.0 or panel.locked) and w_right > 0.0):
         return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
@@ -173,7 +182,8 @@ def _pass_over(scene, work, panel, starting, state, request):
         against = sampling.clearly_against(work)
     if stopped > 0 or not w_right > 0.0:
         if (against == 0 or panel.locked) and panel.half <= SHORTEST_STOP:
-            return _stops(panel, -w / slope_of_w(scene, panel, side, w), w, time, energy)
+            way = -w / slope_of_w(scene, panel, side, w)
+            return _stops(panel, way, w, 0.0, time, energy)
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
     if not panel.locked and (against > 0 or right <= 0.0):
@@ -189,12 +199,13 @@ def _pass_over(scene, work, panel, starting, state, request):
 
 
 @inner_jit(inlined=True)
-def _stops(panel, way, w, time, energy):
+def _stops(panel, way, w, after, time, energy):
     """The passage to a stop, which lies a short way behind the left end of a panel.
 
-    With constant deceleration w falls linearly to zero, and the time is 2 way/sqrt(w).
+    With constant deceleration w changes linearly to its value `after`, and the time is the way
+    over the mean speed.
     """
-    time += 2.0 * way / np.sqrt(w)
+    time += 2.0 * way / (np.sqrt(w) + np.sqrt(after))
     return Passage(
         False, True, panel.left + way, energy, w, 1.0, time, NOWHERE, np.int64(0), 1.0
     )  # fmt: skip

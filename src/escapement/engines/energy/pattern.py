@@ -10,11 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.drive import is_constant, is_spent
 from escapement.dynamics import left_by_blow
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.cycle import NO_LOSS
 from escapement.engines.energy.events import EVENT, NO_EVENTS
-from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, PAINLEVE
+from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, Store, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit, jit
@@ -72,10 +73,10 @@ class Round(NamedTuple):
 
 
 @inner_jit(allocates=True, inlined=True)
-def _scene(shared, meeting):
-    """The scene of an engagement."""
-    path = path_in(meeting)
-    return Scene(path, meeting.edges[: meeting.used], meeting.dwell, *shared[3:])
+def scene_in(shared, meeting, turned=0.0):
+    """The scene of an engagement, after a driver angle turned."""
+    path, edges = path_in(meeting), meeting.edges[: meeting.used]
+    return Scene(path, edges, meeting.dwell, shared[3], turned, *shared[5:])
 
 
 @inner_jit(allocates=True)
@@ -97,11 +98,11 @@ def case_of(addresses, shared, none, meetings, store, counts, events):
     shares, slopes, gains = np.ones(size), np.empty(size), np.empty(size)
     status = OK
     for k in range(size):
-        scene, following = _scene(shared, meetings[k]), meetings[(k + 1) % size]
+        scene, following = scene_in(shared, meetings[k]), meetings[(k + 1) % size]
         if beyond_painleve(scene):
             status = PAINLEVE
         if following.kind == Handoff.STRIKE:
-            shares[k] = left_by_blow(_scene(shared, following))
+            shares[k] = left_by_blow(scene_in(shared, following))
         g_in = transmission_at(scene.path, scene.edges[0])[0]
         g_out = transmission_at(scene.path, scene.edges[-1])[0] if scene.dwell == 0.0 else 0.0
         gains[k] = shares[k] * shares[k] / (scene.rho + g_out * g_out)
@@ -110,15 +111,26 @@ def case_of(addresses, shared, none, meetings, store, counts, events):
     return case, status
 
 
+@inner_jit(allocates=True)
+def begins_of(meetings):
+    """Driver angles from the start of the pattern to each of its engagements, and to its end."""
+    begins = np.zeros(meetings.size + 1)
+    for k in range(meetings.size):
+        meeting = meetings[k]
+        cell = meeting.edges[meeting.used - 1] - meeting.edges[0] + meeting.dwell
+        begins[k + 1] = begins[k] + cell
+    return begins
+
+
 @inner_jit
-def engage(case, place, w, rising, request):
+def engage(case, place, w, rising, request, turned=0.0):
     """March over one engagement of the pattern, and make the extrema it notes exact."""
     chains = case.counts.size
     chain = place % chains
     count = case.counts[chain] if case.meetings.size == chains else NO_PANELS
     rows = case.store.panels[chain * MAX_PANELS : (chain + 1) * MAX_PANELS]
     store = Store(rows, case.store.workspace)
-    scene = _scene(case.shared, case.meetings[place])
+    scene = scene_in(case.shared, case.meetings[place], turned)
     found = march(
         case.addresses, scene, case.none, store, count, request, w, rising, case.events, NO_EVENTS
     )
@@ -137,12 +149,16 @@ def pattern_handoffs(addresses, shared, none, meetings, w, limit, rtol, clock, t
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.TIME), loose, strict)
     size, time, carry, slope, start, began = meetings.size, 0.0, 0.0, 0.0, w, 0.0
+    begins, constant = begins_of(meetings), is_constant(scene_in(shared, meetings[0]))
     for k in range(times.size):
         place = k % size
-        found = engage(case, place, w, 0.0, request)
+        turned = 0.0 if constant else k // size * begins[size] + begins[place]
+        found = engage(case, place, w, 0.0, request, turned)
         if found.status != OK:
             times[k] = (time + found.time) * clock
-            return found.status, k, found.angle
+            here = scene_in(shared, meetings[place], turned)
+            spent = found.status == STALL and is_spent(found.angle, here)
+            return SPENT if spent else found.status, k, found.angle
         w = found.w * case.shares[place] ** 2
         slope += case.slopes[place] - found.exponent
         # Kahan's sum: the rounding errors of a million engagements must not add up
@@ -153,7 +169,7 @@ def pattern_handoffs(addresses, shared, none, meetings, w, limit, rtol, clock, t
         times[k], speeds[k] = time * clock, np.sqrt(w) / clock
         if time >= limit:
             return OK, k + 1, 0.0
-        if place == size - 1:
+        if constant and place == size - 1:
             # see `handoffs.handoffs`: where the changes still to come are negligible, the pattern
             # repeats itself
             gap = -np.expm1(slope)

@@ -5,24 +5,27 @@ panels of its own, fine enough for interpolation, and time as a function of the 
 inverted. The figures of merit need none of this.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import cell_after, cell_of, is_constant, next_knot
-from escapement.dynamics import LOSSES, losses_per_angle, scene_of
+from escapement.drive import cell_after, next_knot
+from escapement.dynamics import LOSSES, left_by_blow, losses_per_angle, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
 from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
-from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.pattern import scene_in
 from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import slope_of_w, solve_side
 from escapement.jit import inner_jit, jit
+from escapement.mechanism import FloatArray
+from escapement.mechanisms.pattern import Handoff
 from escapement.mechanisms.slotted import transmission_at
 from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
@@ -34,8 +37,8 @@ MOTION_EVENT = record_dtype(
         **dict.fromkeys(("angle", "time", "w", "side"), NUMBER),
     }
 )
-"""An event of a motion: driver angle from dead centre, time from the start, and w; at an entry
-also s, and 0 elsewhere."""
+"""An event of a motion: driver angle from dead centre, time since the entry, infinite at the end of
+the cell, and w; at an entry also s, and 0 elsewhere."""
 
 ONE = np.int64(1)
 # One engagement gets memory for so many events, and for four more at every edge.
@@ -64,50 +67,57 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, first, starts, squares, rising, rtol):
-    """All events of the engagements that start at the times `starts` with the w of `squares`.
+def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares, rtol):
+    """All events of the engagements `numbers`, ascending, which start with the w of `squares`.
 
-    `first` is the number of the first of these engagements; `addresses`, `scene_tuple` and
-    `cells` are as `calls.prepared` gives them, `rising` is the sign of theta_ddot before the
-    first entry, 0 where nothing came before.
+    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them; `turned` are the
+    values of `Scene.turned`. `meetings` is the pattern of imperfect parts, of length 0 for perfect
+    ones. Each engagement gets panels of its own, so that its events do not depend on the others.
 
     Returns
     -------
     events : ndarray of MOTION_EVENT
         The events of each engagement in turn; its entry comes first.
-    rising : sign of theta_ddot at the end.
     """
-    scene = scene_of(scene_tuple)
+    common, size = scene_of(scene_tuple), meetings.size
     loose, strict = panels.tolerances(rtol)
     request = Request(np.int64(Detail.EVERYTHING), loose, strict)
     store = panels.new_store(panels.MAX_PANELS)
-    events = np.empty(_ROOM + 4 * scene.edges.size + MOST_KNOTS, EVENT)
-    table = np.empty(8 * starts.size + 64, MOTION_EVENT)
-    count, filled = panels.NO_PANELS, NO_EVENTS
-    for k in range(starts.size):
-        w, start = squares[k], starts[k]
-        if not is_constant(scene):
-            scene = cell_after((first + k) * cell_of(scene), scene)
+    events = np.empty(_ROOM + 4 * common.edges.size + MOST_KNOTS, EVENT)
+    table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
+    filled, rising = NO_EVENTS, 0.0
+    for i in range(numbers.size):
+        k, w, scene = numbers[i], squares[i], cell_after(turned[i], common)
+        if i == 0 or numbers[i - 1] != k - 1:
+            rising = 0.0  # what came before is not known
+        if size > 0:
+            scene = scene_in(common, meetings[k % size], turned[i])
+            if k > 0 and meetings[k % size].kind == Handoff.STRIKE:
+                # the speed falls at once, from a maximum if it rose
+                if rising > 0.0:
+                    before, kind = meetings[(k - 1) % size], np.int64(EventKind.MAXIMUM)
+                    end = before.edges[before.used - 1] + before.dwell
+                    high = w / left_by_blow(scene) ** 2
+                    filled = _append(table, filled, k - 1, kind, end, np.inf, high, 0.0)
+                rising = -1.0
+        count = panels.NO_PANELS
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
-        count, rising, used = found.panels, found.rising, found.used
-        if filled + used + 1 > table.shape[0]:
+        rising, used = found.rising, found.used
+        if filled + used + 2 > table.shape[0]:
             larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
             _copy(table, larger, filled)
             table = larger
         # the march returns s at the exit, and every reversal has changed its sign
         side = _side_at_entry(found.side, events, used)
         kind = np.int64(EventKind.ENTRY)
-        filled = _append(table, filled, k, kind, scene.edges[0], start, w, side)
-        for i in range(used):
-            refine(addresses, scene, store, events, i)
-            event = events[i]
-            time = start + event.time
-            filled = _append(table, filled, k, event.kind, event.angle, time, event.w, 0.0)
-        if found.status != OK:
-            break
+        filled = _append(table, filled, k, kind, scene.edges[0], 0.0, w, side)
+        for j in range(used):
+            refine(addresses, scene, store, events, j)
+            event = events[j]
+            filled = _append(table, filled, k, event.kind, event.angle, event.time, event.w, 0.0)
     happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
-    return happened, rising
+    return happened
 
 
 @inner_jit
@@ -129,23 +139,36 @@ class Stretch(NamedTuple):
 
 
 @jit(allocates=True)
-def states_in(scene, left, end, w, side, rtol, times, theta, squares, losses, peaks):
-    """Fill driver angles and w at times since the start of one piece.
+def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks):
+    """Fill driver angles and w at times since the start of each piece, one piece after the other.
 
     Parameters
     ----------
-    left, end : driver angles where the piece starts and ends.
-    w, side : w at its start, and s, which is 0 in a dwell.
+    pieces : rows of s, 0 in a dwell, driver angles of start and end, w, and `Scene.turned`.
+    counts : how many of the times belong to each piece.
     times : since the start; later ones than the end of the piece give the state at its end.
     theta, squares : results, angles and w, as long as `times`.
-    losses : result, the work lost over the piece in each of `dynamics.LOSSES`.
-    peaks : result, the greatest magnitude over the piece of each of `peaks.PEAKS`; of length 0
+    losses : result, a row for each piece: the work lost in each of `dynamics.LOSSES`.
+    peaks : result, rows as well: the greatest magnitude of each of `peaks.PEAKS`, of length 0
         where they are not wanted.
     """
+    first, store, ends = 0, panels.new_store(ONE), np.empty(_HALVINGS)
+    for i in range(len(pieces)):
+        side, left, end, w, turned = pieces[i]
+        here, last = cell_after(turned, scene), first + counts[i]
+        _states_in(
+            here, store, ends, (left, end, w, side), rtol, times[first:last], theta[first:last],
+            squares[first:last], losses[i], peaks[i],
+        )  # fmt: skip
+        first = last
+
+
+@inner_jit(allocates=True)
+def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, peaks):
+    """As `states_of`, of one piece; `store` and `ends` are memory."""
+    left, end, w, side = piece
     _loose, strict = panels.tolerances(rtol)
-    store = panels.new_store(ONE)
     store.panels[panels.FIRST_PANEL].locked = side == 0.0
-    ends = np.empty(_HALVINGS)
     waiting = 0
     part = Stretch(left, _next(scene, left, end), 0.0, w)
     losses[:] = 0.0
@@ -245,30 +268,43 @@ def _read_short(part, length, after, end, times, theta, squares):
 
 
 def follow(
-    scene: Scene, start: tuple[float, float, float], end: float, times: np.ndarray, rtol: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Driver angles and squared speeds at times since the start of a piece; natural units.
+    scenes: Sequence[Scene],
+    places: np.ndarray,
+    pieces: FloatArray,
+    owners: np.ndarray,
+    since: FloatArray,
+    rtol: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Driver angles and squared speeds at times since the start of pieces; natural units.
 
     Parameters
     ----------
-    scene : Scene
-    start : (float, float, float)
-        Driver angle [rad], squared speed and side of the slot, 0 in a dwell.
-    end : float
-        Driver angle where the piece ends at the latest [rad].
-    times : ndarray, shape (n,)
-        Since the start.
+    scenes : sequence of Scene
+        Those of the engagements after which all repeats itself.
+    places : ndarray of int, shape (n,)
+        Of each piece, which of them is its own.
+    pieces : ndarray, shape (n, 5)
+        As for `states_of`.
+    owners : ndarray of int, shape (m,)
+        The piece of each time.
+    since : ndarray, shape (m,)
+        Times since the starts of the pieces.
     rtol : float
         Relative error allowed.
 
     Returns
     -------
-    theta, squares : ndarray, shape (n,)
-    """
-    angle, w, side = start
-    theta, squares = np.empty_like(times), np.empty_like(times)
-    losses = np.empty(len(LOSSES))
-    states_in(scene, angle, end, w, side, rtol, times, theta, squares, losses, np.empty(0))
+    theta, squares : ndarray, shape (m,)
+    """  # fmt: skip
+    theta, squares = np.empty(owners.size), np.empty(owners.size)
+    order = np.argsort(owners, kind="stable")
+    for k in np.unique(places[owners]):
+        here = order[places[owners[order]] == k]
+        which, counts = np.unique(owners[here], return_counts=True)
+        found, none = np.empty((2, here.size)), np.empty((which.size, 0))
+        lost = np.empty((which.size, len(LOSSES)))
+        states_of(scenes[k], pieces[which], counts, since[here], rtol, *found, lost, none)
+        theta[here], squares[here] = found
     return theta, squares
 
 

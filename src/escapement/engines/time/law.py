@@ -71,6 +71,10 @@ class Law:
         """Driver acceleration while the given side of the slot carries the force."""
         return float(self.tabulate(np.array([theta]), np.array([speed**2]), side)[0][0])
 
+    def rest(self, theta: float, side: float) -> float:
+        """Driver speed at which a motion counts as at rest."""
+        return float(dynamics.rest_speed(theta, side, self.scene))
+
     def turned(self, theta: Any) -> Any:
         """Driver angle turned since the start of the motion, at one in the cell."""
         return self.scene.turned + (theta - self.scene.edges[0])

@@ -155,6 +155,10 @@ class _Problem:
         angle, w = self.task.anchor + y[0], (self.unit * y[1]) ** 2
         return self.law.force(angle, w, self.task.sign)
 
+    def pace(self, y: FloatArray) -> float:
+        """Speed above that at which the driver counts as at rest."""
+        return float(y[1] - self.law.rest(self.task.anchor + y[0], self.task.sign) / self.unit)
+
     def events(self) -> Any:
         """Arrival, reversal and stop as events of solve_ivp; the first one counts the steps."""
         steps, way, sign = 0, self.task.end - self.task.anchor, self.task.sign
@@ -171,7 +175,7 @@ class _Problem:
             return sign or 1.0 if x == 0.0 else self.force(y)
 
         def stop(x: float, y: FloatArray, *_: Any) -> float:
-            return float(y[1])
+            return self.pace(y)
 
         events: Any = (arrive, reverse, stop)
         for event, direction in zip(events, (1.0, -sign, -1.0), strict=True):
@@ -270,11 +274,10 @@ class _Problem:
         if ending is Ending.ARRIVED:
             return float((self.task.end - self.task.anchor - y[0]) / y[1])
         rates = slope(0.0, y, *self.arguments)
-        if ending is Ending.STOPPED:
-            return float(-y[1] / rates[1])
-        force = self.force(y)
-        growth = (self.force(y + _NUDGE * rates) - force) / _NUDGE
-        return -force / growth if growth else np.inf
+        vanishes = self.pace if ending is Ending.STOPPED else self.force
+        value = vanishes(y)
+        growth = (vanishes(y + _NUDGE * rates) - value) / _NUDGE
+        return -value / growth if growth else np.inf
 
 
 def _too_many_steps(method: str) -> str:

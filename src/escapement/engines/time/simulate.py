@@ -17,13 +17,13 @@ from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
-from escapement.mechanism import FloatArray, Mechanism
+from escapement.mechanism import FloatArray
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model import Escapement
 from escapement.motion import Motion, no_motion, stall_message
 from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status
-from escapement.trajectory import Events, Extrema
+from escapement.trajectory import Events, Extrema, Held
 
 _SHARPER = 0.05
 """Local tolerance over the one asked for: errors add up over a motion, and the energy ledger
@@ -63,7 +63,7 @@ class Event(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SolvedTrajectory:
+class SolvedTrajectory(Held):
     """The pieces and events of a motion in SI; see `escapement.trajectory.Trajectory`."""
 
     clock: float
@@ -99,7 +99,7 @@ class _Simulation:
     trend : sign of the latest driver acceleration, by which extrema at corners are found.
     """
 
-    mechanism: Mechanism
+    escapement: Escapement
     laws: list[Law]
     cells: list[list[Span]]
     shares: list[float]
@@ -129,8 +129,7 @@ class _Simulation:
         while self.engagement != engagements:
             place = self.engagement % len(self.laws)
             self.spans = self.cells[place]
-            if self.drive.is_steady:
-                self.drive = self.law = self.laws[place]
+            self.drive = self.law = self.laws[place]
             self.theta, self.side = float(self.law.scene.edges[0]), 0.0
             for span in self.spans if self.drive.is_steady else self._between_knots():
                 self._pass(span)
@@ -146,7 +145,7 @@ class _Simulation:
 
     def _between_knots(self) -> Iterator[Span]:
         """The spans of this cell, cut at knots of the torque; each comes with its own law."""
-        self.drive = self.drive.after(self.engagement * self.mechanism.cell_angle)
+        self.drive = self.drive.after(self.escapement.turned_before(self.engagement))
         start, scene = self.theta, self.drive.scene
         self.stalled = bool(self.speed**2 <= REST and is_spent(start, scene))
         for span in self.spans:
@@ -163,7 +162,7 @@ class _Simulation:
             # the force vanishes on the break before, as behind a spent spring at dead centre
             self._note_reversal()
         while self.theta < span.end and not self.over:
-            at_rest = self.speed <= 0.0
+            at_rest = self.speed <= self.law.rest(self.theta, sign)
             if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
                 # stall: the drive does not carry the load
                 self.stalled = True
@@ -248,7 +247,7 @@ def simulate(
     max_step: float,
 ) -> Motion:
     """Motion by solve_ivp; arguments are validated by `escapement.simulate`."""
-    mechanism, clock, torque = escapement.mechanism, escapement.time_unit, escapement.torque_unit
+    clock, torque = escapement.time_unit, escapement.torque_unit
     if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "ivp", rtol)
     laws, end_time = Law.all_of(escapement), np.inf if duration is None else duration / clock
@@ -266,7 +265,7 @@ def simulate(
         left_by_blow(law.scene) if blow else 1.0 for law, blow in zip(laws, struck, strict=True)
     ]
     start = laws[0], laws[0], options, end_time, initial_speed * clock
-    run = _Simulation(mechanism, laws, spans, shares, *start)
+    run = _Simulation(escapement, laws, spans, shares, *start)
     status, message = Status.OK, MESSAGES[Status.OK]
     try:
         run.run(engagements)

@@ -1,0 +1,224 @@
+"""The pieces and events of a motion, computed from its handoffs when they are asked for.
+
+Each engagement is computed from the w at its start, for itself, so that a few states of a long
+motion cost a few engagements.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.dynamics import LOSSES
+from escapement.engines.energy.calls import prepared
+from escapement.engines.energy.cells import NO_CELLS
+from escapement.engines.energy.events import EventKind
+from escapement.engines.energy.peaks import PEAKS
+from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
+from escapement.mechanism import FloatArray
+from escapement.mechanisms.pattern import MEETING
+from escapement.model import Escapement
+from escapement.trajectory import Events, Extrema
+
+_NO_PATTERN = np.empty(0, MEETING)
+# Events are computed for so many engagements in one call of a kernel, and Ctrl-C is heard
+# between two calls.
+_AT_ONCE = 1 << 15
+# The engagements of a part of a long motion; the events of a part are kept.
+_PART = 512
+_STOPS = [EventKind.ENTRY, EventKind.REVERSAL, EventKind.EXIT, EventKind.BREAK]
+
+
+class Pieces(NamedTuple):
+    """Pieces of a motion: arrays with a number, and `rows` with a row, for each.
+
+    start : time [s]. engagement : its number. place : that in the pattern of imperfect parts.
+    rows : as `pieces.states_of` takes them, in natural units.
+    """
+
+    start: FloatArray
+    engagement: np.ndarray
+    place: np.ndarray
+    rows: FloatArray
+
+
+@dataclass
+class EnergyTrajectory:
+    """Handoffs of a motion, and the pieces and events that follow from them.
+
+    initial_speed : driver speed at the first entry [rad/s].
+    times, speeds : of the handoffs [s, rad/s]; each of the first `turns` starts an engagement.
+    end_time : time at which the motion ends [s].
+    numbers : the engagements that it is about, ascending; all where they are left out.
+    """
+
+    escapement: Escapement
+    rtol: float
+    initial_speed: float
+    times: FloatArray
+    speeds: FloatArray
+    turns: int
+    end_time: float
+    numbers: Any = None
+
+    def __post_init__(self) -> None:
+        if self.numbers is None:
+            self.numbers = np.arange(self.turns + 1)
+
+    def around(self, t: FloatArray) -> "EnergyTrajectory":
+        """A trajectory of the engagements alone that hold these times [s]."""
+        if self.numbers.size <= _PART:
+            return self
+        held = np.searchsorted(self.times[: self.turns], t, side="right")
+        return replace(self, numbers=np.unique(held))
+
+    def parts(self) -> "Iterator[tuple[EnergyTrajectory, slice]]":
+        """Trajectories of some engagements each, one after the other, and which these are."""
+        if self.numbers.size <= _PART:
+            yield self, slice(None)
+            return
+        for first in range(0, self.numbers.size, _PART):
+            some = slice(first, first + _PART)
+            yield replace(self, numbers=self.numbers[some]), some
+
+    def _entries(self, numbers: np.ndarray) -> tuple[FloatArray, FloatArray]:
+        """When engagements begin [s], and with what speed [rad/s]."""
+        before, first = np.maximum(numbers - 1, 0), numbers == 0
+        times = np.where(first, 0.0, self.times[before])
+        return times, np.where(first, self.initial_speed, self.speeds[before])
+
+    @cached_property
+    def _events(self) -> np.ndarray:
+        """Every event, an array of `pieces.MOTION_EVENT` whose times are those of the motion [s].
+
+        Angles and w are in natural units.
+        """
+        # a handoff is an extremum if theta_ddot changes its sign there, which needs the sign
+        # before it; and before a blow there may be a maximum
+        numbers = wanted = self.numbers
+        if wanted.size <= self.turns:
+            numbers = np.unique(np.concatenate([wanted - 1, wanted, wanted + 1]))
+            numbers = numbers[(numbers >= 0) & (numbers <= self.turns)]
+        tables = [
+            self._events_in(numbers[first : first + _AT_ONCE])
+            for first in range(0, numbers.size, _AT_ONCE)
+        ]
+        found = np.concatenate(tables)
+        return found if numbers.size == wanted.size else found[np.isin(found["engagement"], wanted)]
+
+    def _events_in(self, numbers: np.ndarray) -> np.ndarray:
+        """The events of some engagements."""
+        escapement, clock = self.escapement, self.escapement.time_unit
+        start, speed = self._entries(numbers)
+        pattern, (addresses, scene, cells) = _NO_PATTERN, prepared(escapement)
+        if len(escapement.scenes) > 1:
+            mechanism: Any = escapement.mechanism
+            pattern, cells = mechanism.pattern, NO_CELLS
+        turned = np.broadcast_to(escapement.turned_before(numbers), numbers.shape).astype(float)
+        table = events_of(
+            addresses, scene, cells, pattern, numbers, turned, (speed * clock) ** 2, self.rtol
+        )  # fmt: skip
+        owner = np.searchsorted(numbers, table["engagement"])
+        time, after = start[owner] + table["time"] * clock, np.minimum(numbers + 1, self.turns)
+        ends = np.where(numbers < self.turns, self._entries(after)[0], np.inf)
+        # no rounding may put an event before the last one, or into the next engagement
+        table["time"] = np.maximum.accumulate(np.minimum(time, ends[owner]))
+        return np.asarray(table[table["time"] <= self.end_time])
+
+    @cached_property
+    def _pieces(self) -> Pieces:
+        """Its pieces; s is 0 in a dwell."""
+        found = self._events[np.isin(self._events["kind"], _STOPS)]
+        engagement, kind, angle, time, w, side = (found[name] for name in MOTION_EVENT.names or ())
+        entry = kind == EventKind.ENTRY
+        first = np.flatnonzero(entry)[np.cumsum(entry) - 1]
+        turns, leaves = (np.cumsum(kind == k) for k in (EventKind.REVERSAL, EventKind.EXIT))
+        turns, leaves = turns - turns[first], leaves - leaves[first]
+        side = np.where(leaves > 0, 0.0, side[first] * (1 - 2 * (turns % 2)))
+        scenes, place = self.escapement.scenes, engagement % len(self.escapement.scenes)
+        # a piece ends where the next one of its engagement begins, or at the end of the cell,
+        # where the follower, and then the driver, has come to the next pin's entry
+        ends = np.array([float(scene.edges[-1] + scene.dwell) for scene in scenes])[place]
+        ends[:-1] = np.where(entry[1:], ends[:-1], angle[1:])
+        turned = np.broadcast_to(self.escapement.turned_before(engagement), angle.shape)
+        return Pieces(time, engagement, place, np.column_stack([side, angle, ends, w, turned]))
+
+    @property
+    def start(self) -> FloatArray:
+        """Start time of each piece [s]."""
+        return self._pieces.start
+
+    @property
+    def engagement(self) -> np.ndarray:
+        """Engagement of each piece."""
+        return self._pieces.engagement
+
+    @property
+    def sign(self) -> FloatArray:
+        """s in each piece, or 0 while the follower is locked."""
+        return self._pieces.rows[:, 0]
+
+    @cached_property
+    def losses(self) -> FloatArray:
+        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
+        return self._read_through(0)[0].T * self.escapement.torque_unit
+
+    @cached_property
+    def peaks(self) -> FloatArray:
+        """Greatest magnitudes over each piece, as `peaks.PEAKS` names them, in SI; shape (4, n).
+
+        The force is that of a crank of 1 m.
+        """
+        torque, rate = self.escapement.torque_unit, self.escapement.time_unit**-2.0
+        scale = np.array([rate, rate, torque, torque])
+        return np.asarray((self._read_through(len(PEAKS))[1] * scale).T)
+
+    def _read_through(self, wanted: int) -> tuple[FloatArray, FloatArray]:
+        """Losses of each piece in natural units, and so many of its peaks."""
+        _start, _engagement, place, rows = self._pieces
+        if len(rows) and self.numbers[-1] == self.turns:
+            # the last piece ends where the motion does
+            rows = rows.copy()
+            rows[-1, 2] = self.states(np.array([len(rows) - 1]), np.array([self.end_time]))[0][0]
+        # a motion that has settled repeats its pieces, of which each is solved once
+        which, distinct = np.arange(len(rows)), np.column_stack([place, rows])
+        if self.escapement.curve is None:
+            distinct, which = np.unique(distinct, axis=0, return_inverse=True)
+        lost, peaks = np.zeros((len(distinct), len(LOSSES))), np.zeros((len(distinct), wanted))
+        for k, scene in enumerate(self.escapement.scenes):
+            here = np.flatnonzero(distinct[:, 0] == k)
+            some, tops, none = lost[here], peaks[here], np.empty(0)
+            count = np.zeros(here.size, np.int64)
+            own = distinct[here, 1:]
+            states_of(scene, own, count, none, self.rtol, none, none, some, tops)
+            lost[here], peaks[here] = some, tops
+        return lost[which.reshape(-1)], peaks[which.reshape(-1)]
+
+    @cached_property
+    def reversals(self) -> Events:
+        """Every pin reversal."""
+        return Events(*self._select(self._events["kind"] == EventKind.REVERSAL))
+
+    @cached_property
+    def extrema(self) -> Extrema:
+        """Every extremum of the driver speed."""
+        kinds = self._events["kind"]
+        chosen = (kinds == EventKind.MINIMUM) | (kinds == EventKind.MAXIMUM)
+        return Extrema(*self._select(chosen), maximum=kinds[chosen] == EventKind.MAXIMUM)
+
+    def _select(self, chosen: np.ndarray) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
+        events, clock = self._events[chosen], self.escapement.time_unit
+        engagement = events["engagement"]
+        late = np.array([meeting.late for meeting in self.escapement.meetings])
+        theta = events["angle"] + engagement * self.escapement.mechanism.cell_angle
+        theta += late[engagement % late.size]
+        return engagement, events["time"], theta, np.sqrt(events["w"]) / clock
+
+    def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Driver angles in the cell [rad] and speeds [rad/s] at times, each within a piece."""
+        clock, (start, _engagement, place, rows) = self.escapement.time_unit, self._pieces
+        since = np.maximum(t - start[pieces], 0.0) / clock
+        theta, squares = follow(self.escapement.scenes, place, rows, pieces, since, self.rtol)
+        return theta, np.sqrt(squares) / clock
