@@ -40,7 +40,7 @@ def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
         theta += 1e-9  # not left to rounding which engagement a handoff belongs to
     ax = plots.plot_mechanism(drive, theta, Figure().add_subplot())
     pin = complex(*by_id(ax, f"pin-{engagement % drive.pins}").center)
-    slot = by_id(ax, f"slot-{-engagement % drive.slots}")
+    slot = by_id(ax, f"slot-{engagement % drive.slots}")
     ends = slot.get_xdata() + 1j * slot.get_ydata()
     along = (ends[1] - ends[0]) / abs(ends[1] - ends[0])
     assert abs(((pin - ends[0]) * along.conjugate()).imag) < 1e-12

@@ -1,5 +1,8 @@
 """What is measured against theory: readings of encoders (Prikhodko 2020), and beats."""
 
+from escapement.measurement.beat_spectrum import BeatLine as BeatLine
+from escapement.measurement.beat_spectrum import BeatSpectrum as BeatSpectrum
+from escapement.measurement.beat_spectrum import beat_spectrum as beat_spectrum
 from escapement.measurement.beats import BeatFit as BeatFit
 from escapement.measurement.beats import fit_beats as fit_beats
 from escapement.measurement.comparison import Measurement as Measurement

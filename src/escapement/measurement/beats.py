@@ -191,7 +191,9 @@ def _fitted(escapement: Escapement, rounds: Rounds, pins: bool, slots: bool) -> 
     """The fits from all starts that come near the best, which is the first."""
     some = starts(escapement, pins, slots, rounds.means)
     rough = sorted((_improved(*one, rounds, _ROUGH) for one in some), key=_Trial.left)
-    near = [one for one in rough if one.cost <= _NEAR * rough[0].cost]
+    # where there are as many unknowns as beats, any start may lead to errors that explain them
+    many = rough[0].unknowns.size < rounds.pattern
+    near = [one for one in rough if not many or one.cost <= _NEAR * rough[0].cost]
     return sorted((_improved(*one[:2], rounds, _EXACT) for one in near), key=_Trial.left)
 
 

@@ -17,6 +17,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -135,6 +136,16 @@ class Parts:
         return unknowns, computed
 
 
+def _orders(parts: Parts, unknowns: FloatArray) -> Iterator[tuple[Parts, FloatArray]]:
+    """Starts for pins alone without a dwell, where beats bend as pins come nearer or part."""
+    size, count = np.abs(unknowns[1:]).max(initial=_PIN), parts.wheel.pins or 1
+    for nearer in product((True, False), repeat=count):
+        if 0 < sum(nearer) < count:
+            apart = np.where(nearer, -1.0 / sum(nearer), 1.0 / (count - sum(nearer)))
+            late = size * np.cumsum(apart)
+            yield parts, np.concatenate([unknowns[:1], late[:-1] - late[-1]])
+
+
 def starts(
     escapement: Escapement, pins: bool, slots: bool, means: FloatArray
 ) -> Iterator[tuple[Parts, FloatArray]]:
@@ -167,9 +178,9 @@ def starts(
     if pins:
         unknowns[1 : first.blows.start] = found[1:count] - found[0]
     if not slots:
-        # a pin acts in two ways as it comes late or early
-        for way in (1.0, 0.0, -1.0):
-            yield first, np.concatenate([[rate], way * unknowns[1:]])
+        yield first, unknowns
+        if first.wheel.continuous:
+            yield from _orders(first, unknowns)
         return
     struck = found[-many:] - found[-many:].min()
     for last in np.argsort(struck)[: _LAST if first.size < means.size else many]:
