@@ -5,7 +5,7 @@
 A wheel with five slots and three pins has the angle errors below. Its beats get normal noise, and
 `escapement.fit_beats` is asked for the errors, as many times as there are seeds. The noise is read
 in two ways: a tenth of the time in which the driver turns by the root mean square of the errors,
-and a tenth of the root mean square by which the errors change a beat, some six times as much,
+and a tenth of the root mean square by which the errors change a beat, some ten times as much,
 because a step of slots acts by its root. A round is a pattern of fifteen beats, five turns of the
 driver. For every part the table has the share of seeds with the true value in the 95 % interval,
 and the half width over the size of the error.
@@ -31,9 +31,7 @@ ROUNDS = {"of the errors": (1, 4), "of the change of beats": (1, 10, 40)}
 
 def beats_and_noise():
     """Beats of one pattern with the errors [s], and the standard deviation of either noise."""
-    wheel = replace(
-        DESIGN.mechanism, pin_angle_errors=tuple(PINS), slot_angle_errors=tuple(SLOTS)
-    )
+    wheel = replace(DESIGN.mechanism, pin_angle_errors=tuple(PINS), slot_angle_errors=tuple(SLOTS))
     cycle = esc.terminal(replace(DESIGN, mechanism=wheel))
     beats, size = np.array(cycle.beats), np.sqrt(np.mean(np.concatenate([PINS, SLOTS]) ** 2))
     deviations = 0.1 * size / cycle.velocity_mean, 0.1 * beats.std()

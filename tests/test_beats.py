@@ -30,7 +30,9 @@ def beats_of(drive, late=(), ahead=(), rounds=1, noise=0.0, seed=0):
 
 
 def test_beats_alone_are_those_of_the_terminal_cycle():
-    wheel = replace(design().mechanism, pin_angle_errors=tuple(PINS), slot_offsets=(1e-5, 0, 0, 0, 0))
+    wheel = replace(
+        design().mechanism, pin_angle_errors=tuple(PINS), slot_offsets=(1e-5, 0, 0, 0, 0)
+    )
     drive = replace(design(), mechanism=wheel, load_torque=1e-4)
     assert_allclose(pattern_beats(drive, 1e-12), esc.terminal(drive).beats, rtol=1e-12)
 
@@ -109,7 +111,9 @@ def test_a_common_factor_is_told():
     # if the other parts are good, either is found
     for part, errors in (("slots", ((), ahead)), ("pins", (late, ()))):
         alone = esc.fit_beats(beats_of(drive, *errors, rounds=2, noise=1e-6), drive, parts=part)
-        found, half = (getattr(alone, f"{part[:-1]}_{name}") for name in ("angle_errors", "half_widths"))
+        found, half = (
+            getattr(alone, f"{part[:-1]}_{name}") for name in ("angle_errors", "half_widths")
+        )
         assert (np.abs(found - np.array(errors[part == "slots"])) <= 2.0 * half).all()
 
 

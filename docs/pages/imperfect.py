@@ -94,9 +94,10 @@ def imperfect_response() -> Figure:
         # the panels of angles have a tenth of the first one's scale
         ax.set(xlim=(-1.08, 1.08), ylim=(-0.4, 1.05) if kind == ERRORS[0] else (-0.04, 0.105))
     figure.axes[0].set_ylabel("Change of the mean period (%)")
-    handles = {
-        text: handle for ax in figure.axes for handle, text in zip(*ax.get_legend_handles_labels())
-    }
+    handles = {}
+    for ax in figure.axes:
+        found, names = ax.get_legend_handles_labels()
+        handles |= dict(zip(names, found, strict=True))
     figure.legend(
         [handles[name] for name in KINDS], [f"{name}s" for name in KINDS], ncols=3,
         loc="outside upper center", frameon=False, fontsize=style.SMALL_SIZE,

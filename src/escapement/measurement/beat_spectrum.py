@@ -81,7 +81,9 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism) -> BeatSpectrum:
         along = (weights * np.exp(-1j * np.angle(value))).real / np.sqrt(rounds.counts)
         error = noise * float(np.linalg.norm(along))
         share = (amplitude / error) ** 2 / freedom if error > 0.0 else math.nan
-        culprits = [name for name, n in (("pins", pins), ("slots", wheel.slots)) if k * n % size == 0]
+        culprits = [
+            name for name, n in (("pins", pins), ("slots", wheel.slots)) if k * n % size == 0
+        ]
         lines.append(
             BeatLine(
                 k * pins / size, " or ".join(culprits) or "pairs", amplitude, error,

@@ -146,7 +146,6 @@ def fit_beats(
     share = validate.number("confidence", confidence, remedy := "give a share, as 0.95")
     if not 0.0 < share < 1.0:
         raise validate.fail("confidence", "between 0 and 1", confidence, remedy)
-    shared = parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1
     pins, slots = parts != "slots", parts != "pins"
     unknown = Parts(escapement, pins, slots).size
     if noise is None and rounds.samples <= unknown:

@@ -83,7 +83,7 @@ class Parts:
     @property
     def size(self) -> int:
         """How many unknowns there are."""
-        return 1 + self.late_pins.shape[1] + self.others.size
+        return int(1 + self.late_pins.shape[1] + self.others.size)
 
     def bounds(self, rate: float) -> tuple[FloatArray, FloatArray]:
         """Least and greatest values of the unknowns about a rate."""
@@ -124,9 +124,7 @@ class Parts:
 
     def perfect(self) -> tuple[FloatArray, FloatArray]:
         """Unknowns of perfect parts, and their beats [s]."""
-        unknowns = np.concatenate(
-            [[1.0], np.zeros(self.late_pins.shape[1]), self.struck(0.0)]
-        )
+        unknowns = np.concatenate([[1.0], np.zeros(self.late_pins.shape[1]), self.struck(0.0)])
         computed = self.beats(unknowns)
         if computed is None:
             raise InvalidValue(

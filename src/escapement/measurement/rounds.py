@@ -27,7 +27,7 @@ class Rounds:
     @property
     def pattern(self) -> int:
         """Engagements after which pins and slots meet again."""
-        return self.table.shape[1]
+        return int(self.table.shape[1])
 
     @property
     def samples(self) -> int:

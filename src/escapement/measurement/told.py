@@ -139,15 +139,21 @@ def spanned(solutions: list[Told]) -> Told:
     if len(solutions) == 1:
         return solutions[0]
     pins, slots = (
-        np.array([(one[k] - one[k + 2], one[k] + one[k + 2]) for one in solutions])
-        for k in range(2)
+        _span([(getattr(one, f"{name}s"), getattr(one, f"{name}_widths")) for one in solutions])
+        for name in ("pin", "slot")
     )
-    ends = [(part[:, 0].min(axis=0), part[:, 1].max(axis=0)) for part in (pins, slots)]
     reason = (
-        f"{len(solutions)} sets of errors explain the beats alike: estimates and intervals span them"
+        f"{len(solutions)} sets of errors explain the beats alike: estimates and intervals span "
+        "them"
     )
-    middles = [0.5 * (low + high) for low, high in ends]
-    return Told(*middles, *(0.5 * (high - low) for low, high in ends), reason=reason)
+    return Told(pins[0], slots[0], pins[1], slots[1], reason=reason)
+
+
+def _span(intervals: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
+    """Middles and half widths of what intervals cover together."""
+    low = np.min([middle - half for middle, half in intervals], axis=0)
+    high = np.max([middle + half for middle, half in intervals], axis=0)
+    return 0.5 * (low + high), 0.5 * (high - low)
 
 
 def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:

@@ -11,10 +11,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from escapement import validate
+from escapement.errors import InvalidValue
 from escapement.fitting import IMPERFECT
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
@@ -79,7 +81,8 @@ class GenevaOutline:
     """
 
     def __init__(self, mechanism: Geneva, exaggerate: float = 1.0) -> None:
-        self.mechanism, self.perfect = scaled_errors(mechanism, exaggerate), perfect(mechanism)
+        self.mechanism = scaled_errors(mechanism, exaggerate)
+        self.perfect = scaled_errors(mechanism, 0.0)
         unit, internal = mechanism.crank_radius or 1.0, mechanism.internal
         centre, self.side = mechanism.centre_distance, 1.0 if internal else -1.0
         self.centre = centre + self.mechanism.centre_distance_error / unit
@@ -210,11 +213,6 @@ class GenevaOutline:
         return outside
 
 
-def perfect(mechanism: Geneva) -> Geneva:
-    """The wheel without errors."""
-    return replace(mechanism, **{name: Geneva.__dataclass_fields__[name].default for name in IMPERFECT})
-
-
 def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
     """The wheel with all errors times a factor, or InvalidValue where it then could not turn."""
     factor = validate.number("exaggerate", factor, remedy := "give a factor, 1 for true scale")
@@ -223,13 +221,15 @@ def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
     if factor == 1.0 and not mechanism.misfit:
         return mechanism
     given = {name: getattr(mechanism, name) for name in IMPERFECT}
-    larger = {
-        name: factor * value if isinstance(value, float) else tuple(factor * x for x in value)
+    larger: dict[str, Any] = {
+        name: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
         for name, value in given.items()
     }
     found = replace(mechanism, **larger)
-    if found.misfit:
+    if found.misfit and factor != 1.0:
         raise validate.fail("exaggerate", "small enough for pins to meet slots", factor, remedy)
+    if found.misfit:
+        raise InvalidValue(found.misfit)
     return found
 
 

@@ -75,7 +75,8 @@ def plot_geneva(
     if exaggerate != 1.0:
         ideal = GenevaOutline(outline.perfect).bodies(angle)
         shown = dict.fromkeys(("follower", "pin"), _BROKEN | {"zorder": 3.2})
-        drawing.bodies(ax, ideal, shown)
+        for patch in drawing.bodies(ax, ideal, shown).values():
+            patch.set_gid("perfect")
     _draw_scale(ax, outline)
     return ax
 
