@@ -51,15 +51,15 @@ def test_without_noise_every_error_is_found():
 def test_intervals_hold_and_are_narrow():
     # the share of a hundred seeds is in benchmarks/results/beats.csv
     held = []
-    for seed in range(8):
+    for seed in range(5):
         fit = esc.fit_beats(beats_of(design(), PINS, SLOTS, noise=5e-5, seed=seed), design())
         half = np.concatenate([fit.pin_half_widths, fit.slot_half_widths])
         true = np.concatenate([PINS, SLOTS])
         found = np.concatenate([fit.pin_angle_errors, fit.slot_angle_errors])
         held.append(np.abs(found - true) <= half)
         assert (half <= 0.3 * np.abs(true)).all()
-    # of 64 intervals of 95 %, correlated within a seed, eleven fail less than once in a thousand
-    assert np.sum(held) >= 54
+    # of 40 intervals of 95 % more than eight fail in one of ten thousand sets, were they independent
+    assert np.sum(held) >= 32
 
 
 def test_given_noise_and_missing_beats():
@@ -87,12 +87,19 @@ def test_steps_that_no_pin_strikes_are_confined():
         assert abs(one.value - steps[k]) <= 2.0 * one.half_width < 0.1 * steps[k]
 
 
-def test_axes_too_close_tell_every_step():
-    drive = design(centre_distance_error=-1e-4)
+def test_axes_too_close_tell_every_step_that_is_small():
     ahead = 1e-3 * np.array([-0.6, 0.9, 0.2, -1.1, 0.6])
+    drive = design(centre_distance_error=-1e-4)
     fit = esc.fit_beats(beats_of(drive, PINS, ahead), drive, noise=1e-9)
     assert_allclose(fit.slot_angle_errors, ahead, atol=1e-8)
     assert_allclose(fit.pin_angle_errors, PINS, atol=1e-8)
+    # steps of -0.7 mrad and less are picked up by pins on such axes
+    for distance in (-1e-5, 1e-5):
+        drive = design(centre_distance_error=distance)
+        fit = esc.fit_beats(beats_of(drive, PINS, ahead, 2, 1e-5), drive)
+        assert fit.message
+        assert (np.abs(fit.slot_angle_errors - ahead) <= fit.slot_half_widths).all()
+        assert (np.abs(fit.pin_angle_errors - PINS) <= 2.0 * fit.pin_half_widths).all()
 
 
 def test_a_common_factor_is_told():

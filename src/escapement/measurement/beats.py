@@ -191,8 +191,8 @@ def _fitted(escapement: Escapement, rounds: Rounds, pins: bool, slots: bool) -> 
     some = starts(escapement, pins, slots, rounds.means)
     rough = sorted((_improved(*one, rounds, _ROUGH) for one in some), key=_Trial.left)
     # where there are as many unknowns as beats, any start may lead to errors that explain them
-    many = rough[0].unknowns.size < rounds.pattern
-    near = [one for one in rough if not many or one.cost <= _NEAR * rough[0].cost]
+    more = rough[0].unknowns.size < rounds.pattern
+    near = [one for one in rough if not more or one.cost <= _NEAR * rough[0].cost]
     return sorted((_improved(*one[:2], rounds, _EXACT) for one in near), key=_Trial.left)
 
 

@@ -31,7 +31,7 @@ from escapement.model import Escapement
 
 _RTOL = 1e-12
 _LARGEST = 0.2  # steps beyond this share of a follower step are not tried: a pin may miss its slot
-_LAST = 3  # so many slots are tried as the last one, of a wheel that tells more than is asked
+_LAST = 3  # slots that are tried as the last one, where there are more beats than unknowns
 _PIN, _BLOW = 1e-4, 0.02  # sizes that show the response to a late pin, and to a blow
 
 
@@ -152,15 +152,15 @@ def starts(
     The slot that comes least late is the last one; others that come hardly later are tried too.
     """
     first = Parts(escapement, pins, slots)
+    count, many = first.wheel.pins or 1, first.wheel.slots
     unknowns, computed = first.perfect()
     rate = means.mean() / computed.mean()
     unknowns[0] = rate
     if slots and first.free.min() < -_PIN:
-        # every handoff strikes already, and beats are smooth in all errors
-        yield first, unknowns
+        # every handoff strikes already, and beats are smooth in errors that are small enough
+        yield from ((Parts(escapement, pins, slots, last), unknowns) for last in range(many))
         return
     # what one late pin does, and a blow at one slot; pins and slots are alike so far
-    count, many = first.wheel.pins or 1, first.wheel.slots
     late, blow = np.zeros(count), np.zeros(unknowns.size)
     late[0], blow[first.blows.start : first.blows.start + 1] = _PIN, _BLOW
     of_pin = first.beats(unknowns, late)
