@@ -8,10 +8,16 @@ turns past it.
 """
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.fitting import IMPERFECT
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
 from escapement.outlines import (
@@ -39,12 +45,23 @@ class GenevaOutline:
     All lengths are in crank radii. The follower's axis is the origin, the driver's lies on
     the positive real axis, and so does slot 0 when the follower angle is zero.
 
+    Parameters
+    ----------
+    mechanism : Geneva
+        What to draw, with its errors.
+    exaggerate : float
+        By what its errors are multiplied.
+
     Attributes
     ----------
+    mechanism, perfect : Geneva
+        The wheel with these errors, and without any.
     side : float
         +1 where slots are entered outwards (internal), -1 inwards.
+    centre : float
+        Distance of the axes.
     slot_end : float
-        Distance of a pin from the follower's axis at dead centre.
+        Distance of a pin from the follower's axis at dead centre, the greatest way in of all.
     pin_radius, half_slot : float
         Radius of a pin, or of the roller on it, and half the slot width: the same where a
         radius was given, with a little play where it was not.
@@ -63,10 +80,14 @@ class GenevaOutline:
         Closed edge of the follower that faces the driver.
     """
 
-    def __init__(self, mechanism: Geneva) -> None:
-        self.mechanism, internal = mechanism, mechanism.internal
+    def __init__(self, mechanism: Geneva, exaggerate: float = 1.0) -> None:
+        self.mechanism = scaled_errors(mechanism, exaggerate)
+        self.perfect = scaled_errors(mechanism, 0.0)
+        unit, internal = mechanism.crank_radius or 1.0, mechanism.internal
         centre, self.side = mechanism.centre_distance, 1.0 if internal else -1.0
-        self.slot_end = centre + self.side
+        self.centre = centre + self.mechanism.centre_distance_error / unit
+        self.cranks = 1.0 + _each(self.mechanism.crank_radius_errors, mechanism.pins) / unit
+        self.slot_end = self.centre + self.side * self.cranks.max()
         chosen = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
         self.pin_radius = mechanism.contact_radius or chosen
         self.half_slot = mechanism.contact_radius or 1.08 * chosen
@@ -80,7 +101,10 @@ class GenevaOutline:
         self.follower_radius = ring if internal else self.rim_radius
         self.crank_disc_radius = 1.0 + self.pin_radius + 0.07
         edge = self.rim_radius, self.slot_end, self.half_slot
-        self.follower_edge = slotted_edge(*edge, 25, self._land(), mechanism.slots)
+        if self.mechanism.perfect:
+            self.follower_edge = slotted_edge(*edge, 25, self._land(), mechanism.slots)
+        else:
+            self.follower_edge = self._imperfect_edge()
 
     def bodies(self, theta: float) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
@@ -89,11 +113,11 @@ class GenevaOutline:
         there; "locking-disc" only with a dwell and room for it, "follower-shaft" only of an
         external wheel, "roller-k" only where pins have rollers.
         """
-        mechanism, centre = self.mechanism, self.mechanism.centre_distance
+        mechanism, centre = self.mechanism, self.centre
         outside = (arc(self.follower_radius, 2.0 * np.pi, 0.0),) if mechanism.internal else ()
         follower = Body("follower", (self.follower_edge, *outside))
-        found: list[Body | Disc] = [follower.turned(locked_angle(mechanism, theta))]
-        if self.locks and (edge := locking_disc(mechanism)).size:
+        found: list[Body | Disc] = [follower.turned(self.follower_at(theta))]
+        if self.locks and (edge := locking_disc(self.perfect)).size:
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
         shaft = 0.12 if mechanism.internal else min(0.14, 0.5 * (centre - self.rim_radius))
         discs: dict[str, tuple[complex, float]] = {}
@@ -101,9 +125,61 @@ class GenevaOutline:
         if not mechanism.internal:
             discs["follower-shaft"] = 0.0, min(0.12, 0.5 * (self.slot_end - self.half_slot))
         found += [Disc(name, *round_) for name, round_ in discs.items()]
-        turned = theta - np.arange(mechanism.pins or 1) * mechanism.cell_angle
-        places = centre + self.side * np.exp(1j * self.side * turned)
+        late = _each(mechanism.pin_angle_errors, mechanism.pins)
+        turned = theta - late - np.arange(late.size) * mechanism.cell_angle
+        places = centre + self.side * self.cranks * np.exp(1j * self.side * turned)
         return found + pins_and_rollers(mechanism, places.tolist(), self.pin_radius)
+
+    def follower_at(self, theta: float) -> float:
+        """Follower angle [rad] at any driver angle; it rests from a pin's exit to the next one."""
+        mechanism = self.mechanism
+        if mechanism.perfect:
+            return locked_angle(mechanism, theta)
+        rows, cell = mechanism.meetings, mechanism.cell_angle
+        near = math.floor((theta - mechanism.breaks[0]) / cell)
+        # the last engagement that has begun
+        begun = [
+            k for k in range(near - 1, near + 2)
+            if k * cell + rows[k % len(rows)].late + rows[k % len(rows)].edges[0] <= theta
+        ]  # fmt: skip
+        k = max(begun, default=near - 1)
+        row = rows[k % len(rows)]
+        local = min(theta - k * cell - row.late, float(row.edges[-1]))
+        return k * mechanism.follower_step + float(row.turned(np.array([local]))[0])
+
+    def slot_angles(self) -> FloatArray:
+        """Angles of the slots' centre lines while the follower is at zero, slot 0 first [rad].
+
+        The follower turns with growing angles, so that the next slot to be met stands behind.
+        """
+        ahead = _each(self.mechanism.slot_angle_errors, self.mechanism.slots)
+        return np.asarray(ahead - np.arange(ahead.size) * self.mechanism.follower_step)
+
+    def slot_offsets(self) -> FloatArray:
+        """How far each slot's centre line runs ahead of the axis."""
+        unit = self.mechanism.crank_radius or 1.0
+        return _each(self.mechanism.slot_offsets, self.mechanism.slots) / unit
+
+    def _imperfect_edge(self) -> ComplexArray:
+        """Closed edge of the follower with each slot in its own place, counter-clockwise."""
+        half, rim, end = self.half_slot, self.rim_radius, self.slot_end
+        turn = np.linspace(-0.5, 0.5, 25) * np.pi
+        floor = end + half * (math.copysign(1.0, end - rim) * np.cos(turn) + 1j * np.sin(turn))
+        angles, offsets = self.slot_angles()[::-1], self.slot_offsets()[::-1]
+        slots, land, corner = [], self._land(), math.asin(half / rim)
+        for angle, offset in zip(angles, offsets, strict=True):
+            sides = np.array([offset - half, offset + half])
+            mouth = np.sqrt(rim**2 - sides**2) + 1j * sides
+            slots.append(np.concatenate([mouth[:1], floor + 1j * offset, mouth[1:]]))
+            slots[-1] = slots[-1] * np.exp(1j * angle)
+        pieces, turned = [], np.angle(land)
+        for slot, following in zip(slots, [*slots[1:], slots[0]], strict=True):
+            # the land between two slots is drawn out to reach from one to the other
+            start, stop = np.angle(slot[-1]), np.angle(following[0] / slot[-1])
+            share = (turned - corner) / (self.mechanism.follower_step - 2.0 * corner)
+            bent = start + share * np.mod(stop, 2.0 * np.pi)
+            pieces += [slot, np.abs(land) * np.exp(1j * bent)]
+        return closed(np.concatenate(pieces))
 
     def _land(self) -> ComplexArray:
         """From slot 0 to slot 1, the corners left out."""
@@ -135,6 +211,31 @@ class GenevaOutline:
             centre = self.mechanism.centre_distance * np.exp(1j * step / 2.0)
             outside = np.maximum(outside, self.lock_radius - np.abs(x + 1j * y - centre))
         return outside
+
+
+def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
+    """The wheel with all errors times a factor, or InvalidValue where it then could not turn."""
+    factor = validate.number("exaggerate", factor, remedy := "give a factor, 1 for true scale")
+    if factor < 0.0:
+        raise validate.fail("exaggerate", "at least 0", factor, remedy)
+    if factor == 1.0 and not mechanism.misfit:
+        return mechanism
+    given = {name: getattr(mechanism, name) for name in IMPERFECT}
+    larger: dict[str, Any] = {
+        name: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
+        for name, value in given.items()
+    }
+    found = replace(mechanism, **larger)
+    if found.misfit and factor != 1.0:
+        raise validate.fail("exaggerate", "small enough for pins to meet slots", factor, remedy)
+    if found.misfit:
+        raise InvalidValue(found.misfit)
+    return found
+
+
+def _each(errors: Sequence[float], count: int | None) -> FloatArray:
+    """Errors of pins or slots, zeros where there are none."""
+    return np.array(errors or (0.0,) * (count or 1), dtype=float)
 
 
 @lru_cache(maxsize=32)
