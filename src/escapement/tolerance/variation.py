@@ -102,7 +102,7 @@ class Variation:
     def state(self, piece: int, time: Any) -> tuple[Any, Any]:
         """Driver angle in the cell and w at times within a piece."""
         times = np.clip(np.atleast_1d(time), *self.times[piece : piece + 2]) * self.clock
-        angle, speed = self.motion.trajectory.state(piece, times)
+        angle, speed = self.motion.trajectory.states(np.full(times.size, piece), times)
         return angle, (speed * self.clock) ** 2
 
     @cached_property
