@@ -203,11 +203,10 @@ def _in_order(
     found["velocity_mean"] = mechanism.cell_angle / found["period"]
     found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
     others = [name for name in plan.results if name in FIGURES and name not in found]
-    rows = [
-        _rest(plan, case, others, handoff)
-        for case, handoff in zip(cases.tolist(), found["handoff_velocity"], strict=True)
-    ]
-    found |= dict(zip(others, np.array(rows).T, strict=True)) if others else {}
+    if others:  # each case is then built as an escapement, which takes longer than to solve it
+        handoffs = zip(cases.tolist(), found["handoff_velocity"], strict=True)
+        rows = [_rest(plan, case, others, handoff) for case, handoff in handoffs]
+        found |= dict(zip(others, np.array(rows).T, strict=True))
     return np.array([found[name] for name in plan.results if name in found])
 
 
