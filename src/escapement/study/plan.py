@@ -219,13 +219,16 @@ class StudyPlan:
         return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank or 0.0}
 
     def mechanism(self, case: int, ideal: bool = False) -> Mechanism:
-        """The mechanism of one case, or one like it with thin pins; errors as `escapement`."""
+        """The mechanism of one case, or one like it with thin pins and perfect parts.
+
+        Errors as `escapement`.
+        """
         if not isinstance(self.build, type):
             own: Mechanism = self.build
             return own
         values = self.values(case)
-        values |= dict.fromkeys(LENGTHS[1:] if ideal else ())
-        every = {name: joined(name, values) or values.get(name) for name in declared(self.build)}
+        own = [x for x in declared(self.build) if not ideal or x not in (*LENGTHS[1:], *IMPERFECT)]
+        every = {name: joined(name, values) or values.get(name) for name in own}
         given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
         return built

@@ -153,8 +153,7 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
 
     columns, ratios, w, sound = _in_natural_units(plan, cases)
     values, unit = plan.fixed_si | columns, plan.lengths["crank_radius"] or 1.0
-    chosen = {name: values[name] for name in ("slots", "pins", "internal") if name in values}
-    wheel = plan.build(**{name: value for name, value in chosen.items() if value is not None})
+    wheel: Any = plan.mechanism(int(cases[0]), ideal=True)
 
     def errors(name: str, count: int, scale: float = 1.0) -> FloatArray:
         fixed = values.get(name) or (0.0,) * count
@@ -163,14 +162,11 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
         return np.asarray(np.stack(rows, axis=-1)[sound] / scale)
 
     sound &= ratios["pin"] < wheel.widest_pin
-    distance = np.broadcast_to(values["centre_distance_error"], cases.shape)[sound]
-    given = {
-        "centre": wheel.centre_distance + distance / unit,
-        "late": errors("pin_angle_errors", wheel.pins),
-        "cranks": 1.0 + errors("crank_radius_errors", wheel.pins, unit),
-        "ahead": errors("slot_angle_errors", wheel.slots),
-        "offsets": errors("slot_offsets", wheel.slots, unit),
-    }
+    m, n = wheel.pins, wheel.slots
+    longer = np.broadcast_to(values["centre_distance_error"], cases.shape)[sound] / unit
+    pins = errors("pin_angle_errors", m), errors("crank_radius_errors", m, unit)
+    slots = errors("slot_angle_errors", n), errors("slot_offsets", n, unit)
+    given = longer, np.stack(pins, axis=-1), np.stack(slots, axis=-1)
     numbers = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
     figures = np.full((len(plan.results) - 1, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)

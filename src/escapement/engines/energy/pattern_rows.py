@@ -33,7 +33,7 @@ _INVALID = int(Status.INVALID)
 
 @jit(allocates=True)
 def solve_patterns(
-    addresses, path, internal, centres, pins, slots, numbers, none, rtol, table, status
+    addresses, path, arms, turns, longer, pins, slots, numbers, none, rtol, table, status
 ):
     """Fill table[i] and status[i] for every scene i, in natural units.
 
@@ -41,8 +41,8 @@ def solve_patterns(
     ----------
     addresses, none : of the long kernels, and no cells.
     path : any path of a pin, as a plain tuple.
-    internal : whether the driver turns inside the wheel.
-    centres, pins, slots : of each scene, as `mechanisms.pattern.lay_pattern` takes them.
+    arms, turns : of the wheel, as `mechanisms.pattern.lay_pattern` takes them.
+    longer, pins, slots : of each scene, as it takes them.
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
     table, status : results, with `FIGURES` columns; NaN where there is none.
@@ -54,8 +54,8 @@ def solve_patterns(
     for i in range(status.size):
         table[i, :] = np.nan
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        shared = (path, centres, 0.0, torque, 0.0, *own)
-        if lay_pattern(internal, centres[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
+        shared = (path, longer, 0.0, torque, 0.0, *own)
+        if lay_pattern(arms, turns, longer[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
             status[i] = _INVALID
             continue
         case, status[i] = case_of(addresses, shared, none, meetings, store, counts, events)
@@ -187,17 +187,16 @@ def _read_transient(case, w, request, finals, out):
 
 
 def solve(
-    wheel: Any, errors: dict[str, FloatArray], numbers: FloatArray, rtol: float
+    wheel: Any, errors: tuple[FloatArray, ...], numbers: FloatArray, rtol: float
 ) -> tuple[FloatArray, np.ndarray]:
     """Figures of merit of scenes given by their errors and their dimensionless numbers.
 
     Parameters
     ----------
-    wheel : Geneva
-        Any wheel with as many pins and slots.
-    errors : dict of ndarray, shape (n,) or (n, k)
-        "centre", "late", "cranks", "ahead" and "offsets" of each scene, as
-        `mechanisms.pattern.pattern_of` takes them.
+    wheel : ImperfectWheel
+        The wheel that all would be without errors.
+    errors : tuple of ndarray, shapes (n,), (n, m, 2) and (n, k, 2)
+        `longer`, `pins` and `slots` of each scene, as `mechanisms.pattern.lay_pattern` takes them.
     numbers : ndarray, shape (k, n)
         As of `batch.solve`.
 
@@ -209,11 +208,9 @@ def solve(
     """
     rows = np.ascontiguousarray(numbers.T, dtype=float)
     table, status = np.empty((len(rows), FIGURES)), np.empty(len(rows), dtype=np.uint8)
-    pins = np.stack([errors["late"], errors["cranks"]], axis=-1)
-    slots = np.stack([errors["ahead"], errors["offsets"]], axis=-1)
     path = tuple(writeable(wheel.path))
     solve_patterns(
-        kernel_addresses(), path, wheel.internal, errors["centre"], pins, slots, rows, NO_CELLS,
+        kernel_addresses(), path, *wheel.path_numbers.values(), *errors, rows, NO_CELLS,
         rtol, table, status,
     )  # fmt: skip
     return table, status
