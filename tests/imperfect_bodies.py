@@ -75,9 +75,13 @@ class Ends(NamedTuple):
 
 def handoff(wheel, k):
     """The rule by which engagement k hands over to the next one."""
-    a, b, cell = pair_of(wheel, k), pair_of(wheel, k + 1), 2.0 * math.pi / wheel.pins
-    middle, half = cell * k, math.pi * (0.5 + (1 if wheel.internal else -1) / wheel.slots)
-    near = 0.2 * min(half, cell)
+    half = math.pi * (0.5 + (1 if wheel.internal else -1) / wheel.slots)
+    return hand_over(pair_of(wheel, k), pair_of(wheel, k + 1), k, 2.0 * math.pi / wheel.pins, half)
+
+
+def hand_over(a, b, k, cell, half):
+    """The rule for two pairs that drive over `half` on either side of k cells, and of one more."""
+    middle, near = cell * k, 0.2 * min(half, cell)
     leaves = brentq(lambda x: a.asked(x)[1], middle + half - near, middle + half + near, xtol=1e-15)
     enters = brentq(
         lambda x: b.asked(x)[1],

@@ -1,4 +1,4 @@
-"""Wheels whose pins and slots may have errors: the engagements in which each pin meets each slot."""
+"""Wheels whose pins and slots may have errors: which pin meets which slot, and whether it fits."""
 
 from __future__ import annotations
 

@@ -25,7 +25,6 @@ None of this depends on the speed: a pattern is a list of engagements with ends 
 import math
 from enum import IntEnum
 from functools import partial
-from typing import Any
 
 import numpy as np
 

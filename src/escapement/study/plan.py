@@ -227,8 +227,8 @@ class StudyPlan:
             own: Mechanism = self.build
             return own
         values = self.values(case)
-        own = [x for x in declared(self.build) if not ideal or x not in (*LENGTHS[1:], *IMPERFECT)]
-        every = {name: joined(name, values) or values.get(name) for name in own}
+        names = [x for x in declared(self.build) if not ideal or x not in (*LENGTHS[1:], *IMPERFECT)]
+        every = {name: joined(name, values) or values.get(name) for name in names}
         given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
         return built
