@@ -226,6 +226,10 @@ def test_a_pin_that_misses_its_slot_is_named(errors, words):
         (lambda: esc.synthetic_readings(late(), seed=1), "without errors of its parts"),
         (lambda: dataclasses.replace(timer(), mechanism=late(), spring_rate=1e-4), "constant with"),
         (lambda: drive_torque(), "without errors of its parts"),
+        (lambda: esc.sweep(timer(), slot_angle_errors_factor=[1, 2]), "that are not all 0"),
+        (lambda: esc.sweep(timer(), pin_angle_errors=[0.0]), "its factor is 'pin_angle_errors_f"),
+        (lambda: no_length(slot_offsets_0=[1e-5, -1e-5]), "without a length"),
+        (lambda: no_length(centre_distance_error=[-1e-5, 0.0]), "without a length"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(make, words):
@@ -236,6 +240,11 @@ def test_what_cannot_be_is_refused_in_one_line(make, words):
 
 def late():
     return esc.Geneva(4, pin_angle_errors=(1e-3, 0, 0, 0))
+
+
+def no_length(**axes):
+    drive = dataclasses.replace(timer(), mechanism=esc.Geneva(4))
+    return esc.sweep(drive, **axes)
 
 
 def drive_torque():
@@ -269,6 +278,33 @@ def test_a_sample_draws_each_pin_and_slot_alone(tmp_path):
     esc.write_study(study, tmp_path / "study.h5")
     again = esc.run_plan(parse_plan(esc.read_study(tmp_path / "study.h5").configuration))
     np.testing.assert_array_equal(again.results["period"], study.results["period"])
+
+
+@pytest.mark.parametrize("drawn", [False, True])
+def test_a_study_scales_errors_by_a_factor(drawn, tmp_path):
+    errors, factors, kept = (0.0, 1e-3, 0.0, -5e-4), [-1.0, 0.0, 0.5], ("period", "beat_error")
+    drive = timer() if drawn else timer(slot_angle_errors=errors)
+    sample = {"method": "latin-hypercube", "size": 2, "slot_angle_errors": {"tolerance": 1e-3}}
+    study = esc.sweep(
+        drive, slot_angle_errors_factor=factors, sample=sample if drawn else None, results=kept
+    )
+    for i, factor in enumerate(factors):
+        for case in range(2 if drawn else 1):
+            numbers = errors
+            if drawn:
+                numbers = [study.sampled[f"slot_angle_errors_{k}"][case] for k in range(4)]
+            cycle = esc.terminal(timer(slot_angle_errors=[factor * x for x in numbers]))
+            place = (i, case) if drawn else i
+            for name in kept:
+                found = study.results[name][place]
+                assert found == pytest.approx(getattr(cycle, name), rel=1e-10, abs=1e-16)
+    esc.write_study(study, tmp_path / "study.h5")
+    again = esc.read_study(tmp_path / "study.h5")
+    assert again.units["slot_angle_errors_factor"] == "1"
+    if drawn:
+        assert again.units["slot_angle_errors_0"] == "rad"
+    more = esc.run_plan(parse_plan(again.configuration)).results["period"]
+    np.testing.assert_array_equal(more, study.results["period"])
 
 
 def test_handoffs_show_how_many_there_are_of_each_kind():

@@ -227,8 +227,8 @@ class StudyPlan:
             own: Mechanism = self.build
             return own
         values = self.values(case)
-        names = [x for x in declared(self.build) if not ideal or x not in (*LENGTHS[1:], *IMPERFECT)]
-        every = {name: joined(name, values) or values.get(name) for name in names}
+        left_out = (*LENGTHS[1:], *IMPERFECT) if ideal else ()
+        every = {n: joined(n, values) for n in declared(self.build) if n not in left_out}
         given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
         return built

@@ -156,8 +156,8 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     wheel: Any = plan.mechanism(int(cases[0]), ideal=True)
 
     def errors(name: str, count: int, scale: float = 1.0) -> FloatArray:
-        fixed = values.get(name) or (0.0,) * count
-        each = [values.get(f"{name}_{i}", fixed[i]) for i in range(count)]
+        fixed, factor = values.get(name) or (0.0,) * count, values.get(f"{name}_factor", 1.0)
+        each = [factor * values.get(f"{name}_{i}", fixed[i]) for i in range(count)]
         rows = [np.broadcast_to(np.asarray(one, dtype=float), cases.shape) for one in each]
         return np.asarray(np.stack(rows, axis=-1)[sound] / scale)
 
