@@ -91,8 +91,8 @@ def test_pins_hand_over_by_the_rule(curve):
         wheel = imperfect(rng, *curve, size)
         meetings = wheel.meetings
         for k in range(len(meetings)):
-            half = 0.5 * wheel.alpha
-            ends = hand_over(Pair(wheel, k), Pair(wheel, k + 1), k, wheel.cell_angle, half)
+            a, b = Pair(wheel, k), Pair(wheel, k + 1)
+            ends = hand_over(a, b, a.dead, b.dead, math.pi / abs(float(wheel.gear_ratio)))
             one, two = meetings[k], meetings[(k + 1) % len(meetings)]
             assert two.kind == ends.kind
             assert two.jump == pytest.approx(ends.jump, abs=1e-12)

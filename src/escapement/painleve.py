@@ -7,6 +7,8 @@ motion on the side s = +1 goes on, but another one exists as well. Of an ideal p
 both halves are the same, and in closed form.
 """
 
+from typing import Any
+
 import numpy as np
 
 from escapement.chebyshev import zeros
@@ -278,13 +280,17 @@ def painleve_message(escapement: Escapement) -> str | None:
         return None
     scenes = escapement.scenes
     if len(scenes) == 1 and as_python(is_ideal)(scenes[0]):
-        angle = critical_angle(escapement.mechanism, escapement.inertia, friction)
+        angle, k = critical_angle(escapement.mechanism, escapement.inertia, friction), 0
     else:
-        places = ((x, s) for s in scenes for x in np.linspace(0.0, s.edges[-1], 2001))
-        angle = next((x for x, scene in places if not margin(x, scene) > 0.0), 0.0)
+        ends = ((k, scene, scene.edges[-1]) for k, scene in enumerate(scenes))
+        places = ((x, k, scene) for k, scene, end in ends for x in np.linspace(0.0, end, 2001))
+        found = ((x, k) for x, k, scene in places if not margin(x, scene) > 0.0)
+        angle, k = next(found, (0.0, 0))
+    wheel: Any = escapement.mechanism
+    where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if len(scenes) > 1 else ""
     return (
         f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
-        f"{np.degrees(angle):.3f} degrees from dead centre: no unique rigid motion exists"
+        f"{np.degrees(angle):.3f} degrees from dead centre{where}: no unique rigid motion exists"
     )
 
 
