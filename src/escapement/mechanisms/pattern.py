@@ -113,7 +113,7 @@ def lay_pattern(arms, turns, longer, pin, pins, slots, pattern):
             return following
     for k in range(size):
         meeting = pattern[k]
-        if not meeting.edges[0] < 0.0 < meeting.edges[1]:
+        if not meeting.edges[0] < 0.0 < meeting.edges[1] or _slides_back(meeting, pin):
             return k
         ends, path = meeting.edges[:2].copy(), path_in(meeting)
         edges = slide_edges(path, pin, ends)
@@ -208,6 +208,17 @@ def _hand_over(a, b, cell, step):
 
 
 @inner_jit
+def _slides_back(meeting, pin):
+    """Whether the contact point changes its way along the wall in the course of a blow."""
+    if meeting.kind != Handoff.STRIKE:
+        return False
+    g, u, _dg, radius = pose_at(path_in(meeting), meeting.edges[0])
+    # the follower rests at first, and has the speed g per driver radian at the end
+    at_rest = radius * u - g * meeting.numbers[10] - pin * meeting.numbers[9]
+    return at_rest * (radius * u + pin * (g - meeting.numbers[9])) < 0.0
+
+
+@inner_jit
 def _strike(meeting, path, rest, low):
     """Driver angle x behind `low` at which the pin asks for the follower angle `rest`."""
     high = meeting.exit
@@ -243,11 +254,13 @@ def pattern_of(
 
 def meetings_of(pattern: np.ndarray) -> tuple[Meeting, ...]:
     """The engagements of a pattern that is possible."""
+    # whole columns: a field of a single record takes ten times as long to read
+    names = ("used", "dwell", "late", "kind", "jump", "radius")
+    columns = zip(*(pattern[name].tolist() for name in names), strict=True)
     return tuple(
         Meeting(
-            Path(False, row.numbers.copy()), row.edges[: row.used].copy(),
-            float(row.dwell), float(row.late), partial(as_python(turned_by), row),
-            Handoff(row.kind).label, float(row.jump), float(row.radius),
+            Path(False, row["numbers"].copy()), row["edges"][:used].copy(), dwell, late,
+            partial(as_python(turned_by), row), Handoff(kind).label, jump, radius,
         )
-        for row in pattern
+        for row, (used, dwell, late, kind, jump, radius) in zip(pattern, columns, strict=True)
     )  # fmt: skip

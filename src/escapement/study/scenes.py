@@ -170,7 +170,8 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     numbers = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
     figures = np.full((len(plan.results) - 1, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
-    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], plan.solver.tolerance)
+    settings = plan.solver.tolerance, _extent(plan)
+    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], *settings)
     named = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
     figures[:, sound], status[sound] = _in_order(plan, wheel, named, cases[sound]), found
     return figures, status
@@ -181,15 +182,20 @@ def _solve(
 ) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
     from escapement.engines.energy import batch, cycle
+
+    table, status = batch.solve(mechanism, scene, plan.solver.tolerance, _extent(plan))
+    found = dict(zip(cycle.COLUMNS, table.T, strict=True))
+    return _in_order(plan, mechanism, found, cases), status
+
+
+def _extent(plan: StudyPlan) -> int:
+    """How far the transients of a plan are followed."""
     from escapement.engines.energy.figures import Extent
 
     wanted = {*plan.results}
-    extent = Extent.CYCLE if wanted.isdisjoint(TRANSIENT) else Extent.SETTLED
     if not wanted.isdisjoint(("rise_time_63", "rise_time_98")):
-        extent = Extent.FALLEN
-    table, status = batch.solve(mechanism, scene, plan.solver.tolerance, extent)
-    found = dict(zip(cycle.COLUMNS, table.T, strict=True))
-    return _in_order(plan, mechanism, found, cases), status
+        return Extent.FALLEN
+    return Extent.CYCLE if wanted.isdisjoint(TRANSIENT) else Extent.SETTLED
 
 
 def _in_order(
@@ -238,8 +244,6 @@ def _solver(plan: StudyPlan) -> Any:
         return solve_scenes
     varied = {name for along in plan.varied.values() for name in along}
     varied &= {name for name in plan.parameters if plan.parameters[name].section == "mechanism"}
-    # the kernels for patterns do not compute these
-    varied |= {"rise_time_63", "rise_time_98"} & {*plan.results}
     alike = all(name.startswith((*IMPERFECT, *LENGTHS)) for name in varied)
     return _solve_patterns if alike and isinstance(plan.build, type) else None
 
