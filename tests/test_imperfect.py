@@ -130,6 +130,9 @@ def test_impulse_and_energy_of_every_blow_balance():
     assert seen > 100
 
 
+SHARED = ("period", "velocity_max", "velocity_min", "blow_max", "rise_time", "settling_time")
+
+
 @pytest.mark.parametrize(("slots", "seed"), [(3, 2), (5, 5)])
 def test_engines_agree(slots, seed):
     wheel = imperfect(np.random.default_rng(seed), slots, 1e-3)
@@ -137,8 +140,10 @@ def test_engines_agree(slots, seed):
     fast, slow = (esc.terminal(drive, engine=e, initial_speed=20.0) for e in ("energy", "ivp"))
     assert "strike" in fast.motion.handoffs.kind
     np.testing.assert_allclose(fast.beats, slow.beats, rtol=1e-9)
-    for name in ("period", "velocity_max", "velocity_min", "blow_max", "settling_time"):
+    for name in SHARED:
         assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-9), name
+    for name in ("rise_time_63", "rise_time_98"):  # they are differences of speeds
+        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-6), name
     pairs = [(one.motion.extrema.theta, one.motion.extrema.theta_dot) for one in (fast, slow)]
     np.testing.assert_allclose(*pairs, rtol=1e-9)
     assert fast.contraction == pytest.approx(slow.contraction, abs=1e-6)
@@ -158,6 +163,15 @@ def test_the_response_is_one_sided(errors, slope):
     perfect = esc.terminal(timer(friction=0.25)).period
     changed = esc.terminal(timer(friction=0.25, **errors)).period
     assert (changed / perfect - 1.0) / 1e-6 == pytest.approx(slope, rel=1e-3)
+
+
+def test_a_stall_is_told_with_its_place():
+    wheel = imperfect(np.random.default_rng(2), 4, 1e-3)
+    drive = esc.Escapement(wheel, INERTIA, 0.1 * INCH_POUND, 0.3, load_torque=0.06 * INCH_POUND)
+    cycle, motion = esc.terminal(drive), esc.simulate(drive, engagements=100)
+    assert cycle.status is motion.status is Status.STALL
+    assert cycle.message == motion.message
+    assert math.isnan(cycle.velocity_max)
 
 
 def test_errors_of_zero_leave_every_bit():
