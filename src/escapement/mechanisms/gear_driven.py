@@ -358,9 +358,9 @@ class GearDriven(ImperfectWheel):
     def _with_solution(self, place: int) -> GearDriven:
         """Another solution with the same pins and lobes, or with one pin where these do not fit."""
         try:
-            return replace(self, solution=place)
+            return replace(self, solution=place, **_SIZELESS)
         except InvalidValue:
-            return replace(self, solution=place, pins=1, unused_lobes=0)
+            return replace(self, solution=place, pins=1, unused_lobes=0, **_SIZELESS)
 
     def _geometry(self) -> dict[str, Any]:
         return super().report() | {"gear_ratio": float(self.gear_ratio)}
