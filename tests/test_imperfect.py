@@ -6,6 +6,7 @@ The printed numbers come from two computations that share nothing with this pack
 import dataclasses
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -106,6 +107,29 @@ def test_wild_parts_hand_over_by_the_rule_or_are_told_where_they_do_not_fit():
             starts = two.late + two.edges[0] + (k + 1) * wheel.cell_angle
             assert (leaves, starts) == pytest.approx((ends.leaves, ends.starts), abs=1e-10)
     assert 50 < fit < 150
+
+
+def test_a_blow_in_which_a_wide_pin_slides_back_is_refused():
+    outcomes = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        thin = imperfect(rng, int(rng.integers(3, 9)), 10.0 ** rng.uniform(-1.5, -0.5))
+        if thin.misfit:
+            continue
+        wheel = dataclasses.replace(thin, pin_radius=0.95 * CRANK * thin.widest_pin)
+        drive, back = SimpleNamespace(mechanism=wheel), False
+        for k, meeting in enumerate(thin.meetings):
+            if meeting.kind == "strike":
+                pair, theta = bodies.pair_of(wheel, k), k * wheel.cell_angle + meeting.late
+                theta += meeting.edges[0]
+                phi, ratio = pair.asked(theta)
+                first, last = (
+                    bodies.Contact(drive, pair, 1.0, theta, 1.0, phi, x).sliding for x in (0, ratio)
+                )
+                back |= first * last < 0.0
+        assert back == bool(wheel.misfit)
+        outcomes.append(back)
+    assert {*outcomes} == {True, False}
 
 
 def test_impulse_and_energy_of_every_blow_balance():

@@ -19,7 +19,8 @@ the other the parts hand over as follows.
               follower rests while the driver turns free, and B takes it up without a blow.
     strike    otherwise: where Phi_B has come up to the follower, which rests where A left it.
 
-None of this depends on the speed: a pattern is a list of engagements with ends of their own.
+None of this depends on the speed: a pattern is a list of engagements with ends of their own. A pin
+that would slide back along the wall in the course of a blow is refused, as friction then turns.
 """
 
 import math
@@ -86,16 +87,16 @@ def lay_pattern(arms, turns, longer, pin, pins, slots, pattern):
         and (n, 2).
     pattern : array of `MEETING`, as long as the least common multiple of m and n.
     """
-    first, a, _second, b, forward = arms
+    first, a, second, b, forward = arms
     size, m, n = pattern.size, len(pins), len(slots)
     for k in range(size):
         meeting, offset = pattern[k], slots[k % n, 1]
         meeting.late, meeting.ahead = pins[k % m, 0], slots[k % n, 0]
-        p, q = _lengthened(first, longer), _lengthened(arms[2], pins[k % m, 1])
+        p, q = _lengthened(first, longer), _lengthened(second, pins[k % m, 1])
         # a pin must not pass the axis on the other side, and not as near to it as the slot's line
-        nearest = (abs(p) - abs(q)) * np.sign(abs(first) - abs(arms[2]))
+        nearest = (abs(p) - abs(q)) * np.sign(abs(first) - abs(second))
         top = -(a * p * p + b * q * q) / (p * q * (a + b))
-        if not (p * first > 0.0 and q * arms[2] > 0.0 and abs(offset) < nearest and abs(top) < 1.0):
+        if not (p * first > 0.0 and q * second > 0.0 and abs(offset) < nearest and abs(top) < 1.0):
             return k
         half, widest = np.arccos(top) / abs(a - b), np.pi / abs(a - b)
         row = path_numbers(p, a, q, b, forward, half, offset)
