@@ -75,14 +75,14 @@ class Ends(NamedTuple):
 
 def handoff(wheel, k):
     """The rule by which engagement k hands over to the next one."""
-    a, b, cell = pair_of(wheel, k), pair_of(wheel, k + 1), 2.0 * math.pi / wheel.pins
-    middle, half = cell * k, math.pi * (0.5 + (1 if wheel.internal else -1) / wheel.slots)
-    near = 0.2 * min(half, cell)
-    leaves = brentq(lambda x: a.asked(x)[1], middle + half - near, middle + half + near, xtol=1e-15)
-    enters = brentq(
-        lambda x: b.asked(x)[1],
-        middle + cell - half - near, middle + cell - half + near, xtol=1e-15,
-    )  # fmt: skip
+    cell = 2.0 * math.pi / wheel.pins
+    return hand_over(pair_of(wheel, k), pair_of(wheel, k + 1), cell * k, cell * (k + 1), math.pi)
+
+
+def hand_over(a, b, first, second, farthest):
+    """The rule for two pairs with these dead centres; a pin is farthest off behind that angle."""
+    leaves = brentq(lambda x: a.asked(x)[1], first, first + farthest, xtol=1e-15)
+    enters = brentq(lambda x: b.asked(x)[1], second - farthest, second, xtol=1e-15)
     if enters <= leaves + 1e-13:
         both = leaves
         if enters < leaves - 1e-13:
@@ -95,10 +95,8 @@ def handoff(wheel, k):
     if jump >= 0.0:
         return Ends(leaves, max(enters, leaves), "pick-up" if enters > leaves else "strike", jump)
     start = max(enters, leaves)
-    return Ends(
-        leaves, brentq(lambda x: b.asked(x)[0] - rest, start, start + half, xtol=1e-15),
-        "strike", 0.0,
-    )  # fmt: skip
+    strikes = brentq(lambda x: b.asked(x)[0] - rest, start, second, xtol=1e-15)
+    return Ends(leaves, strikes, "strike", 0.0)
 
 
 class Contact:

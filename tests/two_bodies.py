@@ -241,11 +241,11 @@ def random_state(rng, drive):
     return theta, 10.0 ** rng.uniform(-1, 1) / drive.time_unit
 
 
-def law(drive, theta, speed, side):
+def law(drive, theta, speed, side, engagement=0):
     """The package's rows at one state, in SI but for X: acceleration, N, losses, and X."""
     w = np.array([(speed * drive.time_unit) ** 2])
     table, losses = np.empty((5, 1)), np.empty((1 + len(dynamics.LOSSES), 1))
-    place = drive.scene, np.array([theta]), np.zeros(1), w, side
+    place = drive.scenes[engagement], np.array([theta]), np.zeros(1), w, side
     dynamics.tabulate(*place, table)
     dynamics.tabulate_losses(*place, losses)
     lost = dict(zip(dynamics.LOSSES, drive.torque * speed * losses[1:, 0], strict=True))

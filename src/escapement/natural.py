@@ -6,6 +6,7 @@ torque and time; the crank radius is that of length.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -65,3 +66,14 @@ def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:
         return friction, pin
     q = pin / np.where(rolls, roller, np.inf) * friction / np.hypot(1.0, friction)
     return np.where(rolls, q / np.sqrt(1.0 - q * q), friction), np.where(rolls, roller, pin)
+
+
+def slid(values: Mapping[str, Any], friction: float) -> float:
+    """Friction between a roller and its pin that acts in the slot as `friction` does, as `rolling`
+    tells; without a roller that itself. It is infinite where no friction brings as much.
+    """
+    roller = values.get("roller_radius")
+    if not roller:
+        return friction
+    q = friction / math.hypot(1.0, friction) * roller / values["pin_radius"]
+    return q / math.sqrt(1.0 - q * q) if q < 1.0 else math.inf

@@ -7,7 +7,7 @@ motion on the side s = +1 goes on, but another one exists as well. Of an ideal p
 both halves are the same, and in closed form.
 """
 
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from escapement.jit import as_python, inner_jit, jit
 from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import circle, pose_at, transmission, transmission_at
 from escapement.model import Escapement, Inertia
+from escapement.natural import slid
 from escapement.roots import newton_in_bracket
+from escapement.scene import Scene
 
 GRID = 32
 """Intervals in which the least margin of an engagement is looked for."""
@@ -195,21 +197,55 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
     return found
 
 
+@inner_jit
+def _rubbed(scene, friction):
+    """The scene with another friction in the slot, on which the bearings' share depends."""
+    more = np.hypot(1.0, friction) / np.hypot(1.0, scene.mu_minus)
+    journals = scene.driver_journal * more, scene.follower_journal * more
+    return Scene(*scene[:6], friction, friction, *scene[8:15], *journals)
+
+
+@jit
+def _friction_limit(scene, low, high, most):
+    """Least friction in the slot at which the margin vanishes between two driver angles; `most`
+    where that is more.
+
+    Found by the rule of false position, a stale end of whose bracket counts half (Illinois).
+    """
+    a, at_a = 0.0, least_margin(_rubbed(scene, 0.0), low, high)
+    if not at_a > 0.0:
+        return 0.0
+    b, stale = min(1.0, most), 0
+    at_b = least_margin(_rubbed(scene, b), low, high)
+    while at_b > 0.0:
+        if b >= most:
+            return most
+        a, at_a, b = b, at_b, min(2.0 * b, most)
+        at_b = least_margin(_rubbed(scene, b), low, high)
+    before = b
+    for _ in range(200):
+        x = b - at_b * (b - a) / (at_b - at_a)
+        if abs(x - before) <= 1e-15 * b:
+            break
+        before, value = x, least_margin(_rubbed(scene, x), low, high)
+        if value > 0.0:
+            a, at_a = x, value
+            at_b *= 0.5 if stale > 0 else 1.0
+            stale = 1
+        else:
+            b, at_b = x, value
+            at_a *= 0.5 if stale < 0 else 1.0
+            stale = -1
+    return x
+
+
 def _limit(escapement: Escapement, before: bool) -> float:
     """Least friction at which the margin vanishes before or behind a dead centre."""
-    from scipy.optimize import brentq
-
-    def least(friction: float) -> float:
-        scenes = replace(escapement, friction=friction).scenes
-        ends = [(s.edges[0], 0.0) if before else (0.0, s.edges[-1]) for s in scenes]
-        return min(float(least_margin(s, *x)) for s, x in zip(scenes, ends, strict=True))
-
-    most = 1.0
-    while least(most) > 0.0:
-        most *= 2.0
-        if most > GREATEST:
-            return float("inf")
-    return float(brentq(least, 0.0, most, xtol=1e-16, rtol=1e-14)) if least(0.0) > 0.0 else 0.0
+    most = GREATEST
+    for scene in escapement.scenes:
+        ends = (scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])
+        most = float(_friction_limit(scene, *ends, most))
+    return slid(vars(escapement.mechanism), most) if most < GREATEST else float("inf")
 
 
 def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:
@@ -244,13 +280,17 @@ def painleve_message(escapement: Escapement) -> str | None:
         return None
     scenes = escapement.scenes
     if len(scenes) == 1 and as_python(is_ideal)(scenes[0]):
-        angle = critical_angle(escapement.mechanism, escapement.inertia, friction)
+        angle, k = critical_angle(escapement.mechanism, escapement.inertia, friction), 0
     else:
-        places = ((x, s) for s in scenes for x in np.linspace(0.0, s.edges[-1], 2001))
-        angle = next((x for x, scene in places if not margin(x, scene) > 0.0), 0.0)
+        ends = ((k, scene, scene.edges[-1]) for k, scene in enumerate(scenes))
+        places = ((x, k, scene) for k, scene, end in ends for x in np.linspace(0.0, end, 2001))
+        found = ((x, k) for x, k, scene in places if not margin(x, scene) > 0.0)
+        angle, k = next(found, (0.0, 0))
+    wheel: Any = escapement.mechanism
+    where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if len(scenes) > 1 else ""
     return (
         f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
-        f"{np.degrees(angle):.3f} degrees from dead centre: no unique rigid motion exists"
+        f"{np.degrees(angle):.3f} degrees from dead centre{where}: no unique rigid motion exists"
     )
 
 

@@ -24,9 +24,10 @@ import numpy as np
 
 from escapement.engines.energy.beats import pattern_beats
 from escapement.errors import InvalidValue
+from escapement.jit import as_python
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
-from escapement.mechanisms.pattern import follower_angle
+from escapement.mechanisms.pattern import turned_by
 from escapement.model import Escapement
 
 _RTOL = 1e-12
@@ -74,8 +75,9 @@ class Parts:
     def free(self) -> FloatArray:
         """free_i of each slot, the mean over its pins [rad]."""
         rows, n = self.wheel.pattern, self.wheel.slots
+        angle = as_python(turned_by)
         enters, leaves = np.array(
-            [(follower_angle(row, row.entry), follower_angle(row, row.exit)) for row in rows]
+            [[angle(row, row[x]) for x in ("entry", "exit")] for row in rows]
         ).T
         gaps = enters + self.wheel.follower_step - np.roll(leaves, 1)
         return np.asarray([gaps[i::n].mean() for i in range(n)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -13,11 +14,11 @@ from escapement.errors import InvalidValue
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import gear_equation
 from escapement.mechanisms.gear_equation import COGNATES, CURVES, MOST_LOBES
+from escapement.mechanisms.imperfect import ImperfectWheel, centre_distance_error, each
 from escapement.mechanisms.kind import (
     WHEEL,
     Arms,
     ArrayLike,
-    Wheel,
     np,
     pin_radius,
     roller_radius,
@@ -26,12 +27,15 @@ from escapement.mechanisms.kind import (
 from escapement.quantity import Choice, quantity, setting
 from escapement.scene import Path
 
-_SIZELESS: dict[str, Any] = {"fixed_radius": None, "pin_radius": 0.0, "roller_radius": 0.0}
+_SIZELESS: dict[str, Any] = {
+    "fixed_radius": None, "pin_radius": 0.0, "roller_radius": 0.0, "centre_distance_error": 0.0,
+    "slot_offsets": (),
+}  # fmt: skip
 _LENGTHS = ("carrier", "arm", "entry_radius", "closest_radius")
 
 
 @dataclass(frozen=True, repr=False)
-class GearDriven(Wheel):
+class GearDriven(ImperfectWheel):
     """Geneva wheel driven by pins on a planet that rolls in or on a fixed gear.
 
     Parameters
@@ -57,6 +61,12 @@ class GearDriven(Wheel):
         Radius R0 of the fixed gear [m]; contact forces and all other lengths need it.
     pin_radius, roller_radius : float
         As of a `Geneva` [m].
+    centre_distance_error : float
+        By how much the axes of planet and fixed gear are too far apart, which is the error of
+        the carrier's length [m]; negative where they are too close.
+    slot_offsets : sequence of float
+        Of each slot, in the order in which pins meet them, how far its line runs ahead of the
+        wheel's axis in the sense in which the wheel turns [m].
 
     Raises
     ------
@@ -114,6 +124,8 @@ class GearDriven(Wheel):
 
     pin_radius: float = field(default=0.0, metadata=pin_radius())
     roller_radius: float = field(default=0.0, metadata=roller_radius())
+    centre_distance_error: float = centre_distance_error(" of planet and fixed gear")
+    slot_offsets: Sequence[float] = each("slot", "distance from the wheel's axis", "length")
 
     def __post_init__(self) -> None:
         self.check_fields()
@@ -134,6 +146,7 @@ class GearDriven(Wheel):
             raise validate.fail("pins", rule, self.pins, remedy)
         self._check_unused_lobes()
         self.check_pin()
+        self.check_errors()
 
     def _check_unused_lobes(self) -> None:
         if self.through_centre and self.unused_lobes:
@@ -345,9 +358,9 @@ class GearDriven(Wheel):
     def _with_solution(self, place: int) -> GearDriven:
         """Another solution with the same pins and lobes, or with one pin where these do not fit."""
         try:
-            return replace(self, solution=place)
+            return replace(self, solution=place, **_SIZELESS)
         except InvalidValue:
-            return replace(self, solution=place, pins=1, unused_lobes=0)
+            return replace(self, solution=place, pins=1, unused_lobes=0, **_SIZELESS)
 
     def _geometry(self) -> dict[str, Any]:
         return super().report() | {"gear_ratio": float(self.gear_ratio)}

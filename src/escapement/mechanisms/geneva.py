@@ -3,32 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, ClassVar
 
 from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.fitting import IMPERFECT, check_lengths
-from escapement.lazy import Lazy
-from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pin_radius, roller_radius
-from escapement.quantity import Numbers, Truth, declared, quantity, setting
-from escapement.scene import Meeting
+from escapement.mechanisms.imperfect import ImperfectWheel, centre_distance_error, each
+from escapement.mechanisms.kind import WHEEL, Arms, pin_radius, roller_radius
+from escapement.quantity import Truth, quantity, setting
 
 MOST_SLOTS = 1_000_000
-pattern: Any = Lazy("escapement.mechanisms.pattern")
-
-
-def _each(part: str, error: str, unit: str = "ratio") -> Any:
-    """Field with an error of each pin or slot."""
-    remedy = f"give one number for each {part}, or leave it out"
-    entry = Numbers(long_name=f"{error} of each {part}", unit=unit, remedy=remedy, metavar="X,X,..")
-    return field(default=(), metadata=setting(entry))
 
 
 @dataclass(frozen=True, repr=False)
-class Geneva(Wheel):
+class Geneva(ImperfectWheel):
     """Geneva wheel driven by pins on a crank, entering along the slots.
 
     Parameters
@@ -90,14 +78,11 @@ class Geneva(Wheel):
 
     pin_radius: float = field(default=0.0, metadata=pin_radius())
     roller_radius: float = field(default=0.0, metadata=roller_radius())
-    centre_distance_error: float = field(default=0.0, metadata=quantity(
-        "error of the centre distance", "length", minimum=-math.inf,
-        note=", positive where it is too long", remedy="give the error, 0 for none"
-    ))  # fmt: skip
-    pin_angle_errors: Sequence[float] = _each("pin", "angle error [rad]")
-    crank_radius_errors: Sequence[float] = _each("pin", "error of the crank radius", "length")
-    slot_angle_errors: Sequence[float] = _each("slot", "angle error [rad]")
-    slot_offsets: Sequence[float] = _each("slot", "distance from the follower's axis", "length")
+    centre_distance_error: float = centre_distance_error("")
+    pin_angle_errors: Sequence[float] = each("pin", "angle error", "angle")
+    crank_radius_errors: Sequence[float] = each("pin", "error of the crank radius", "length")
+    slot_angle_errors: Sequence[float] = each("slot", "angle error", "angle")
+    slot_offsets: Sequence[float] = each("slot", "distance from the follower's axis", "length")
 
     def __post_init__(self) -> None:
         self.check_fields()
@@ -113,75 +98,7 @@ class Geneva(Wheel):
                 "pins", f"at most {most} for {kind}", self.pins, "fewer pins, or leave it out"
             )
         self.check_pin()
-        self._check_errors()
-
-    def _check_errors(self) -> None:
-        """Put tuples in the place of the errors of pins and slots; all zeros are none."""
-        counts = {"pin": self.pins, "slot": self.slots}
-        for name, entry in declared(Geneva).items():
-            if not isinstance(entry, Numbers) or getattr(self, name) is entry.default:
-                continue
-            numbers = entry.read(name, getattr(self, name))
-            part = name.partition("_")[0].replace("crank", "pin")
-            if numbers and len(numbers) != counts[part]:
-                rule = f"as long as there are {part}s, {counts[part]}"
-                raise validate.fail(name, rule, len(numbers), entry.remedy)
-            vars(self)[name] = numbers if any(numbers) else ()
-        check_lengths(vars(self), self.crank_radius, self.plain_crank)
-
-    @classmethod
-    def counts(cls, given: Mapping[str, Any]) -> dict[str, int]:
-        """How many errors of each kind a wheel has, by name; of numbers that make none, none."""
-        numbers = {name: given[name] for name in ("slots", "pins", "internal") if name in given}
-        try:
-            wheel = cls(**numbers)
-        except (TypeError, InvalidValue):
-            return {}
-        lists = [name for name, entry in declared(cls).items() if isinstance(entry, Numbers)]
-        return {name: wheel.slots if name.startswith("slot") else wheel.pins for name in lists}  # type: ignore[misc]
-
-    @cached_property
-    def _laid_out(self) -> Any:
-        """Its pattern and the first impossible engagement, as `pattern_of` gives them."""
-        unit = self.crank_radius or 1.0
-        none: Any = (0.0,)
-        pins, slots = self.pins, self.slots
-        return pattern.pattern_of(
-            internal=self.internal,
-            centre=self.centre_distance + self.centre_distance_error / unit,
-            pin=(self.roller_radius or self.pin_radius) / unit,
-            late=self.pin_angle_errors or none * pins,
-            cranks=[1.0 + error / unit for error in self.crank_radius_errors or none * pins],
-            ahead=self.slot_angle_errors or none * slots,
-            offsets=[offset / unit for offset in self.slot_offsets or none * slots],
-        )
-
-    @cached_property
-    def perfect(self) -> bool:
-        """Whether it has no error."""
-        return not any(getattr(self, name) for name in IMPERFECT)
-
-    @property
-    def pattern(self) -> Any:
-        """The engagements after which pins and slots meet again, as `pattern_of` gives them."""
-        return self._laid_out[0]
-
-    @property
-    def meetings(self) -> tuple[Meeting, ...]:
-        """The engagements of its pattern."""
-        return pattern.meetings_of(self.pattern)  # type: ignore[no-any-return]
-
-    @cached_property
-    def misfit(self) -> str:
-        """Which pin cannot drive which slot, and where; "" where all can."""
-        k = -1 if self.perfect else self._laid_out[1]
-        if k < 0:
-            return ""
-        return (
-            f"pin {k % self.pins} cannot drive slot {k % self.slots}, which it meets "  # type: ignore[operator]
-            f"{math.degrees(k * self.cell_angle):.6g} degrees behind the first dead centre: the "
-            "errors of the parts are too large; make them smaller"
-        )
+        self.check_errors()
 
     @property
     def centre_distance(self) -> float:

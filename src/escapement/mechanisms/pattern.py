@@ -1,15 +1,17 @@
-"""Imperfect parts of a Geneva wheel: every pin meets every slot in a path of its own.
+"""Imperfect parts of a wheel with slots: every pin meets every slot in a path of its own.
 
 With m pins and n slots the pairs come round after lcm(m, n) engagements, the pattern. Pin j comes
-late by psi_j and runs at the radius r_j, slot i stands ahead by chi_i, and its line passes the
-axis at the distance delta_i; c is the distance of the axes. Counted from where pin j crosses the
-line of centres, x = theta - psi_j, the path is that of `slotted`
+late by psi_j, slot i stands ahead by chi_i, and its line passes the axis at the distance delta_i.
+Counted from where pin j crosses the line of centres, x = theta - psi_j, the path is that of
+`slotted` with vectors P and Q
 
-    C = c - r_j exp(-i x)                                    (internal wheel: c + r_j exp(i x))
+    C = P exp(i a x) + Q exp(i b x)
     Phi = arg C - asin(delta_i/|C|) - chi_i
 
-from its entry, g = 0, to its exit, g = 0. Pin A leaves at its exit, at theta_A, and pin B enters at
-theta_B. With the jump Gamma = Phi_B - Phi_A from one to the other the parts hand over as follows.
+from its entry, g = 0, to its exit, g = 0. Of a Geneva wheel P is the distance of the axes and Q
+the crank of pin j; of a gear-driven one they are the carrier and the planet's arm. Pin A leaves at
+its exit, at theta_A, and pin B enters at theta_B. With the jump Gamma = Phi_B - Phi_A from one to
+the other the parts hand over as follows.
 
     overlap   theta_B <= theta_A: where g_A = g_B, if Gamma >= 0 there. The follower jumps ahead by
               Gamma, for which the slot must be wider than the pin by R Gamma.
@@ -17,18 +19,17 @@ theta_B. With the jump Gamma = Phi_B - Phi_A from one to the other the parts han
               follower rests while the driver turns free, and B takes it up without a blow.
     strike    otherwise: where Phi_B has come up to the follower, which rests where A left it.
 
-None of this depends on the speed: a pattern is a list of engagements with ends of their own.
+None of this depends on the speed: a pattern is a list of engagements with ends of their own. A pin
+that would slide back along the wall in the course of a blow is refused, as friction then turns.
 """
 
 import math
-from collections.abc import Sequence
 from enum import IntEnum
 from functools import partial
-from typing import Any
 
 import numpy as np
 
-from escapement.jit import inner_jit, jit
+from escapement.jit import as_python, inner_jit, jit
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.slotted import path_numbers, pose_at, slide_edges
 from escapement.roots import newton_in_bracket
@@ -55,8 +56,8 @@ MEETING = np.dtype((np.record, np.dtype([
     ("dwell", float),  # driver angle from the exit to the start of the next engagement
     ("late", float),  # psi
     ("ahead", float),  # chi
-    ("centre", float),  # c
-    ("crank", float),  # r, negative of an external wheel
+    # C = exp(i drift x) [long + short exp(i turn x)], counted in the sense `forward`
+    *[(name, float) for name in ("long", "short", "drift", "turn", "forward")],
     ("entry", float),  # driver angles x at which g = 0
     ("exit", float),
     # how it begins: a `Handoff`, Gamma, and R
@@ -73,42 +74,47 @@ FITS = np.int64(-1)
 
 
 @jit(allocates=True)
-def lay_pattern(internal, centre, pin, pins, slots, pattern):
+def lay_pattern(arms, turns, longer, pin, pins, slots, pattern):
     """Fill `pattern`; returns the first engagement that is impossible, -1 if all are possible.
 
     Parameters
     ----------
-    internal : whether the driver turns inside the wheel.
-    centre, pin : distance of the axes, and radius of pins or rollers, in crank radii.
-    pins, slots : psi and r of each pin, chi and delta of each slot; shapes (m, 2) and (n, 2).
+    arms : P, a, Q, b of perfect parts, and the sense in which the follower turns.
+    turns : what driver and follower turn from one pin to the next.
+    longer : error of |P|.
+    pin : radius of pins or rollers.
+    pins, slots : psi and the error of |Q| of each pin, chi and delta of each slot; shapes (m, 2)
+        and (n, 2).
     pattern : array of `MEETING`, as long as the least common multiple of m and n.
     """
-    sense = 1.0 if internal else -1.0
+    first, a, second, b, forward = arms
     size, m, n = pattern.size, len(pins), len(slots)
     for k in range(size):
         meeting, offset = pattern[k], slots[k % n, 1]
-        meeting.late, radius = pins[k % m, 0], pins[k % m, 1]
-        meeting.ahead = slots[k % n, 0]
-        meeting.centre, meeting.crank = centre, sense * radius
-        # a pin must pass the axis, and come nearer to it than the slot's line is
-        if not 0.0 < radius < centre or not abs(offset) < centre - radius:
+        meeting.late, meeting.ahead = pins[k % m, 0], slots[k % n, 0]
+        p, q = _lengthened(first, longer), _lengthened(second, pins[k % m, 1])
+        # a pin must not pass the axis on the other side, and not as near to it as the slot's line
+        nearest = (abs(p) - abs(q)) * np.sign(abs(first) - abs(second))
+        top = -(a * p * p + b * q * q) / (p * q * (a + b))
+        if not (p * first > 0.0 and q * second > 0.0 and abs(offset) < nearest and abs(top) < 1.0):
             return k
-        half = np.arccos(-sense * radius / centre)
-        row = path_numbers(centre, 0.0, sense * radius, sense, 1.0, half, offset)
+        half, widest = np.arccos(top) / abs(a - b), np.pi / abs(a - b)
+        row = path_numbers(p, a, q, b, forward, half, offset)
         for i in range(len(row)):
             meeting.numbers[i] = row[i]
+        _write_angle(meeting, p, a, q, b, forward)
         meeting.entry, meeting.exit = -half, half
         if offset != 0.0:
             path = path_in(meeting)
-            meeting.entry = _stop(path, -half, -np.pi, 0.0)
-            meeting.exit = _stop(path, half, 0.0, np.pi)
+            meeting.entry = _stop(path, -half, -widest, 0.0)
+            meeting.exit = _stop(path, half, 0.0, widest)
     for k in range(size):
         following = (k + 1) % size
-        if not _hand_over(pattern[k], pattern[following], 2.0 * np.pi / m, 2.0 * np.pi / n):
+        if not _hand_over(pattern[k], pattern[following], *turns):
             return following
     for k in range(size):
         meeting = pattern[k]
-        if not meeting.edges[0] < 0.0 < meeting.edges[1]:
+        if not meeting.edges[0] < 0.0 < meeting.edges[1] or _slides_back(meeting, pin):
             return k
         ends, path = meeting.edges[:2].copy(), path_in(meeting)
         edges = slide_edges(path, pin, ends)
@@ -116,6 +122,21 @@ def lay_pattern(internal, centre, pin, pins, slots, pattern):
         for i in range(len(edges)):
             meeting.edges[i] = edges[i]
     return FITS
+
+
+@inner_jit
+def _lengthened(arm, error):
+    """A signed length whose magnitude is greater by an error."""
+    return arm + error * np.sign(arm)
+
+
+@inner_jit
+def _write_angle(meeting, p, a, q, b, forward):
+    """Write what `turned_by` reads of the two vectors."""
+    if abs(p) < abs(q):  # the sum does not wind about the longer vector
+        p, a, q, b = q, b, p, a
+    meeting.long, meeting.short = abs(p), np.copysign(q, p * q)
+    meeting.drift, meeting.turn, meeting.forward = a, b - a, forward
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -141,10 +162,10 @@ def _stop(path, x, low, high):
 @inner_jit
 def turned_by(meeting, x):
     """Phi at the driver angle x, 0 at dead centre of perfect parts."""
-    along = meeting.centre + meeting.crank * np.cos(x)
-    across = abs(meeting.crank) * np.sin(x)
+    along = meeting.long + meeting.short * np.cos(meeting.turn * x)
+    across = meeting.short * np.sin(meeting.turn * x)
     offset = meeting.numbers[10]
-    angle = np.arctan2(across, along) - meeting.ahead
+    angle = meeting.forward * (meeting.drift * x + np.arctan2(across, along)) - meeting.ahead
     return angle - np.arcsin(offset / np.hypot(along, across)) if offset != 0.0 else angle
 
 
@@ -188,6 +209,17 @@ def _hand_over(a, b, cell, step):
 
 
 @inner_jit
+def _slides_back(meeting, pin):
+    """Whether the contact point changes its way along the wall in the course of a blow."""
+    if meeting.kind != Handoff.STRIKE:
+        return False
+    g, u, _dg, radius = pose_at(path_in(meeting), meeting.edges[0])
+    # the follower rests at first, and has the speed g per driver radian at the end
+    at_rest = radius * u - g * meeting.numbers[10] - pin * meeting.numbers[9]
+    return at_rest * (radius * u + pin * (g - meeting.numbers[9])) < 0.0
+
+
+@inner_jit
 def _strike(meeting, path, rest, low):
     """Driver angle x behind `low` at which the pin asks for the follower angle `rest`."""
     high = meeting.exit
@@ -205,50 +237,31 @@ def _strike(meeting, path, rest, low):
     return x
 
 
-def follower_angle(meeting: Any, theta: FloatArray) -> FloatArray:
-    """Phi of one engagement of a pattern at driver angles x of any shape [rad]."""
-    along = meeting.centre + meeting.crank * np.cos(theta)
-    across = abs(meeting.crank) * np.sin(theta)
-    leaning = np.arcsin(meeting.numbers[10] / np.hypot(along, across))
-    return np.asarray(np.arctan2(across, along) - leaning - meeting.ahead)
-
-
 def pattern_of(
-    *,
-    internal: bool,
-    centre: float,
+    arms: tuple[float, ...],
+    turns: tuple[float, float],
+    longer: float,
     pin: float,
-    late: Sequence[float],
-    cranks: Sequence[float],
-    ahead: Sequence[float],
-    offsets: Sequence[float],
+    pins: FloatArray,
+    slots: FloatArray,
 ) -> tuple[np.ndarray, int]:
     """The pattern of pins and slots, and its first impossible engagement, -1 if there is none.
 
-    Parameters
-    ----------
-    internal : bool
-        Whether the driver turns inside the wheel.
-    centre, pin : float
-        Distance of the axes, and radius of pins or rollers [-].
-    late, cranks : sequences of float
-        psi [rad] and r [-] of each pin.
-    ahead, offsets : sequences of float
-        chi [rad] and delta [-] of each slot.
+    Arguments as of `lay_pattern`.
     """
-    pins, slots = np.column_stack([late, cranks]), np.column_stack([ahead, offsets])
     pattern = np.zeros(math.lcm(len(pins), len(slots)), MEETING)
-    found = lay_pattern(internal, centre, pin, pins, slots, pattern)
-    return pattern, int(found)
+    return pattern, int(lay_pattern(arms, turns, longer, pin, pins, slots, pattern))
 
 
 def meetings_of(pattern: np.ndarray) -> tuple[Meeting, ...]:
     """The engagements of a pattern that is possible."""
+    # whole columns: a field of a single record takes ten times as long to read
+    names = ("used", "dwell", "late", "kind", "jump", "radius")
+    columns = zip(*(pattern[name].tolist() for name in names), strict=True)
     return tuple(
         Meeting(
-            Path(False, row.numbers.copy()), row.edges[: row.used].copy(),
-            float(row.dwell), float(row.late), partial(follower_angle, row),
-            Handoff(row.kind).label, float(row.jump), float(row.radius),
+            Path(False, row["numbers"].copy()), row["edges"][:used].copy(), dwell, late,
+            partial(as_python(turned_by), row), Handoff(kind).label, jump, radius,
         )
-        for row in pattern
+        for row, (used, dwell, late, kind, jump, radius) in zip(pattern, columns, strict=True)
     )  # fmt: skip

@@ -2,6 +2,7 @@
 
 A study that varies one of them has a parameter for each number of the list, "slot_angle_errors_0"
 and so on. What a sample says of the list as a whole it says of each, and each is drawn alone.
+"slot_angle_errors_factor" multiplies all numbers of the list.
 """
 
 import math
@@ -39,7 +40,13 @@ def part_lists(
         if not isinstance(entry, Numbers) or name not in counts:
             continue
         names = [f"{name}_{i}" for i in range(counts[name])]
-        sample = tables.get("sample", {})
+        sample, factor = tables.get("sample", {}), f"{name}_factor"
+        if factor in tables.get("sweep", ()) or factor in sample:
+            found[factor] = Quantity(
+                long_name=f"factor on the {entry.long_name}", minimum=-math.inf, default=1.0,
+                remedy="give the factor, 1 for the list as it is", name=factor, key=factor,
+                section=entry.section,
+            )  # fmt: skip
         if name in sample:
             form = sample.pop(name)
             if not isinstance(form, Mapping):
@@ -63,9 +70,11 @@ def part_lists(
     return {**content, **tables}, found
 
 
-def joined(name: str, values: Mapping[str, Any]) -> tuple[float, ...] | None:
-    """A list put together from its numbers among `values`; None where it is not apart."""
-    if f"{name}_0" not in values:
-        return None
-    count = sum(key.startswith(f"{name}_") for key in values)
-    return tuple(values[f"{name}_{i}"] for i in range(count))
+def joined(name: str, values: Mapping[str, Any]) -> Any:
+    """A setting of a case; a list is put together from its numbers, times its factor."""
+    found = values.get(name)
+    if f"{name}_0" in values:
+        count = sum(key.startswith(f"{name}_") and key[-1].isdigit() for key in values)
+        found = tuple(values[f"{name}_{i}"] for i in range(count))
+    factor = values.get(f"{name}_factor", 1.0)
+    return tuple(factor * number for number in found) if found and factor != 1.0 else found

@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 from escapement import units, validate
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files import AnyPath, check_input
-from escapement.fitting import check_lengths
+from escapement.fitting import IMPERFECT, check_lengths
 from escapement.mechanism import Mechanism
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.merits import FIGURES
 from escapement.model import Escapement
-from escapement.quantity import Quantity, Setting, declared, quantities
+from escapement.quantity import Numbers, Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
@@ -141,14 +141,29 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     drawn = varied, solver, fingerprint
     plan = StudyPlan(plain, build, meshed, parameters, fixed_si, *drawn, curve)
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
-    greatest = {name: float(np.max(values[name])) for name in parameters if name in values}
-    check_lengths(greatest, plan.lengths["crank_radius"], getattr(build, "plain_crank", True))
+    _check_lengths(plan, {n: value for n, value in values.items() if n in {*parameters, *counts}})
     if plan.cases > MOST_CASES:
         raise InvalidValue(
             f"the grid must have at most {MOST_CASES:.0e} cases, got {plan.cases:.3g}; "
             "shorten an axis"
         )
     return plan
+
+
+def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
+    """Refuse lengths without that of the mechanism, and a factor on a list that has no errors."""
+    greatest: dict[str, float] = {}
+    for name, value in values.items():
+        # a list that varies is known by its numbers
+        name = re.sub(r"_\d+$", "", name)
+        greatest[name] = max(greatest.get(name, 0.0), float(np.max(np.abs(value), initial=0.0)))
+    for name in values:
+        of = name.removesuffix("_factor")
+        if of != name and not greatest.get(of):
+            remedy = f"give {of} under [mechanism], or draw them in [sample]"
+            raise validate.fail(name, f"a factor on {of} that are not all 0", "none", remedy)
+    plain_crank = getattr(plan.build, "plain_crank", True)
+    check_lengths(greatest, plan.lengths["crank_radius"], plain_crank)
 
 
 def _with_first_torque(
@@ -270,8 +285,12 @@ def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setti
     homes |= dict.fromkeys(("kind", *machine), "[mechanism]") | dict.fromkeys(_SOLVER, "[solver]")
     homes |= dict.fromkeys(("size", "seed"), "[sample]")
     swept = _table(configuration, "sweep")
+    factors = {
+        name: f"{name}_factor" for name in IMPERFECT if isinstance(settings.get(name), Numbers)
+    }
+    homes |= {name: f"[mechanism], and its factor is {axis!r}" for name, axis in factors.items()}
     axes = [name for name, entry in settings.items() if entry.axis]
-    known_keys(swept, axes, "in [sweep]", homes)
+    known_keys(swept, [*axes, *factors.values()], "in [sweep]", homes)
     kept = ["kind"] if machine else ["kind", "description"]
     keys = {"": [*_TOP], "mechanism": kept, "inertia": [], "solver": [*_SOLVER]}
     for name, entry in settings.items():

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -224,14 +224,17 @@ class StudyPlan:
         return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank or 0.0}
 
     def mechanism(self, case: int, ideal: bool = False) -> Mechanism:
-        """The mechanism of one case, or one like it with thin pins; errors as `escapement`."""
-        return self._machine(self.values(case) | dict.fromkeys(LENGTHS[1:] if ideal else ()))
+        """The mechanism of one case, or one like it with thin pins and perfect parts.
 
-    def _machine(self, values: Mapping[str, Any]) -> Mechanism:
+        Errors as `escapement`.
+        """
+        return self._machine(self.values(case), (*LENGTHS[1:], *IMPERFECT) if ideal else ())
+
+    def _machine(self, values: Mapping[str, Any], left_out: Sequence[str] = ()) -> Mechanism:
         if not isinstance(self.build, type):
             own: Mechanism = self.build
             return own
-        every = {name: joined(name, values) or values.get(name) for name in declared(self.build)}
+        every = {n: joined(n, values) for n in declared(self.build) if n not in left_out}
         given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
         return built

@@ -153,28 +153,25 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
 
     columns, ratios, w, sound = _in_natural_units(plan, cases)
     values, unit = plan.fixed_si | columns, plan.lengths["crank_radius"] or 1.0
-    chosen = {name: values[name] for name in ("slots", "pins", "internal") if name in values}
-    wheel = plan.build(**{name: value for name, value in chosen.items() if value is not None})
+    wheel: Any = plan.mechanism(int(cases[0]), ideal=True)
 
     def errors(name: str, count: int, scale: float = 1.0) -> FloatArray:
-        fixed = values.get(name) or (0.0,) * count
-        each = [values.get(f"{name}_{i}", fixed[i]) for i in range(count)]
+        fixed, factor = values.get(name) or (0.0,) * count, values.get(f"{name}_factor", 1.0)
+        each = [factor * values.get(f"{name}_{i}", fixed[i]) for i in range(count)]
         rows = [np.broadcast_to(np.asarray(one, dtype=float), cases.shape) for one in each]
         return np.asarray(np.stack(rows, axis=-1)[sound] / scale)
 
     sound &= ratios["pin"] < wheel.widest_pin
-    distance = np.broadcast_to(values["centre_distance_error"], cases.shape)[sound]
-    given = {
-        "centre": wheel.centre_distance + distance / unit,
-        "late": errors("pin_angle_errors", wheel.pins),
-        "cranks": 1.0 + errors("crank_radius_errors", wheel.pins, unit),
-        "ahead": errors("slot_angle_errors", wheel.slots),
-        "offsets": errors("slot_offsets", wheel.slots, unit),
-    }
+    m, n = wheel.pins, wheel.slots
+    longer = np.broadcast_to(values["centre_distance_error"], cases.shape)[sound] / unit
+    pins = errors("pin_angle_errors", m), errors("crank_radius_errors", m, unit)
+    slots = errors("slot_angle_errors", n), errors("slot_offsets", n, unit)
+    given = longer, np.stack(pins, axis=-1), np.stack(slots, axis=-1)
     numbers = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
     figures = np.full((len(plan.results) - 1, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
-    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], plan.solver.tolerance)
+    settings = plan.solver.tolerance, _extent(plan)
+    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], *settings)
     named = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
     figures[:, sound], status[sound] = _in_order(plan, wheel, named, cases[sound]), found
     return figures, status
@@ -185,15 +182,20 @@ def _solve(
 ) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
     from escapement.engines.energy import batch, cycle
+
+    table, status = batch.solve(mechanism, scene, plan.solver.tolerance, _extent(plan))
+    found = dict(zip(cycle.COLUMNS, table.T, strict=True))
+    return _in_order(plan, mechanism, found, cases), status
+
+
+def _extent(plan: StudyPlan) -> int:
+    """How far the transients of a plan are followed."""
     from escapement.engines.energy.figures import Extent
 
     wanted = {*plan.results}
-    extent = Extent.CYCLE if wanted.isdisjoint(TRANSIENT) else Extent.SETTLED
     if not wanted.isdisjoint(("rise_time_63", "rise_time_98")):
-        extent = Extent.FALLEN
-    table, status = batch.solve(mechanism, scene, plan.solver.tolerance, extent)
-    found = dict(zip(cycle.COLUMNS, table.T, strict=True))
-    return _in_order(plan, mechanism, found, cases), status
+        return Extent.FALLEN
+    return Extent.CYCLE if wanted.isdisjoint(TRANSIENT) else Extent.SETTLED
 
 
 def _in_order(
@@ -203,11 +205,10 @@ def _in_order(
     found["velocity_mean"] = mechanism.cell_angle / found["period"]
     found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
     others = [name for name in plan.results if name in FIGURES and name not in found]
-    rows = [
-        _rest(plan, case, others, handoff)
-        for case, handoff in zip(cases.tolist(), found["handoff_velocity"], strict=True)
-    ]
-    found |= dict(zip(others, np.array(rows).T, strict=True)) if others else {}
+    if others:  # each case is then built as an escapement, which takes longer than to solve it
+        handoffs = zip(cases.tolist(), found["handoff_velocity"], strict=True)
+        rows = [_rest(plan, case, others, handoff) for case, handoff in handoffs]
+        found |= dict(zip(others, np.array(rows).T, strict=True))
     return np.array([found[name] for name in plan.results if name in found])
 
 
@@ -243,8 +244,6 @@ def _solver(plan: StudyPlan) -> Any:
         return solve_scenes
     varied = {name for along in plan.varied.values() for name in along}
     varied &= {name for name in plan.parameters if plan.parameters[name].section == "mechanism"}
-    # the kernels for patterns do not compute these
-    varied |= {"rise_time_63", "rise_time_98"} & {*plan.results}
     alike = all(name.startswith((*IMPERFECT, *LENGTHS)) for name in varied)
     return _solve_patterns if alike and isinstance(plan.build, type) else None
 

@@ -38,12 +38,10 @@ class Part(NamedTuple):
 
 def error_names(mechanism: Any) -> dict[str, float]:
     """The errors of the parts by the names that studies use [SI]; none of other mechanisms."""
-    counts = getattr(mechanism, "counts", None)
-    if counts is None or mechanism.perfect:
+    if getattr(mechanism, "perfect", True):
         return {}
     found = {"centre_distance_error": mechanism.centre_distance_error}
-    given = {"slots": mechanism.slots, "pins": mechanism.pins, "internal": mechanism.internal}
-    for name, count in counts(given).items():
+    for name, count in mechanism.error_counts.items():
         values = getattr(mechanism, name) or (0.0,) * count
         found |= {f"{name}_{i}": float(value) for i, value in enumerate(values)}
     if not mechanism.crank_radius:
@@ -59,11 +57,9 @@ def parts_of(mechanism: Any, values: dict[str, Any]) -> tuple[Part, ...]:
         own = getattr(mechanism, name)
         return values.get(f"{name}_{k}", own[k] if own else 0.0)
 
-    sense = 1.0 if mechanism.internal else -1.0
-    distance = values.get("centre_distance_error", mechanism.centre_distance_error)
-    centre = mechanism.centre_distance + distance / unit
+    longer = values.get("centre_distance_error", mechanism.centre_distance_error) / unit
     count = mechanism.pattern.size
-    found = [_engagement(mechanism, k, sense, centre, unit, each) for k in range(count)]
+    found = [_engagement(mechanism, k, longer, unit, each) for k in range(count)]
     cell, step = mechanism.cell_angle, mechanism.follower_step
     starts = [_handover(found[k - 1], found[k], cell, step) for k in range(count)]
     return tuple(
@@ -73,18 +69,21 @@ def parts_of(mechanism: Any, values: dict[str, Any]) -> tuple[Part, ...]:
     )  # fmt: skip
 
 
-def _engagement(mechanism: Any, k: int, sense: float, centre: Any, unit: Any, each: Any) -> Any:
+def _engagement(mechanism: Any, k: int, longer: Any, unit: Any, each: Any) -> Any:
     """A row of the pattern with duals."""
     row: Any = mechanism.pattern[k]
     j, i = k % mechanism.pins, k % mechanism.slots
-    radius = 1.0 + each("crank_radius_errors", j) / unit
+    first, a, second, b, forward = mechanism.path_numbers["arms"]
+    # the errors lengthen either vector, whatever its sign
+    p = first + np.sign(first) * longer
+    q = second + np.sign(second) * (each("crank_radius_errors", j) / unit)
     offset = each("slot_offsets", i) / unit
-    half = np.arccos(-sense * radius / centre)
-    numbers = _slotted["path_numbers"](centre, 0.0, sense * radius, sense, 1.0, half, offset)
-    path = Path(False, numbers)
+    half = np.arccos(-(a * p * p + b * q * q) / (p * q * (a + b))) / abs(a - b)
+    numbers = _slotted["path_numbers"](p, a, q, b, forward, half, offset)
     late, ahead = each("pin_angle_errors", j), each("slot_angle_errors", i)
-    found = SimpleNamespace(path=path, numbers=numbers, row=row, late=late, ahead=ahead)
-    found.centre, found.crank = centre, sense * radius
+    found = SimpleNamespace(path=Path(False, numbers), numbers=numbers, row=row, late=late)
+    found.ahead = ahead
+    _pattern["_write_angle"](found, p, a, q, b, forward)
     found.entry, found.exit = (_polished(found, float(x)) for x in (row.entry, row.exit))
     return found
 

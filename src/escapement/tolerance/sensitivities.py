@@ -121,7 +121,7 @@ def corners_of(
 
 def _side(escapement: Escapement, mechanism: Any, key: str, sign: float) -> dict[str, float]:
     """Limits of the derivatives by an error on one side of zero."""
-    count = mechanism.counts({"slots": mechanism.slots, "pins": mechanism.pins}).get(key)
+    count = mechanism.error_counts.get(key)
     unit = 1.0 if "angle" in key else mechanism.crank_radius
     tables = []
     for step in _STEPS:
@@ -136,8 +136,7 @@ def _side(escapement: Escapement, mechanism: Any, key: str, sign: float) -> dict
 
 def error_axes(mechanism: Any) -> list[str]:
     """One error of each kind that the parts of a perfect wheel may have, by its name in studies."""
-    if not hasattr(mechanism, "counts") or not mechanism.perfect:
+    if not hasattr(mechanism, "error_counts") or not mechanism.perfect:
         return []
-    lists = mechanism.counts({"slots": mechanism.slots, "pins": mechanism.pins})
-    names = ["centre_distance_error", *(f"{name}_0" for name in lists)]
+    names = ["centre_distance_error", *(f"{name}_0" for name in mechanism.error_counts)]
     return [name for name in names if "angle" in name or mechanism.crank_radius]

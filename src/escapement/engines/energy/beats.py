@@ -6,7 +6,10 @@ import numpy as np
 
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.pattern import pattern_cycle, pattern_handoffs
+from escapement.engines.energy.cycle import HANDOFF
+from escapement.engines.energy.figures import Extent
+from escapement.engines.energy.pattern import pattern_handoffs
+from escapement.engines.energy.pattern_rows import FIGURES, solve_pattern
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.status import Status
@@ -23,9 +26,10 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
         return None
     addresses, plain, _ = prepared(escapement)
     given = addresses, plain, NO_CELLS, mechanism.pattern
-    status, w, *_ = pattern_cycle(*given, 0.0, rtol)
-    if status != Status.OK:
+    figures = np.empty(FIGURES)
+    if solve_pattern(*given, 0.0, rtol, np.int64(Extent.CYCLE), figures) != Status.OK:
         return None
+    w = float(figures[HANDOFF]) ** 2
     times, speeds = np.empty((2, mechanism.pattern.size))
     status, *_ = pattern_handoffs(*given, w, np.inf, rtol, escapement.time_unit, times, speeds)
     return np.diff(times, prepend=0.0) if status == Status.OK else None

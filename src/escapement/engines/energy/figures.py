@@ -94,7 +94,7 @@ def figures(case, handoffs, w, rtol, extent, out):
         handoffs[row, 0], handoffs[row, 1] = time, found.w
         if cycle_known:
             in_band = _judge(case, first, used, in_band, out)
-            _note_fall(start, handoffs, k, rtol, out)
+            note_fall(start, handoffs, k, rtol, out)
         if not sought:
             step = cycle.newton_step(w, found, scene, ends, has_reversal(events, first, used))
             first = used
@@ -132,7 +132,7 @@ def figures(case, handoffs, w, rtol, extent, out):
 def _take_stock(case, start, handoffs, k, used, rtol, out):
     """Compare all that was kept with the cycle; returns how many extrema are in the band."""
     for i in range(k + 1):
-        _note_fall(start, handoffs, i, rtol, out)
+        note_fall(start, handoffs, i, rtol, out)
     return _judge(case, NO_EVENTS, used, NO_EVENTS, out)
 
 
@@ -143,7 +143,7 @@ def _only_gains(scene):
 
 
 @inner_jit
-def _note_fall(start, handoffs, k, rtol, out):
+def note_fall(start, handoffs, k, rtol, out):
     """Note `rise_time_63` and `_98` where engagement k passes them, as `metrics.fall_times` does.
 
     start : w at the first entry.

@@ -1,9 +1,8 @@
-"""Engagements that differ: a motion and its terminal cycle with imperfect parts.
+"""Engagements that differ: a motion with imperfect parts.
 
 Each engagement of the pattern has a scene of its own, which `march` takes from its entry to its
 exit and over the dwell. Where the next pin strikes, a part of the speed is left: a blow is a
-linear map of w. Over the whole pattern w is therefore mapped as it is over one engagement, and
-the same Newton's method finds its fixed point.
+linear map of w.
 """
 
 from typing import Any, NamedTuple
@@ -13,26 +12,37 @@ import numpy as np
 from escapement.drive import is_constant, is_spent
 from escapement.dynamics import left_by_blow
 from escapement.engines.energy.calls import march, refine
-from escapement.engines.energy.cycle import NO_LOSS
 from escapement.engines.energy.events import EVENT, NO_EVENTS
-from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, PAINLEVE, SPENT, STALL
+from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, Store, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.pattern import Handoff, path_in
 from escapement.mechanisms.slotted import transmission_at
-from escapement.metrics import MAX_ENGAGEMENTS
 from escapement.painleve import beyond_painleve
 from escapement.scene import Scene
 
 # The panels of so many engagements are kept; those of a longer pattern are laid out every time.
 MOST_CHAINS = 16
-# So many steps of Newton's method are taken from one speed of the motion.
-MOST_STEPS = 25
 # An engagement of a pin has four edges at most, see `events.most_events`.
 MOST_EVENTS = 32
 # A motion that has not settled after so many engagements gets no settling time.
 LONGEST_TRANSIENT = 10_000
+
+
+class Finals(NamedTuple):
+    """What a passage tells of each engagement: a column each.
+
+    low, top : least minimum and greatest maximum of the driver speed, NaN without one.
+    time : from its start to the start of the next one.
+    before, after : w at its end, before and after a blow.
+    """
+
+    low: Any
+    top: Any
+    time: Any
+    before: Any
+    after: Any
 
 
 class Case(NamedTuple):
@@ -42,6 +52,8 @@ class Case(NamedTuple):
     meetings : array of `mechanisms.pattern.MEETING`.
     store, counts : memory for the panels, and how many there are of each engagement.
     events : memory that a march asks for.
+    finals : of the last passage whose extrema were noted.
+    rounds : time and w at the start and the end of a passage, shape (2, 2).
     shares : of each engagement, share of the speed that the handoff at its end leaves.
     slopes, gains : of the map w_out = exp(slope - exponent) w_in + gain source of each.
     """
@@ -53,23 +65,11 @@ class Case(NamedTuple):
     store: Store
     counts: Any
     events: Any
+    finals: Finals
+    rounds: Any
     shares: Any
     slopes: Any
     gains: Any
-
-
-class Round(NamedTuple):
-    """One passage of the pattern from w_in, and the map w = exp(slope) w_in + source.
-
-    Of a stall `angle` is the driver angle, and `place` the engagement.
-    """
-
-    status: int
-    w: float
-    slope: float
-    source: float
-    place: int
-    angle: float
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -107,7 +107,11 @@ def case_of(addresses, shared, none, meetings, store, counts, events):
         g_out = transmission_at(scene.path, scene.edges[-1])[0] if scene.dwell == 0.0 else 0.0
         gains[k] = shares[k] * shares[k] / (scene.rho + g_out * g_out)
         slopes[k] = np.log((scene.rho + g_in * g_in) * gains[k])
-    case = Case(addresses, shared, none, meetings, store, counts, events, shares, slopes, gains)
+    finals = Finals(np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size))
+    case = Case(
+        addresses, shared, none, meetings, store, counts, events, finals, np.empty((2, 2)), shares,
+        slopes, gains,
+    )  # fmt: skip
     return case, status
 
 
@@ -191,80 +195,3 @@ def _repeat(k, size, began, time, limit, clock, times, speeds):
         if passed >= limit:
             return j + 1
     return times.size
-
-
-@inner_jit
-def _pass(case, w, request):
-    """Pass all engagements of the pattern."""
-    slope, source = 0.0, 0.0
-    for place in range(case.meetings.size):
-        found = engage(case, place, w, 0.0, request)
-        if found.status != OK:
-            return Round(found.status, w, slope, source, place, found.angle)
-        w = found.w * case.shares[place] ** 2
-        change = case.slopes[place] - found.exponent
-        slope, source = slope + change, np.exp(change) * source + case.gains[place] * found.source
-    return Round(OK, w, slope, source, 0, 0.0)
-
-
-@jit(allocates=True)
-def pattern_cycle(addresses, shared, none, meetings, w, rtol):
-    """As `find_cycle` of a pattern."""
-    case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
-    if status != OK:
-        return status, 0.0, 0.0, 0.0, 0
-    return find_cycle(case, w, rtol)
-
-
-@inner_jit
-def find_cycle(case, w, rtol):
-    """The w with which the pattern begins in the terminal cycle, from a motion that starts with w.
-
-    The motion itself is followed, and after 1, 2, 4, .. rounds Newton's method is tried from
-    there, so that a motion that stalls on the way to its terminal cycle is told.
-
-    Returns
-    -------
-    status, w, slope, angle, engagement
-        `slope` is log(dw_out/dw_in) over the pattern. Of a stall the place comes last.
-    """
-    loose, strict = tolerances(rtol)
-    request = Request(np.int64(Detail.TIME), loose, strict)
-    size, next_try = case.meetings.size, 1
-    for k in range(1, MAX_ENGAGEMENTS):
-        found = _pass(case, w, request)
-        if found.status != OK:
-            return found.status, 0.0, 0.0, found.angle, (k - 1) * size + found.place
-        if k == next_try:
-            next_try *= 2
-            better, slope, status = _seek(case, w, found, rtol, request)
-            if status != NOT_CONVERGED:
-                return status, better, slope, 0.0, 0
-        w = found.w
-    return NOT_CONVERGED, 0.0, 0.0, 0.0, 0
-
-
-@inner_jit
-def _seek(case, w, found, rtol, request):
-    """Newton's method for the fixed point, from w, which the pattern maps to `found.w`.
-
-    Returns the fixed point, the log of the slope there, and the status.
-    """
-    for _ in range(MOST_STEPS):
-        gap = -np.expm1(found.slope)
-        if gap <= NO_LOSS:
-            # as for one engagement: without a reversal the map has no fixed point
-            better = 4.0 * found.w
-            if better > 1e30 or not found.w > w:
-                return w, 0.0, NO_TERMINAL if found.w > w else NOT_CONVERGED
-        else:
-            better = found.source / gap
-            if abs(better - w) <= 0.2 * rtol * w:
-                return better, found.slope, OK
-        if not better > 0.0:
-            break
-        w = better
-        found = _pass(case, w, request)
-        if found.status != OK:
-            break
-    return w, 0.0, NOT_CONVERGED

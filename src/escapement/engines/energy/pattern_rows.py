@@ -8,11 +8,20 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.events import EventKind, is_extremum
+from escapement.engines.energy.figures import Extent, note_fall
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import tolerances
 from escapement.engines.energy.passage import Detail, Request
-from escapement.engines.energy.pattern import LONGEST_TRANSIENT, case_of, engage, find_cycle, memory
+from escapement.engines.energy.pattern import LONGEST_TRANSIENT, case_of, engage, memory
+from escapement.engines.energy.pattern_cycle import (
+    extrema_of,
+    find_cycle,
+    is_top,
+    is_turn,
+    outermost,
+    rising_after,
+    speed_at,
+)
 from escapement.jit import inner_jit, jit
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import FITS, MEETING, lay_pattern, path_in
@@ -22,7 +31,7 @@ from escapement.scene import Scene, writeable
 from escapement.status import Status
 
 COLUMNS = (*cycle.COLUMNS, "beat_error", "blow_max")
-"""Figures of merit that these kernels compute; the times of a fall are left NaN."""
+"""Figures of merit that these kernels compute."""
 FIGURES = len(COLUMNS)
 BEAT_ERROR, BLOW_MAX = FIGURES - 2, FIGURES - 1
 _FIRST = Scene._fields.index("rho")
@@ -33,7 +42,7 @@ _INVALID = int(Status.INVALID)
 
 @jit(allocates=True)
 def solve_patterns(
-    addresses, path, internal, centres, pins, slots, numbers, none, rtol, table, status
+    addresses, path, arms, turns, longer, pins, slots, numbers, none, rtol, extent, table, status
 ):
     """Fill table[i] and status[i] for every scene i, in natural units.
 
@@ -41,26 +50,28 @@ def solve_patterns(
     ----------
     addresses, none : of the long kernels, and no cells.
     path : any path of a pin, as a plain tuple.
-    internal : whether the driver turns inside the wheel.
-    centres, pins, slots : of each scene, as `mechanisms.pattern.lay_pattern` takes them.
+    arms, turns : of the wheel, as `mechanisms.pattern.lay_pattern` takes them.
+    longer, pins, slots : of each scene, as it takes them.
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
-    table, status : results, with `FIGURES` columns; NaN where there is none.
+    extent : a `figures.Extent`, how far the transient is followed.
+    table, status : results, with `FIGURES` columns; NaN where there is none, but for the place of
+        a stall, see `_figures`.
     """
     m, n = pins.shape[1], slots.shape[1]
     size = m * n // _divisor(m, n)
     meetings, (store, counts, events) = np.empty(size, MEETING), memory(size)
-    finals, torque = np.empty((size, 2)), np.array([0.0, 0.0, 1.0])
+    torque = np.array([0.0, 0.0, 1.0])
     for i in range(status.size):
         table[i, :] = np.nan
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        shared = (path, centres, 0.0, torque, 0.0, *own)
-        if lay_pattern(internal, centres[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
+        shared = (path, longer, 0.0, torque, 0.0, *own)
+        if lay_pattern(arms, turns, longer[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
             status[i] = _INVALID
             continue
         case, status[i] = case_of(addresses, shared, none, meetings, store, counts, events)
         if status[i] == OK:
-            status[i] = _figures(case, numbers[i, _NUMBERS], rtol, finals, table[i])
+            status[i] = _figures(case, numbers[i, _NUMBERS], rtol, extent, table[i])
 
 
 @inner_jit
@@ -71,45 +82,46 @@ def _divisor(a, b):
     return a
 
 
+@jit(allocates=True)
+def solve_pattern(addresses, shared, none, meetings, w, rtol, extent, out):
+    """Figures of one pattern into `out`; returns its status. Arguments as of `solve_patterns`."""
+    case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
+    return _figures(case, w, rtol, extent, out) if status == OK else status
+
+
 @inner_jit
-def _figures(case, w, rtol, finals, out):
-    """Figures of one pattern into `out`; returns the status."""
-    found = find_cycle(case, w, rtol)
-    if found[0] != OK:
-        return found[0]
-    loose, strict = tolerances(rtol)
-    request = Request(np.int64(Detail.EXTREMA), loose, strict)
-    _read_cycle(case, found[1], request, finals, out)
-    out[cycle.HANDOFF], out[cycle.CONTRACTION] = np.sqrt(found[1]), np.exp(found[2])
-    _read_transient(case, w, request, finals, out)
+def _figures(case, w, rtol, extent, out):
+    """Figures of one pattern into `out`; returns the status.
+
+    On a stall out[0] is the driver angle and out[1] the engagement.
+    """
+    out[:] = np.nan
+    status, better, slope, out[0], out[1] = find_cycle(case, w, rtol)
+    if status != OK:
+        return status
+    _read_cycle(case, better, out)
+    out[cycle.HANDOFF], out[cycle.CONTRACTION] = np.sqrt(better), np.exp(slope)
+    if extent > Extent.CYCLE:
+        _read_transient(case, w, rtol, extent, out)
     return OK
 
 
 @inner_jit
-def _read_cycle(case, w, request, finals, out):
-    """Figures of the cycle that starts with w, and in `finals` each engagement's extremes."""
-    size, rising = case.meetings.size, 0.0
-    fast, slow, time, shortest, longest, blow = w, w, 0.0, np.inf, 0.0, 0.0
-    # the first round tells whether the driver gains speed where the second one begins
-    for k in range(2 * size):
-        place = k % size
-        found = engage(case, place, w, rising, request)
-        share = case.shares[place]
-        after = found.w * share * share
-        rising = -1.0 if share < 1.0 else found.rising
-        if k >= size:
-            top, low = _outermost(case, found, share)
-            finals[place, 0] = np.nan if low < 0 else _speed(case, found, low)
-            finals[place, 1] = np.nan if top < 0 else _speed(case, found, top)
-            for j in range(2):
-                if finals[place, j] > 0.0:
-                    fast, slow = max(fast, finals[place, j] ** 2), min(slow, finals[place, j] ** 2)
-            fast, slow, time = max(fast, found.w), min(slow, after), time + found.time
-            shortest, longest = min(shortest, found.time), max(longest, found.time)
-            if share < 1.0:
-                rho, g = case.shared[5], _start_ratio(case.meetings[(place + 1) % size])
-                blow = max(blow, 0.5 * (rho * found.w - (rho + g * g) * after))
-        w = after
+def _read_cycle(case, w, out):
+    """Figures of the cycle that starts with w, whose engagements `case.finals` has."""
+    size, finals = case.meetings.size, case.finals
+    fast, slow, blow, time, shortest, longest = w, w, 0.0, 0.0, np.inf, 0.0
+    for place in range(size):
+        beat = finals.time[place]
+        time, shortest, longest = time + beat, min(shortest, beat), max(longest, beat)
+        fast, slow = max(fast, finals.before[place]), min(slow, finals.after[place])
+        # a comparison with NaN, where there is none, is false
+        fast = finals.top[place] ** 2 if finals.top[place] ** 2 > fast else fast
+        slow = finals.low[place] ** 2 if finals.low[place] ** 2 < slow else slow
+        if case.shares[place] < 1.0:
+            rho, g = case.shared[5], _start_ratio(case.meetings[(place + 1) % size])
+            left = (rho + g * g) * finals.after[place]
+            blow = max(blow, 0.5 * (rho * finals.before[place] - left))
     out[cycle.V_MAX], out[cycle.V_MIN] = np.sqrt(fast), np.sqrt(slow)
     out[cycle.PERIOD] = time / size
     out[BEAT_ERROR], out[BLOW_MAX] = longest - shortest, blow
@@ -122,98 +134,87 @@ def _start_ratio(meeting):
 
 
 @inner_jit
-def _extrema_of(found, share):
-    """Number of events of an engagement, a fall by a blow at its end included as the last."""
-    return found.used + 1 if share < 1.0 and found.rising > 0.0 else found.used
-
-
-@inner_jit
-def _is_top(case, found, i):
-    """Whether event i of an engagement is a maximum; the speed is one before a blow."""
-    return i == found.used or case.events[i].kind == EventKind.MAXIMUM
-
-
-@inner_jit
-def _speed(case, found, i):
-    """Driver speed at event i of an engagement."""
-    return np.sqrt(found.w if i == found.used else case.events[i].w)
-
-
-@inner_jit
-def _outermost(case, found, share):
-    """Events that are the greatest maximum and the least minimum of an engagement, -1 if none."""
-    top, low = -1, -1
-    for i in range(_extrema_of(found, share)):
-        if i < found.used and not is_extremum(case.events[i]):
-            continue
-        speed = _speed(case, found, i)
-        if _is_top(case, found, i):
-            top = i if top < 0 or speed > _speed(case, found, top) else top
-        else:
-            low = i if low < 0 or speed < _speed(case, found, low) else low
-    return top, low
-
-
-@inner_jit
-def _read_transient(case, w, request, finals, out):
-    """Rise and settling time of the motion that starts with w, as `metrics.read_transient`."""
-    size, rising, time, calm = case.meetings.size, 0.0, 0.0, 0
+def _read_transient(case, start, rtol, extent, out):
+    """Times of the motion that starts with w = `start`, as `metrics` reads them off a motion."""
+    loose, strict = tolerances(rtol)
+    request = Request(np.int64(Detail.EXTREMA), loose, strict)
+    size, w, rising, time, calm = case.meetings.size, start, 0.0, 0.0, 0
+    rounds = case.rounds
+    rounds[0, 0], rounds[0, 1] = 0.0, start
     for k in range(LONGEST_TRANSIENT):
         place = k % size
         found = engage(case, place, w, rising, request)
-        share = case.shares[place]
-        top, low = _outermost(case, found, share)
-        calm += 1
-        for i in range(_extrema_of(found, share)):
-            if i < found.used and not is_extremum(case.events[i]):
-                continue
-            is_top = _is_top(case, found, i)
-            error = abs(_speed(case, found, i) / finals[place, 1 if is_top else 0] - 1.0)
-            at = time + (found.time if i == found.used else case.events[i].time)
-            if np.isnan(out[cycle.RISE]) and error <= RISE_BAND:
-                out[cycle.RISE] = at
-            if i != (top if is_top else low):
-                continue
-            if error > SETTLING_BAND:
-                out[cycle.SETTLING], calm = np.nan, 0
-            elif np.isnan(out[cycle.SETTLING]):
-                out[cycle.SETTLING] = at
+        if _judge(case, place, found, time, out):
+            calm += 1
+        else:
+            calm = 0
+        w, time = found.w * case.shares[place] ** 2, time + found.time
+        rising = rising_after(case, place, found)
+        if place == size - 1:
+            # the handoff speed is compared after whole rounds
+            row = (k + 1) // size % 2
+            rounds[row, 0], rounds[row, 1] = time, w
+            note_fall(start, rounds, k // size, rtol, out)
         # two motions never cross: when a whole round is in the band, all later ones are
-        if calm >= size and not np.isnan(out[cycle.SETTLING]):
+        settled = calm >= size and not np.isnan(out[cycle.SETTLING])
+        if settled and (extent < Extent.FALLEN or not np.isnan(out[cycle.RISE_98])):
             return
-        w, time = found.w * share * share, time + found.time
-        rising = -1.0 if share < 1.0 else found.rising
-    out[cycle.SETTLING] = np.nan
+    if calm < size:
+        out[cycle.SETTLING] = np.nan
+
+
+@inner_jit
+def _judge(case, place, found, time, out):
+    """Compare an engagement that starts at `time` with that of the cycle; returns whether its
+    extremes are in the settling band.
+    """
+    share, good = case.shares[place], True
+    top, low = outermost(case, found, share)
+    for i in range(extrema_of(found, share)):
+        if not is_turn(case, found, i):
+            continue
+        highest = is_top(case, found, i)
+        final = case.finals.top[place] if highest else case.finals.low[place]
+        error = abs(speed_at(case, found, i) / final - 1.0)
+        at = time + (found.time if i == found.used else case.events[i].time)
+        if np.isnan(out[cycle.RISE]) and error <= RISE_BAND:
+            out[cycle.RISE] = at
+        if i != (top if highest else low):
+            continue
+        if error > SETTLING_BAND:
+            out[cycle.SETTLING], good = np.nan, False
+        elif np.isnan(out[cycle.SETTLING]):
+            out[cycle.SETTLING] = at
+    return good
 
 
 def solve(
-    wheel: Any, errors: dict[str, FloatArray], numbers: FloatArray, rtol: float
+    wheel: Any, errors: tuple[FloatArray, ...], numbers: FloatArray, rtol: float, extent: int
 ) -> tuple[FloatArray, np.ndarray]:
     """Figures of merit of scenes given by their errors and their dimensionless numbers.
 
     Parameters
     ----------
-    wheel : Geneva
-        Any wheel with as many pins and slots.
-    errors : dict of ndarray, shape (n,) or (n, k)
-        "centre", "late", "cranks", "ahead" and "offsets" of each scene, as
-        `mechanisms.pattern.pattern_of` takes them.
-    numbers : ndarray, shape (k, n)
+    wheel : ImperfectWheel
+        The wheel that all would be without errors.
+    errors : tuple of ndarray, shapes (n,), (n, m, 2) and (n, k, 2)
+        `longer`, `pins` and `slots` of each scene, as `mechanisms.pattern.lay_pattern` takes them.
+    numbers, rtol, extent
         As of `batch.solve`.
 
     Returns
     -------
-    table : ndarray, shape (n, 9)
+    table : ndarray, shape (n, 11)
+        Columns as in `COLUMNS`.
     status : ndarray, shape (n,)
         Values of `Status`.
     """
     rows = np.ascontiguousarray(numbers.T, dtype=float)
     table, status = np.empty((len(rows), FIGURES)), np.empty(len(rows), dtype=np.uint8)
-    pins = np.stack([errors["late"], errors["cranks"]], axis=-1)
-    slots = np.stack([errors["ahead"], errors["offsets"]], axis=-1)
     path = tuple(writeable(wheel.path))
     solve_patterns(
-        kernel_addresses(), path, wheel.internal, errors["centre"], pins, slots, rows, NO_CELLS,
-        rtol, table, status,
+        kernel_addresses(), path, *wheel.path_numbers.values(), *errors, rows, NO_CELLS,
+        rtol, np.int64(extent), table, status,
     )  # fmt: skip
+    table[status != OK] = np.nan
     return table, status

@@ -1,0 +1,132 @@
+"""Wheels whose pins and slots may have errors: which pin meets which slot, and whether it fits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from functools import cached_property
+from typing import Any
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.fitting import IMPERFECT, LENGTHS, check_lengths
+from escapement.lazy import Lazy
+from escapement.mechanisms.kind import Wheel, np
+from escapement.quantity import Numbers, declared, quantity, setting
+from escapement.scene import Meeting
+
+pattern: Any = Lazy("escapement.mechanisms.pattern")
+
+
+def centre_distance_error(of: str) -> Any:
+    """Field with the error of a centre distance."""
+    return field(default=0.0, metadata=quantity(
+        f"error of the centre distance{of}", "length", minimum=-math.inf,
+        note=", positive where it is too long", remedy="give the error, 0 for none"
+    ))  # fmt: skip
+
+
+def each(part: str, error: str, unit: str) -> Any:
+    """Field with an error of each pin or slot."""
+    remedy = f"give one number for each {part}, or leave it out"
+    entry = Numbers(long_name=f"{error} of each {part}", unit=unit, remedy=remedy, metavar="X,X,..")
+    return field(default=(), metadata=setting(entry))
+
+
+class ImperfectWheel(Wheel):
+    """Base of the wheels with a `centre_distance_error`, and with errors of pins and slots."""
+
+    centre_distance_error: float
+    pin_angle_errors: Sequence[float] = ()
+    crank_radius_errors: Sequence[float] = ()
+    slot_angle_errors: Sequence[float] = ()
+    slot_offsets: Sequence[float] = ()
+
+    def check_errors(self) -> None:
+        """Put tuples in the place of the errors of pins and slots; all zeros are none."""
+        for name, entry in declared(type(self)).items():
+            if not isinstance(entry, Numbers) or getattr(self, name) is entry.default:
+                continue
+            numbers = entry.read(name, getattr(self, name))
+            part, count = self._parts(name)
+            if numbers and len(numbers) != count:
+                rule = f"as long as there are {part}s, {count}"
+                raise validate.fail(name, rule, len(numbers), entry.remedy)
+            vars(self)[name] = numbers if any(numbers) else ()
+        check_lengths(vars(self), self.crank_radius, self.plain_crank)
+
+    def _parts(self, name: str) -> tuple[str, int]:
+        """Whether a list has a number for each pin or slot, and how many these are."""
+        return ("slot", self.slots) if name.startswith("slot") else ("pin", self.pins)
+
+    @classmethod
+    def counts(cls, given: Mapping[str, Any]) -> dict[str, int]:
+        """How many errors of each kind a wheel has, by name; of numbers that make none, none."""
+        own = declared(cls)
+        numbers = {name: value for name, value in given.items() if name in own}
+        for name in (*IMPERFECT, *LENGTHS):
+            numbers.pop(name, None)
+        try:
+            wheel = cls(**numbers)
+        except (TypeError, InvalidValue):
+            return {}
+        return wheel.error_counts
+
+    @property
+    def error_counts(self) -> dict[str, int]:
+        """How many errors of each kind it has, by the name of the list."""
+        lists = [name for name, entry in declared(type(self)).items() if isinstance(entry, Numbers)]
+        return {name: self._parts(name)[1] for name in lists}
+
+    @property
+    def path_numbers(self) -> dict[str, Any]:
+        """Vectors of its perfect path, and the turns of driver and follower from pin to pin.
+
+        They are the first arguments of `pattern.lay_pattern`.
+        """
+        arms = tuple(map(float, (*self.arms, self._forward)))
+        return {"arms": arms, "turns": (float(self.cell_angle), float(self.follower_step))}
+
+    @cached_property
+    def _laid_out(self) -> Any:
+        """Its pattern and the first impossible engagement, as `pattern_of` gives them."""
+        unit = self.crank_radius or 1.0
+
+        def errors(name: str, scale: float = 1.0) -> Any:
+            return np.array(getattr(self, name) or (0.0,) * self._parts(name)[1]) / scale
+
+        return pattern.pattern_of(
+            **self.path_numbers,
+            longer=self.centre_distance_error / unit,
+            pin=self.contact_radius,
+            pins=np.stack([errors("pin_angle_errors"), errors("crank_radius_errors", unit)], -1),
+            slots=np.stack([errors("slot_angle_errors"), errors("slot_offsets", unit)], -1),
+        )
+
+    @cached_property
+    def perfect(self) -> bool:
+        """Whether it has no error."""
+        return not any(getattr(self, name) for name in IMPERFECT)
+
+    @property
+    def pattern(self) -> Any:
+        """The engagements after which pins and slots meet again, as `pattern_of` gives them."""
+        return self._laid_out[0]
+
+    @cached_property
+    def meetings(self) -> tuple[Meeting, ...]:
+        """The engagements of its pattern."""
+        return pattern.meetings_of(self.pattern)  # type: ignore[no-any-return]
+
+    @cached_property
+    def misfit(self) -> str:
+        """Which pin cannot drive which slot, and where; "" where all can."""
+        k = -1 if self.perfect else self._laid_out[1]
+        if k < 0:
+            return ""
+        return (
+            f"pin {k % self.pins} cannot drive slot {k % self.slots}, which it meets "
+            f"{math.degrees(k * self.cell_angle):.6g} degrees behind the first dead centre: the "
+            "errors of the parts are too large; make them smaller"
+        )

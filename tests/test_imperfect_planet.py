@@ -1,0 +1,174 @@
+"""Gear-driven wheels with imperfect parts: explicit positions, balances of power, both engines."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.dynamics import left_by_blow
+from escapement.mechanisms.slotted import pose_at
+from escapement.painleve import friction_limits
+from escapement.status import Status
+from imperfect_bodies import hand_over
+from planets import Planet, Touch, by_power
+from two_bodies import BOTH, close, law, random_drive
+
+FIXED = 0.05
+CURVES = [
+    ("hypocycloid", 7, 1, 1),
+    ("hypocycloid", 9, "3/2", 1),
+    ("epicycloid", 6, 1, 2),
+    ("epicycloid", 5, "1/2", 3),
+    ("contracted-hypocycloid", 7, 1, 1),
+    ("pericycloid", 6, 1, 1),
+]
+
+
+def imperfect(rng, curve, stations, lobes, pins, size=1e-3, **rest):
+    """A wheel with errors up to `size` times its closest radius."""
+    perfect = esc.GearDriven(stations, lobes, curve, pins, fixed_radius=FIXED)
+    closest = FIXED * min(perfect.closest_radius_over_fixed, perfect.entry_radius_over_fixed)
+    offsets = size * closest * rng.uniform(-1.0, 1.0, perfect.slots)
+    errors = {"centre_distance_error": size * closest * rng.uniform(-1.0, 1.0)}
+    errors |= {"slot_offsets": tuple(offsets), "pin_radius": 0.3 * FIXED * perfect.widest_pin}
+    return esc.GearDriven(stations, lobes, curve, pins, fixed_radius=FIXED, **errors | rest)
+
+
+class Pair:
+    """A pin and its slot: what wheel angle the pin asks for at a carrier angle, in full turns."""
+
+    def __init__(self, wheel, k):
+        self.dead, self.step = k * wheel.cell_angle, k * wheel.follower_step
+        offset = wheel.slot_offsets[k % wheel.slots]
+        self.planet = Planet(wheel, self.dead, offset)
+
+    def asked(self, theta):
+        def angle(x):
+            # a carrier that points back may be longer than the arm
+            middle = (self.planet.carrier + self.planet.arm) * mp.expj(self.dead)
+            return self.planet.sense * mp.arg(self.planet.slot(x)[0] / middle)
+
+        return self.step + float(angle(theta)), float(mp.diff(angle, theta))
+
+
+@pytest.fixture(autouse=True)
+def thirty_digits():
+    with mp.workdps(30):
+        yield
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_every_engagement_has_the_path_of_its_pin_and_slot(curve):
+    wheel = imperfect(np.random.default_rng(len(curve[0])), *curve)
+    k_ratio = float(wheel.gear_ratio)
+    sense = Pair(wheel, 0).planet.sense
+    for k in range(2 * wheel.slots):
+        pair, meeting = Pair(wheel, k), wheel.meetings[k % len(wheel.meetings)]
+        # one of the pins is at dead centre, and a slot stands there: the same one in each round
+        pins = k_ratio * pair.dead * wheel.pins / (2.0 * math.pi)
+        assert pins == pytest.approx(round(pins), abs=1e-9)
+        slots = wheel.slots * (pair.dead - float(sense) * pair.step) / (2.0 * math.pi)
+        assert slots == pytest.approx(round(slots), abs=1e-9)
+        first = Pair(wheel, k % wheel.slots)
+        turns = (pair.dead - first.dead - float(sense) * (pair.step - first.step)) / (2.0 * math.pi)
+        assert turns == pytest.approx(round(turns), abs=1e-9)
+        for x in np.linspace(meeting.edges[0], meeting.edges[-1], 5):
+            planet, theta = pair.planet, pair.dead + x
+            g, u, dg, radius = pose_at(meeting.path, x)
+            expected = planet.ratio(theta), planet.ratio(theta, 2), planet.slot(theta)[1] / FIXED
+            expected = *expected, planet.slide(theta) / FIXED
+            close((g, dg, radius, u * radius), [float(x) for x in expected], 1.0, 1e-11)
+            asked = pair.asked(theta)[0] - pair.step
+            assert meeting.turned(x) == pytest.approx(asked, abs=1e-13)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_pins_hand_over_by_the_rule(curve):
+    rng = np.random.default_rng(7)
+    for size in (1e-5, 3e-3):
+        wheel = imperfect(rng, *curve, size)
+        meetings = wheel.meetings
+        for k in range(len(meetings)):
+            a, b = Pair(wheel, k), Pair(wheel, k + 1)
+            ends = hand_over(a, b, a.dead, b.dead, math.pi / abs(float(wheel.gear_ratio)))
+            one, two = meetings[k], meetings[(k + 1) % len(meetings)]
+            assert two.kind == ends.kind
+            assert two.jump == pytest.approx(ends.jump, abs=1e-12)
+            dead = k * wheel.cell_angle
+            assert dead + one.edges[-1] == pytest.approx(ends.leaves, abs=1e-10)
+            starts = dead + wheel.cell_angle + two.edges[0]
+            assert starts == pytest.approx(ends.starts, abs=1e-10)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_the_law_and_the_blow_follow_from_the_power_that_is_lost(curve):
+    rng = np.random.default_rng(len(curve[0]) + 1)
+    wheel = imperfect(rng, *curve)
+    drive = random_drive(rng, mechanism=wheel)
+    for k in range(min(4, len(wheel.meetings))):
+        planet, scene = Planet(wheel, 0.0, wheel.slot_offsets[k % wheel.slots]), drive.scenes[k]
+        theta = scene.edges[0] + (scene.edges[-1] - scene.edges[0]) * rng.uniform(0.03, 0.97)
+        speed = 1.0 / drive.time_unit
+        found = {side: by_power(drive, planet, theta, speed, side) for side in BOTH}
+        (side,) = [side for side in BOTH if found[side][1] > 0.0]
+        acceleration, force, sliding = found[side]
+        computed = law(drive, theta, speed, side, k)
+        torques = drive.torque + drive.inertia.follower * speed**2
+        close(computed[0], acceleration, torques / drive.inertia.driver)
+        close(computed[1], side * force, torques / FIXED)
+        close(computed[2]["friction"] / abs(computed[1]), drive.friction * sliding * speed)
+        # a blow at the entry: impulse of the wheel, and power lost, for a normal impulse of 1
+        start = float(scene.edges[0]) + 0.1
+        touch = Touch(planet, start, wheel.pin_radius, 1.0)
+        g = planet.ratio(start)
+        lever, lost = touch.losses(drive, g, 1.0)
+        own = drive.inertia
+        left = own.driver / (own.driver + own.follower * g * (g + lost / lever))
+        edges = np.array([start, scene.edges[-1]])
+        assert left_by_blow(scene._replace(edges=edges)) == pytest.approx(float(left), rel=1e-12)
+
+
+@pytest.mark.parametrize("curve", [CURVES[2], CURVES[4]])
+def test_engines_agree(curve):
+    wheel = imperfect(np.random.default_rng(3), *curve)
+    drive = esc.Escapement(wheel, esc.Inertia(5e-6, 5e-6), 0.01, 0.0)
+    friction = 0.5 * min(*friction_limits(drive), 0.8)
+    drive = esc.Escapement(wheel, drive.inertia, 0.01, friction)
+    fast, slow = (esc.terminal(drive, engine=e, initial_speed=20.0) for e in ("energy", "ivp"))
+    assert fast.status is slow.status is Status.OK
+    assert len(fast.beats) == len(wheel.meetings) > 1
+    np.testing.assert_allclose(fast.beats, slow.beats, rtol=1e-9)
+    for name in ("period", "velocity_max", "velocity_min", "blow_max"):
+        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-9), name
+    assert abs(fast.energy_residual) < 1e-12
+
+
+def test_a_study_draws_the_errors_of_a_planet():
+    wheel = imperfect(np.random.default_rng(5), *CURVES[2], pin_radius=0.0)
+    drive = esc.Escapement(wheel, esc.Inertia(5e-6, 5e-6), 0.01, 0.05)
+    sample = {"method": "latin-hypercube", "size": 3, "seed": 1}
+    spread = {"slot_offsets": {"tolerance": 1e-6}, "centre_distance_error": {"tolerance": 1e-6}}
+    study = esc.sweep(drive, sample=sample | spread, results=("period", "blow_max"))
+    for case in range(3):
+        offsets = tuple(study.sampled[f"slot_offsets_{i}"][case] for i in range(wheel.slots))
+        distance = float(study.sampled["centre_distance_error"][case])
+        changed = imperfect(
+            np.random.default_rng(5), *CURVES[2], pin_radius=0.0, slot_offsets=offsets,
+            centre_distance_error=distance,
+        )  # fmt: skip
+        cycle = esc.terminal(esc.Escapement(changed, drive.inertia, 0.01, 0.05))
+        assert study.results["period"][case] == pytest.approx(cycle.period, rel=1e-10)
+        assert study.results["blow_max"][case] == pytest.approx(cycle.blow_max, rel=1e-8)
+
+
+def test_errors_that_a_planet_cannot_have_are_refused():
+    with pytest.raises(esc.errors.InvalidValue, match="as long as there are slots, 7"):
+        esc.GearDriven(7, 1, fixed_radius=FIXED, slot_offsets=(1e-5,))
+    with pytest.raises(esc.errors.InvalidValue, match="without a length"):
+        esc.GearDriven(7, 1, centre_distance_error=1e-5)
+    wheel = esc.GearDriven(7, 1, fixed_radius=FIXED, centre_distance_error=-0.9 * FIXED)
+    cycle = esc.terminal(esc.Escapement(wheel, esc.Inertia(5e-6, 5e-6), 0.01, 0.0))
+    assert cycle.status is Status.INVALID
+    assert "pin 0 cannot drive slot 0" in cycle.message
