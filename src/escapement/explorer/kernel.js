@@ -973,7 +973,7 @@ export function stateAt(motion, t) {
 /** Columns of the motion at the points of its panels, as it was computed, for plots; in SI. */
 export function samples({ runs, scene, design }) {
   const size = runs.length * (N + 1);
-  const names = ["t", "theta", "theta_dot", "phi_dot", "contact_moment", "side"];
+  const names = ["t", "angle", "theta", "theta_dot", "phi_dot", "contact_moment", "side"];
   const columns = Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
   let row = 0;
   for (const run of runs) {
@@ -984,6 +984,7 @@ export function samples({ runs, scene, design }) {
       const v = Math.sqrt(Math.max(w[i], 0)) / scene.clock;
       const J = scene.rho + g * (g + solution.bend[i]);
       columns.t[row] = (run.start + times[i]) * scene.clock;
+      columns.angle[row] = panel.theta[i];
       columns.theta[row] = panel.theta[i] + turned;
       columns.theta_dot[row] = v;
       columns.phi_dot[row] = g * v;
@@ -1012,4 +1013,18 @@ export function eventsOf(motion) {
   });
   if (motion.stop) found.push({ kind: "stop", time: motion.end_time });
   return found.sort((one, two) => one.time - two.time);
+}
+
+/** Driver speeds at the next handoff from speeds at one [rad/s]; NaN where the motion stops. */
+export function handoffMap({ scene, chain }, speeds) {
+  const march = new March({ ...scene, rate: 0 }, chain);
+  return speeds.map((speed) => {
+    march.rising = 0;
+    try {
+      return Math.sqrt(march.engagement((speed * scene.clock) ** 2).w) / scene.clock;
+    } catch (error) {
+      if (error instanceof Stopped) return NaN;
+      throw error;
+    }
+  });
 }
