@@ -1,6 +1,7 @@
 """The explorer: one page that shows an escapement move, and computes its motion while one drags.
 
-The page is a single file without requests. Its kernel, `kernel.js`, is the angle-domain method of
+The page is a single file without requests. Its kernel, `kernel.js` with the modules that it
+imports, is the angle-domain method of
 `engines.energy` for Geneva wheels; it refuses what it cannot compute, and so does `design_of`.
 """
 
@@ -15,7 +16,10 @@ from escapement.model import Escapement, Inertia, Run
 from escapement.quantity import Setting, declared
 from escapement.units import SYSTEMS, factor, printed
 
-MODULES = ("kernel", "bodies", "design", "picture", "plots", "page")
+MODULES = (
+    *("polynomial", "law", "panels", "march", "figures", "rules", "kernel"),
+    *("bodies", "design", "picture", "plots", "page"),
+)
 """Files of the page's script, in the order in which they follow each other."""
 MOST_SLOTS, MOST_ENGAGEMENTS = 40, 1000
 """What the page computes while one drags."""

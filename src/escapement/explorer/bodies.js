@@ -5,7 +5,7 @@
  * when the follower angle is zero. Points are pairs [x, y]; y points upwards.
  */
 
-import { followerAngle } from "./kernel.js";
+import { followerAngle } from "./law.js";
 
 const polar = (radius, angle) => [radius * Math.cos(angle), radius * Math.sin(angle)];
 const turned = ([x, y], angle) => [

@@ -1,6 +1,6 @@
 /** A design as text: in the address, and as a study in TOML; and its numbers in the user's units. */
 
-import { NUMBERS, checkDesign } from "./kernel.js";
+import { NUMBERS, checkDesign } from "./rules.js";
 
 const MECHANISM = ["slots", "pins", "internal", "crank_radius", "pin_radius"];
 const INERTIA = { driver: "driver_inertia", follower: "follower_inertia" };

@@ -1,6 +1,8 @@
 /** The page: fields, figures, plots and playback, all drawn from one motion at one time. */
 
-import { NUMBERS, checkDesign, eventsOf, frictionLimits, handoffMap, mostPins, samples, simulate, stateAt } from "./kernel.js";
+import { eventsOf, handoffMap, samples, simulate, stateAt } from "./kernel.js";
+import { frictionLimits, mostPins } from "./law.js";
+import { NUMBERS, checkDesign } from "./rules.js";
 import { asFragment, asToml, fromFragment, fromToml, short } from "./design.js";
 import { Picture } from "./picture.js";
 import { Plot } from "./plots.js";

@@ -1,6 +1,7 @@
 /** The mechanism to scale, as SVG: laid out once for a wheel, then turned. */
 
-import { lockedAngle, pose } from "./kernel.js";
+import { lockedAngle } from "./kernel.js";
+import { pose } from "./law.js";
 import { followerEdge, lockingDisc, pinAt, proportionsOf } from "./bodies.js";
 
 const NAMESPACE = "http://www.w3.org/2000/svg";

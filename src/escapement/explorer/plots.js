@@ -34,7 +34,8 @@ export class Plot {
     }
     Object.assign(this, { width, height });
     const style = getComputedStyle(this.figure);
-    this.colour = (name) => style.getPropertyValue(`--${name}`).trim();
+    const known = {};
+    this.colour = (name) => (known[name] ??= style.getPropertyValue(`--${name}`).trim());
     this.font = `12px ${style.fontFamily}`;
   }
 
