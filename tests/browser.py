@@ -33,7 +33,9 @@ def opened(browser, file, fragment="", **options):
     address = file.as_uri()
 
     def asked(request):
-        if request.url.partition("#")[0] != address and not request.url.startswith(("data:", "blob:")):
+        if request.url.partition("#")[0] != address and not request.url.startswith(
+            ("data:", "blob:")
+        ):
             wrong.append(f"request for {request.url}")
 
     page.on("request", asked)

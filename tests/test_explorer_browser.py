@@ -6,9 +6,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from browser import chromium, opened, until
 
 import escapement as esc
+from browser import chromium, opened, until
 from escapement import explorer
 from escapement.outlines.geneva import GenevaOutline
 from escapement.study.parse import parse_plan
@@ -75,7 +75,8 @@ def random_design(rng):
         some(0.5, pin_radius=crank * rng.uniform(0.005, 0.08))
         for body in ("driver", "follower"):
             rubs = f"{body}_bearing_friction", f"{body}_bearing_radius"
-            some(0.4, **dict(zip(rubs, (rng.uniform(0, 0.3), crank * rng.uniform(0, 0.1)))))
+            values = rng.uniform(0, 0.3), crank * rng.uniform(0, 0.1)
+            some(0.4, **dict(zip(rubs, values, strict=True)))
     some(0.3, driver_bearing_torque=torque * rng.uniform(0, 0.3))
     some(0.3, driver_drag=follower * 10.0 ** rng.uniform(-4, -1))
     some(0.3, follower_drag=follower * 10.0 ** rng.uniform(-4, -1))
@@ -137,7 +138,11 @@ def _figures_agree(here, figures):
 
 
 def test_a_spring_is_spent_as_in_the_engine(page):
-    design = DESIGN | {"spring_rate": 0.0113 / 40.0, "driver_bearing_torque": 1e-5, "engagements": 60}
+    design = DESIGN | {
+        "spring_rate": 0.0113 / 40.0,
+        "driver_bearing_torque": 1e-5,
+        "engagements": 60,
+    }
     motion = esc.simulate(escapement_of(design), 60)
     here = page.evaluate(STATUS, design)
     assert here["status"] == motion.status.label == "spent"
@@ -155,7 +160,9 @@ def test_states_between_the_handoffs_are_those_of_the_motion(page):
         np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(("slots", "pins", "internal"), [(4, 4, False), (5, 2, False), (6, 1, True)])
+@pytest.mark.parametrize(
+    ("slots", "pins", "internal"), [(4, 4, False), (5, 2, False), (6, 1, True)]
+)
 def test_the_follower_is_drawn_as_the_package_draws_it(page, slots, pins, internal):
     page.evaluate("d => explorer.change(d)", {"slots": slots, "pins": pins, "internal": internal})
     area = page.evaluate("""() => {
@@ -185,8 +192,8 @@ def test_nonsense_in_a_field_leaves_the_last_good_design(page, text):
 
 
 @pytest.mark.parametrize(
-    "fragment", ["#slots", "#slots=2", "#frictoin=.3", "#friction=much", "#x=%E0%A4%A", "#clearance=1",
-                 "#slots=4&pins=9", "#" + "a" * 5000],
+    "fragment", ["#slots", "#slots=2", "#frictoin=.3", "#friction=much", "#x=%E0%A4%A",
+                 "#clearance=1", "#slots=4&pins=9", "#" + "a" * 5000],
 )  # fmt: skip
 def test_a_bad_address_leaves_the_first_design(browser, file, fragment):
     with opened(browser, file, fragment) as page:
@@ -238,7 +245,9 @@ def test_one_playhead_drives_everything(page):
     for _ in range(3):
         page.keyboard.press(".")
     time = page.evaluate("explorer.time")
-    events = page.evaluate("[...explorer.motion.reversals, ...explorer.motion.extrema].map(e => e.time)")
+    events = page.evaluate(
+        "[...explorer.motion.reversals, ...explorer.motion.extrema].map(e => e.time)"
+    )
     assert min(abs(time - event) for event in events) < 1e-12
     assert page.get_attribute("#picture g g:nth-of-type(2)", "transform") != before
     assert float(page.input_value("#scrub")) == pytest.approx(time)
@@ -277,7 +286,8 @@ def test_each_stop_shows_its_designs(page):
 
 
 def test_everything_has_a_name_and_the_picture_is_a_file(page):
-    nameless = page.evaluate("""() => [...document.querySelectorAll('input, select, textarea, button')]
+    nameless = page.evaluate("""() =>
+        [...document.querySelectorAll('input, select, textarea, button')]
         .filter(e => !(e.labels?.length || e.getAttribute('aria-label') || e.textContent.trim()))
         .map(e => e.id)""")
     assert nameless == []
@@ -295,9 +305,10 @@ def test_nothing_is_cut_or_overlaps(browser, file, width, scheme):
     with opened(browser, file, viewport=size, color_scheme=scheme) as page:
         page.click("#keep")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        cut = page.evaluate("""() => [...document.querySelectorAll('button, label, td, th, p, legend, code')]
-            .filter(e => e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== 'inline')
-            .map(e => e.outerHTML)""")
+        cut = page.evaluate("""() =>
+            [...document.querySelectorAll('button, label, td, th, p, legend, code')]
+            .filter(e => getComputedStyle(e).display !== 'inline')
+            .filter(e => e.scrollWidth > e.clientWidth + 1).map(e => e.outerHTML)""")
         assert cut == []
         boxes = page.evaluate("""() => [...document.querySelectorAll('main section')].map(e => {
             const {left, right, top, bottom} = e.getBoundingClientRect();

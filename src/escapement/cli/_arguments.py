@@ -151,9 +151,7 @@ def add_setting(group: ArgumentGroup, entry: Setting, **keywords: Any) -> None:
     group.add_argument(option(entry.name), **keywords)
 
 
-def add_number(
-    group: ArgumentGroup, name: str, text: str, metavar: str, **rule: Any
-) -> None:
+def add_number(group: ArgumentGroup, name: str, text: str, metavar: str, **rule: Any) -> None:
     """Add the option of a number; `rule` has attributes of `Quantity`."""
     add_setting(group, Quantity(name=name, long_name=text, metavar=metavar, **rule))
 

@@ -106,23 +106,20 @@ export function stateAt(motion, t) {
 /** Columns of the motion at the points of its panels, as it was computed, for plots; in SI. */
 export function samples({ runs, scene, design }) {
   const size = runs.length * (N + 1);
-  const names = ["t", "angle", "theta", "theta_dot", "phi_dot", "contact_moment", "side"];
+  const names = ["t", "angle", "theta_dot", "phi_dot", "contact_moment"];
   const columns = Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
   let row = 0;
   for (const run of runs) {
     const { panel, w, push, s, solution, times } = run;
-    const turned = run.engagement * scene.cell;
     for (let i = 0; i <= N; i++, row++) {
       const { g } = panel.poses[i];
       const v = Math.sqrt(Math.max(w[i], 0)) / scene.clock;
       const J = scene.rho + g * (g + solution.bend[i]);
       columns.t[row] = (run.start + times[i]) * scene.clock;
       columns.angle[row] = panel.theta[i];
-      columns.theta[row] = panel.theta[i] + turned;
       columns.theta_dot[row] = v;
       columns.phi_dot[row] = g * v;
       columns.contact_moment[row] = panel.locked ? 0 : ((s * push[i]) / J) * design.torque;
-      columns.side[row] = panel.locked ? 0 : s;
     }
   }
   return columns;

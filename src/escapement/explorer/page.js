@@ -253,13 +253,21 @@ function showFigures() {
   byId("figures").className = kept ? "" : "alone";
 }
 
+/** Times and rows of the columns that are shown. */
 function windowShown() {
-  const ends = motion.handoff_times;
+  const { handoff_times: ends, runs, end_time } = motion;
   const last = ends.length;
   const choice = byId("shown").value;
-  if (choice === "first" && last > 3) return [0, ends[2]];
-  if (choice === "last" && last > 2) return [ends[last - 3], ends[last - 1]];
-  return [0, motion.end_time];
+  const rows = columns.t.length;
+  const row = (engagement) => {
+    const index = runs.findIndex((run) => run.engagement === engagement);
+    return index < 0 ? rows : (rows / runs.length) * index;
+  };
+  if (choice === "first" && last > 3) return { low: 0, high: ends[2], from: 0, to: row(3) };
+  if (choice === "last" && last > 2) {
+    return { low: ends[last - 3], high: ends[last - 1], from: row(last - 2), to: row(last) };
+  }
+  return { low: 0, high: end_time, from: 0, to: rows };
 }
 
 function bounds(values, from, to, zero = true) {
@@ -275,28 +283,24 @@ function bounds(values, from, to, zero = true) {
 function drawPlots() {
   if (!plots.velocity.width) return;
   const { t, angle, theta_dot, phi_dot, contact_moment } = columns;
-  const [low, high] = windowShown();
-  let [from, to] = [0, t.length];
-  while (from < to - 1 && t[from + 1] < low) from++;
-  while (to > from + 1 && t[to - 2] > high) to--;
-  const torque = factor("torque");
-  const moment = contact_moment.map((value) => value / torque);
+  const { low, high, from, to } = windowShown();
+  const ky = 1 / factor("torque");
   const some = { from, to };
   const { velocity, moment: force, phase, map } = plots;
   velocity.axes([low, high], bounds(theta_dot, from, to), "time [s]", "velocity [rad/s]");
-  force.axes([low, high], bounds(moment, from, to), "time [s]", `moment [${unit("torque")}]`);
+  force.axes([low, high], bounds(contact_moment, from, to).map((value) => ky * value), "time [s]", `moment [${unit("torque")}]`);
   const cell = motion.scene.cell;
   const start = -motion.scene.exit;
-  const degrees = angle.map((radians) => (radians * 180) / Math.PI);
+  const kx = 180 / Math.PI;
   phase.axes([(start * 180) / Math.PI, ((start + cell) * 180) / Math.PI], bounds(theta_dot, 0, t.length),
     "driver angle from dead centre [°]", "velocity [rad/s]");
   if (t.length) {
     velocity.line(t, theta_dot, { colour: "driver", width: 2, ...some });
     velocity.line(t, phi_dot, { colour: "follower", dash: [6, 3], ...some });
-    force.fill(t, moment.map((value) => Math.max(value, 0)), "front", from, to);
-    force.fill(t, moment.map((value) => Math.min(value, 0)), "rear", from, to);
-    force.line(t, moment, { colour: "line", width: 1, ...some });
-    phase.line(degrees, theta_dot, { colour: "driver", lifts: (i) => i > 0 && degrees[i] < degrees[i - 1] - 1 });
+    force.fill(t, contact_moment, { colour: "front", sign: 1, ky, ...some });
+    force.fill(t, contact_moment, { colour: "rear", sign: -1, ky, ...some });
+    force.line(t, contact_moment, { colour: "line", width: 1, ky, ...some });
+    phase.line(angle, theta_dot, { colour: "driver", kx, lifts: (i) => i > 0 && angle[i] < angle[i - 1] - 0.01 });
   }
   drawMap(map);
 }

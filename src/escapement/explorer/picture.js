@@ -37,7 +37,7 @@ export class Picture {
       const out = [scene.centre + 1.22 * (x - scene.centre), 1.22 * y];
       this.jamLine.setAttribute("d", `M${scene.centre} 0L${out.join(" ")}`);
       this.jamText.setAttribute("x", out[0]);
-      this.jamText.setAttribute("y", -out[1] + (y > 0 ? -0.08 : 0.2));
+      this.jamText.setAttribute("y", -out[1] + (y > 0 ? -0.04 : 0.14) * this.half);
     }
   }
 
@@ -47,7 +47,9 @@ export class Picture {
     [...svg.children].filter((child) => child.tagName === "g").forEach((child) => child.remove());
     const half = Math.max(reach, crankDisc) + 0.18;
     const right = Math.max(reach, centre + crankDisc) + 0.3;
+    this.half = half;
     svg.setAttribute("viewBox", `${-reach - 0.2} ${-half - 0.12} ${right + reach + 0.2} ${2 * half + 0.24}`);
+    svg.style.setProperty("--letters", `${0.085 * half}px`);
     const up = this.add(svg, "g", { transform: "scale(1,-1)" });
     const crank = this.add(up, "g", {});
     const disc = { d: circleOf(crankDisc), class: "crank-disc" };
@@ -111,7 +113,8 @@ export class Picture {
     const originals = this.svg.querySelectorAll("*");
     copy.querySelectorAll("*").forEach((element, i) => {
       const style = getComputedStyle(originals[i]);
-      for (const name of ["fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "display"]) {
+      for (const name of ["fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "display",
+        "vector-effect", "paint-order"]) {
         element.style.setProperty(name, style.getPropertyValue(name));
       }
     });

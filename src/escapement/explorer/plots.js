@@ -98,8 +98,11 @@ export class Plot {
     pen.restore();
   }
 
-  /** A line through columns; `lifts(i)` tells where the pen is lifted before point i. */
-  line(xs, ys, { colour, width = 1.5, dash = [], lifts = null, from = 0, to = xs.length }) {
+  /**
+   * A line through columns, which are multiplied by kx and ky; `lifts(i)` tells where the pen is
+   * lifted before point i.
+   */
+  line(xs, ys, { colour, width = 1.5, dash = [], lifts = null, from = 0, to = xs.length, kx = 1, ky = 1 }) {
     this.within((pen) => {
       pen.strokeStyle = this.colour(colour);
       pen.lineWidth = width;
@@ -108,7 +111,7 @@ export class Plot {
       pen.beginPath();
       let [px, py, lifted] = [0, 0, true];
       for (let i = from; i < to; i++) {
-        const [x, y] = [this.x(xs[i]), this.y(ys[i])];
+        const [x, y] = [this.x(kx * xs[i]), this.y(ky * ys[i])];
         if (lifts && lifts(i)) lifted = true;
         if (lifted) pen.moveTo(x, y);
         else if (i < to - 1 && Math.abs(x - px) + Math.abs(y - py) < 0.6) continue;
@@ -119,8 +122,8 @@ export class Plot {
     });
   }
 
-  /** Fill between the zero line and a column. */
-  fill(xs, ys, colour, from, to) {
+  /** Fill between the zero line and what has a sign of a column that is multiplied by ky. */
+  fill(xs, ys, { colour, sign, from, to, ky }) {
     this.within((pen) => {
       pen.fillStyle = this.colour(colour);
       pen.beginPath();
@@ -128,8 +131,9 @@ export class Plot {
       let px = -1;
       for (let i = from; i < to; i++) {
         const x = this.x(xs[i]);
-        if (x - px < 0.5 && ys[i] === 0) continue;
-        pen.lineTo(x, this.y(ys[i]));
+        const value = sign * ys[i] > 0 ? ky * ys[i] : 0;
+        if (x - px < 0.5 && value === 0) continue;
+        pen.lineTo(x, this.y(value));
         px = x;
       }
       pen.lineTo(this.x(xs[to - 1]), this.y(0));
