@@ -1,6 +1,6 @@
 /** Motions in natural units, the terminal cycle, and the figures that are read off it. */
 
-import { March, Stopped } from "./march.js";
+import { March, NotConverged, Stopped } from "./march.js";
 import { N, POINTS } from "./polynomial.js";
 
 const LONGEST_RISE = 400;
@@ -18,6 +18,7 @@ function terminalCycle(scene, chain, start) {
     try {
       found = march.engagement(w);
     } catch (error) {
+      if (error instanceof NotConverged) return { status: "not_converged" };
       if (!(error instanceof Stopped)) throw error;
       if (follow > 0) return { status: "stall", angle: march.angle, engagement: i };
       [w, follow, length] = [last, length, 2 * length];
@@ -86,7 +87,10 @@ export function figuresOf({ design, scene, chain, status }, limits, w, out) {
     first = { out: emptyRecord() };
     first.status = marchAll(held, chain, w, 1, first.out).status;
   }
+  const lost = { ...base, status: "not_converged",
+    message: "the search for the terminal cycle did not converge" };
   if (first.status === "stall") return stalls;
+  if (first.status !== "ok" && !first.out.handoffs.length) return lost;
   if (isLossless(scene)) {
     const gain = (1 - scene.bearing) * scene.cell - scene.load * scene.step;
     if (!(gain > 0)) return stalls;
@@ -95,10 +99,7 @@ export function figuresOf({ design, scene, chain, status }, limits, w, out) {
   }
   const cycle = terminalCycle(held, chain, first.out.handoffs[0].w);
   if (cycle.status === "stall") return stalls;
-  if (cycle.status !== "ok") {
-    return { ...base, status: cycle.status,
-      message: "the search for the terminal cycle did not converge" };
-  }
+  if (cycle.status !== "ok") return lost;
   const { clock } = scene;
   const march = new March(held, chain);
   const { events, runs, time } = march.engagement(cycle.w);
@@ -135,6 +136,7 @@ export function marchAll(scene, chain, w, count, out) {
     try {
       march.engagement(w, scene.rate > 0 ? j * scene.cell : 0);
     } catch (error) {
+      if (error instanceof NotConverged) return { status: "not_converged", time: started };
       if (!(error instanceof Stopped)) throw error;
       status = march.spent ? "spent" : "stall";
       Object.assign(out, { stopAngle: march.angle, stopEngagement: j });

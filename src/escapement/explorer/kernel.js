@@ -7,7 +7,7 @@
 
 import { emptyRecord, figuresOf, marchAll } from "./figures.js";
 import { followerAngle, frictionLimits, leastMargin, sceneOf } from "./law.js";
-import { March, Stopped } from "./march.js";
+import { March, NotConverged, Stopped } from "./march.js";
 import { chainOf } from "./panels.js";
 import { N, POINTS, interpolate, root } from "./polynomial.js";
 import { checkDesign } from "./rules.js";
@@ -54,7 +54,8 @@ export function simulate(given) {
     stop: status === "ok" ? null : { angle: out.stopAngle, engagement: out.stopEngagement },
   };
   const reasons = { ok: "done", stall: "the drive cannot carry the load and the mechanism stops",
-    spent: "the spring is spent and nothing moves any more" };
+    spent: "the spring is spent and nothing moves any more",
+    not_converged: "the iteration did not converge within its limit" };
   motion.message = reasons[status];
   let figures = null;
   Object.defineProperty(motion, "figures", {
@@ -153,7 +154,7 @@ export function handoffMap({ scene, chain }, speeds) {
     try {
       return Math.sqrt(march.engagement((speed * scene.clock) ** 2).w) / scene.clock;
     } catch (error) {
-      if (error instanceof Stopped) return NaN;
+      if (error instanceof Stopped || error instanceof NotConverged) return NaN;
       throw error;
     }
   });

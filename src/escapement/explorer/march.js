@@ -8,7 +8,7 @@ const DEEPEST = 60;
 
 /** Thrown where the motion ends, and where halving panels does not end. */
 export class Stopped extends Error {}
-class NotConverged extends Error {}
+export class NotConverged extends Error {}
 
 /** The state that is carried through an engagement, and what is met on the way. */
 export class March {
