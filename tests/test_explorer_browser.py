@@ -82,7 +82,7 @@ def random_design(rng):
     some(0.3, follower_drag=follower * 10.0 ** rng.uniform(-4, -1))
     some(0.2, spring_rate=torque * 10.0 ** rng.uniform(-4, -1.5))
     some(0.4, load_torque=torque * rng.uniform(0, 0.5))
-    some(0.2, initial_speed=10.0 ** rng.uniform(0, 2))
+    some(0.2, initial_speed=10.0 ** rng.uniform(-4, 2))
     return design
 
 
@@ -317,3 +317,15 @@ def test_nothing_is_cut_or_overlaps(browser, file, width, scheme):
         for i, (left, right, top, bottom) in enumerate(boxes):
             for a, b, c, d in boxes[:i]:
                 assert right <= a or left >= b or bottom <= c or top >= d, json.dumps(boxes)
+
+
+@pytest.mark.parametrize("change", [{"friction": 0.4060}, {"initial_speed": 1e-6}, {"torque": 1e6},
+                                    {"driver_inertia": 1e3}, {"follower_drag": 1e-5},
+                                    {"load_torque": 1e6}, {"engagements": 1000}])  # fmt: skip
+def test_extremes_agree_with_the_engine(page, change):
+    design = DESIGN | change
+    here = page.evaluate(STATUS, design)
+    motion = esc.simulate(escapement_of(design), design.get("engagements", 20),
+                          initial_speed=design.get("initial_speed", 0.0))  # fmt: skip
+    assert here["status"] == motion.status.label
+    assert here["end_time"] == pytest.approx(motion.end_time, rel=1e-10)

@@ -1,8 +1,8 @@
 """The explorer: one page that shows an escapement move, and computes its motion while one drags.
 
 The page is a single file without requests. Its kernel, `kernel.js` with the modules that it
-imports, is the angle-domain method of
-`engines.energy` for Geneva wheels; it refuses what it cannot compute, and so does `design_of`.
+imports, is the angle-domain method of `engines.energy` for Geneva wheels. It refuses what it cannot
+compute, and so does `design_of`.
 """
 
 import json
@@ -18,7 +18,7 @@ from escapement.units import SYSTEMS, factor, printed
 
 MODULES = (
     *("polynomial", "law", "panels", "march", "figures", "rules", "kernel"),
-    *("bodies", "design", "picture", "plots", "page"),
+    *("dom", "bodies", "design", "picture", "plots", "charts", "report", "page"),
 )
 """Files of the page's script, in the order in which they follow each other."""
 MOST_SLOTS, MOST_ENGAGEMENTS = 40, 1000

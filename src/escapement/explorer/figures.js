@@ -3,7 +3,7 @@
 import { March, NotConverged, Stopped } from "./march.js";
 import { N, POINTS } from "./polynomial.js";
 
-const LONGEST_RISE = 400;
+const LONGEST_RISE = 200;
 const LOSSLESS = ["mu", "b_d", "b_f", "c_d", "c_f"];
 const isLossless = (scene) => LOSSLESS.every((name) => scene[name] === 0);
 

@@ -1,10 +1,14 @@
 /** The march over an engagement: panel by panel, cut where the pin reverses or the motion stops. */
 
 import { pose } from "./law.js";
-import { FINE, Panel, Run, START, STOP } from "./panels.js";
+import { Panel, Run, START, STOP } from "./panels.js";
 import { N, POINTS, interpolate, root } from "./polynomial.js";
 
 const DEEPEST = 60;
+/** A driver with so small a share of the energy that a panel adds is at rest but for its lead. */
+const REST_SHARE = 1e-14;
+/** An engagement takes some dozens of panels; one that takes more than this does not converge. */
+const MOST_PANELS = 2000;
 
 /** Thrown where the motion ends, and where halving panels does not end. */
 export class Stopped extends Error {}
@@ -38,7 +42,7 @@ export class March {
   /** One engagement and its dwell from w at pin entry; throws Stopped where the motion ends. */
   engagement(w, turned = 0) {
     const { scene, chain } = this;
-    Object.assign(this, { turned, time: 0, exponent: 0, source: 0, events: [], runs: [] });
+    Object.assign(this, { turned, time: 0, passed: 0, exponent: 0, source: 0, events: [], runs: [] });
     this.E = scene.rho * w;
     const { k } = chain.panels[0].poses[0];
     const [pull] = this.drive(-scene.exit);
@@ -76,18 +80,24 @@ export class March {
   /** Go over a panel; it is cut where the pin reverses or the motion stops, or is too coarse. */
   pass(panel, depth = 0, clear = false) {
     if (panel.right <= panel.left) return;
+    this.passed += 1;
+    if (this.passed > MOST_PANELS) throw new NotConverged();
     if (!(this.E > 0) && panel.shape !== START) {
       this.pass(this.cut(panel, panel.left, panel.right, START), depth, clear);
       return;
     }
     const { scene } = this;
     const s = this.side;
+    if (this.restsBefore(panel)) {
+      this.pass(panel, depth, clear);
+      return;
+    }
     const halve = () => {
       if (depth > DEEPEST) throw new NotConverged();
       for (const half of panel.halves) this.pass(half, depth + 1, clear);
     };
     const { shape } = panel;
-    if (panel.solution(s).rough > FINE) return void halve();
+    if (!panel.solution(s).fine) return void halve();
     const run = new Run(panel, s, this.E, ...this.drive(panel.left));
     const stop = run.slowest > 0 ? null : run.crossing(run.w, (x) => run.at(x).w);
     if (!clear && !panel.locked) {
@@ -109,6 +119,24 @@ export class March {
     }
     if (!this.hurried && !run.timed) return void halve();
     this.keep(run);
+  }
+
+  /**
+   * Whether the driver is nearly at rest before a panel. It is then taken for one at rest that was
+   * let go sqrt(w)/theta_ddot earlier.
+   */
+  restsBefore(panel) {
+    const { fine, beta, bend } = panel.solution(this.side);
+    const [pull] = this.drive(panel.left);
+    const gain = pull * beta[1][N] + beta[0][N];
+    if (!fine || this.E === 0 || !(this.E <= REST_SHARE * gain)) return false;
+    const { g } = panel.poses[0];
+    const torque = pull - (g + bend[0]) * this.scene.load;
+    if (!(torque > 0)) return false;
+    const J = this.scene.rho + g * (g + bend[0]);
+    this.time -= (Math.sqrt(this.E * panel.inverse[0]) * J) / torque;
+    this.E = 0;
+    return true;
   }
 
   inertia(theta) {

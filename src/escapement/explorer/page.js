@@ -1,13 +1,15 @@
 /** The page: fields, figures, plots and playback, all drawn from one motion at one time. */
 
-import { eventsOf, handoffMap, samples, simulate, stateAt } from "./kernel.js";
+import { eventsOf, samples, simulate, stateAt } from "./kernel.js";
 import { frictionLimits, mostPins } from "./law.js";
 import { NUMBERS, checkDesign } from "./rules.js";
+import { drawCharts } from "./charts.js";
+import { byId, digits, element } from "./dom.js";
 import { asFragment, asToml, fromFragment, fromToml, short } from "./design.js";
 import { Picture } from "./picture.js";
 import { Plot } from "./plots.js";
+import { report } from "./report.js";
 
-const byId = (id) => document.getElementById(id);
 const { design: given, fields, systems, stops } = JSON.parse(byId("data").textContent);
 const GROUPS = {
   "Mechanism": ["slots", "pins", "internal", "crank_radius", "pin_radius"],
@@ -19,14 +21,6 @@ const GROUPS = {
 };
 const WHOLE = ["slots", "pins", "engagements"];
 const WIDE = ["torque", "driver_inertia", "follower_inertia", "crank_radius"];
-const FIGURES = [
-  ["period", "Period", "time", 1], ["velocity_mean", "Mean velocity", "speed", 1],
-  ["velocity_max", "Greatest velocity", "speed", 1], ["velocity_min", "Least velocity", "speed", 1],
-  ["rise_time", "Rise time", "time", 1], ["contact_force_max", "Greatest contact force", "force", 1],
-  ["contact_moment_max", "Greatest contact moment", "torque", 1],
-  ["critical_friction", "Painlevé limit of friction", "ratio", 1],
-];
-
 let design = checkDesign(given);
 let motion = null;
 let columns = null;
@@ -40,12 +34,9 @@ let offset = 0;
 const picture = new Picture(byId("picture"));
 const plots = Object.fromEntries(["velocity", "moment", "phase", "map"].map((id) => [id, new Plot(byId(id))]));
 
-// --- numbers in the user's units -----------------------------------------------------------------
-
 const kindOf = (name) => fields[name]?.unit ?? "ratio";
 const factor = (kind) => systems[units][kind].factor;
 const unit = (kind) => systems[units][kind].name;
-const digits = (value, count = 5) => (Number.isFinite(value) ? String(Number(value.toPrecision(count))) : "–");
 const shown = (value, kind) => `${digits(value / factor(kind))} ${unit(kind)}`.trim();
 
 /** Least and greatest value of a slider. */
@@ -78,15 +69,7 @@ const fromSlider = (name, share) => {
   return WHOLE.includes(name) ? Math.round(value) : Number(value.toPrecision(4));
 };
 
-// --- fields --------------------------------------------------------------------------------------
-
 const inputs = {};
-
-function element(name, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children);
-  return made;
-}
 
 function makeFields() {
   for (const [title, names] of Object.entries(GROUPS)) {
@@ -167,12 +150,10 @@ function refresh(active = null) {
   }
   const toml = byId("toml");
   if (document.activeElement !== toml) toml.value = asToml(design);
-  showFigures();
-  drawPlots();
+  report(motion, kept, shown);
+  draw();
   setTime(time);
 }
-
-// --- the motion ----------------------------------------------------------------------------------
 
 /** Take some numbers into the design; a design that breaks a rule leaves the last good one. */
 function change(numbers, active = null) {
@@ -204,128 +185,10 @@ function take(next, active = null) {
   refresh(active);
 }
 
-const REASONS = {
-  painleve: "At or above the Painlevé limit no rigid motion exists: the pin jams in its slot.",
-  stall: "The drive cannot carry the load and the mechanism stops.",
-  spent: "The spring is spent and nothing moves any more.",
-  no_terminal: "No terminal velocity exists: nothing takes more work at a higher speed.",
-  not_converged: "The search for the terminal cycle did not end; no figures are shown.",
-};
-
-function showFigures() {
-  const { figures } = motion;
-  const rows = FIGURES.map(([name, words, kind]) => {
-    const [now, before] = [figures[name], kept?.[name]];
-    const has = (value) => value !== undefined && value !== null && !Number.isNaN(value);
-    const told = (value) => {
-      if (has(value)) return value === Infinity ? "none" : shown(value, kind);
-      return name === "contact_force_max" && !design.crank_radius ? "needs crank radius" : "–";
-    };
-    const gain = has(now) && has(before) && before !== 0 ? 100 * (now / before - 1) : NaN;
-    const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)} %` : "–";
-    return [words, told(now), kept ? told(before) : "–", kept ? change_ : "–"];
-  });
-  const body = byId("figures").tBodies[0];
-  rows.forEach((row, i) => {
-    const line = body.rows[i] ?? body.insertRow();
-    row.forEach((text, j) => {
-      const cell = line.cells[j]
-        ?? line.appendChild(element(j ? "td" : "th", j ? {} : { scope: "row" }));
-      if (cell.textContent !== text) cell.textContent = text;
-    });
-  });
-  const margin = figures.jam_margin;
-  const share = design.friction / figures.critical_friction;
-  byId("gauge").style.width = `${Math.min(100 * share, 100)}%`;
-  byId("gauge").className = share >= 1 ? "over" : "";
-  const where = Number.isFinite(figures.critical_angle)
-    ? ` It jams first ${digits((figures.critical_angle * 180) / Math.PI, 4)}° from dead centre, marked in the picture.` : "";
-  const beside = figures.uniqueness_friction;
-  const unique = motion.status !== "painleve" && !motion.unique
-    ? ` From friction ${digits(beside)} on another motion exists beside this one: a blow could jam the pin.` : "";
-  byId("margin").textContent = Number.isFinite(margin)
-    ? `Friction is ${digits(100 * share, 3)} % of the Painlevé limit ${digits(figures.critical_friction)}.${where}${unique}`
-    : "This pin cannot jam.";
-  const outcomes = [motion.status, figures.status].filter((status) => status !== "ok");
-  byId("outcome").textContent = [...new Set(outcomes.map((status) => REASONS[status]))].join(" ")
-    + (design.spring_rate > 0 && figures.status === "ok" ? " The figures are those of the full spring." : "");
-  byId("forget").disabled = !kept;
-  byId("figures").className = kept ? "" : "alone";
-}
-
-/** Times and rows of the columns that are shown. */
-function windowShown() {
-  const { handoff_times: ends, runs, end_time } = motion;
-  const last = ends.length;
-  const choice = byId("shown").value;
-  const rows = columns.t.length;
-  const row = (engagement) => {
-    const index = runs.findIndex((run) => run.engagement === engagement);
-    return index < 0 ? rows : (rows / runs.length) * index;
-  };
-  if (choice === "first" && last > 3) return { low: 0, high: ends[2], from: 0, to: row(3) };
-  if (choice === "last" && last > 2) {
-    return { low: ends[last - 3], high: ends[last - 1], from: row(last - 2), to: row(last) };
-  }
-  return { low: 0, high: end_time, from: 0, to: rows };
-}
-
-function bounds(values, from, to, zero = true) {
-  let [low, high] = zero ? [0, 0] : [Infinity, -Infinity];
-  for (let i = from; i < to; i++) {
-    if (values[i] < low) low = values[i];
-    if (values[i] > high) high = values[i];
-  }
-  const room = 0.05 * (high - low || 1);
-  return [low < 0 ? low - room : low, high + room];
-}
-
-function drawPlots() {
+function draw() {
   if (!plots.velocity.width) return;
-  const { t, angle, theta_dot, phi_dot, contact_moment } = columns;
-  const { low, high, from, to } = windowShown();
-  const ky = 1 / factor("torque");
-  const some = { from, to };
-  const { velocity, moment: force, phase, map } = plots;
-  velocity.axes([low, high], bounds(theta_dot, from, to), "time [s]", "velocity [rad/s]");
-  force.axes([low, high], bounds(contact_moment, from, to).map((value) => ky * value), "time [s]", `moment [${unit("torque")}]`);
-  const cell = motion.scene.cell;
-  const start = -motion.scene.exit;
-  const kx = 180 / Math.PI;
-  phase.axes([(start * 180) / Math.PI, ((start + cell) * 180) / Math.PI], bounds(theta_dot, 0, t.length),
-    "driver angle from dead centre [°]", "velocity [rad/s]");
-  if (t.length) {
-    velocity.line(t, theta_dot, { colour: "driver", width: 2, ...some });
-    velocity.line(t, phi_dot, { colour: "follower", dash: [6, 3], ...some });
-    force.fill(t, contact_moment, { colour: "front", sign: 1, ky, ...some });
-    force.fill(t, contact_moment, { colour: "rear", sign: -1, ky, ...some });
-    force.line(t, contact_moment, { colour: "line", width: 1, ky, ...some });
-    phase.line(angle, theta_dot, { colour: "driver", kx, lifts: (i) => i > 0 && angle[i] < angle[i - 1] - 0.01 });
-  }
-  drawMap(map);
+  drawCharts(plots, motion, columns, byId("shown").value, systems[units].torque);
 }
-
-function drawMap(map) {
-  const speeds = [design.initial_speed, ...motion.handoff_velocities];
-  const most = 1.15 * Math.max(...speeds, 1e-9);
-  map.axes([0, most], [0, most], "velocity at this handoff [rad/s]", "at the next [rad/s]");
-  if (motion.status === "painleve") return;
-  const grid = Array.from({ length: 17 }, (_, i) => (most * i) / 16);
-  const next = handoffMap(motion, grid);
-  map.line([0, most], [0, most], { colour: "muted", width: 1, dash: [3, 3] });
-  map.line(grid, next, { colour: "driver", width: 2, lifts: (i) => Number.isNaN(next[i]) || Number.isNaN(next[i - 1]) });
-  const steps = speeds.slice(0, -1).flatMap((v, i) => [[v, v], [v, speeds[i + 1]]]);
-  map.line(steps.map(([x]) => x), steps.map(([, y]) => y), { colour: "follower", width: 1 });
-  if (motion.figures.status === "ok") {
-    map.within((pen) => {
-      pen.fillStyle = map.colour("follower");
-      const v = motion.figures.handoff_velocity;
-      pen.fillRect(map.x(v) - 4, map.y(v) - 4, 8, 8);
-    });
-  }
-}
-
-// --- one playhead --------------------------------------------------------------------------------
 
 /** Show the motion at a time [s]; all that moves is driven by this function. */
 export function setTime(t) {
@@ -390,8 +253,6 @@ function play(on) {
   requestAnimationFrame(frame);
 }
 
-// --- stops ---------------------------------------------------------------------------------------
-
 function showStop(index) {
   stop = index;
   const { title, text, designs, claims, shown: range } = stops[index];
@@ -414,8 +275,6 @@ function showStop(index) {
   byId("stop").replaceChildren(element("h3", { textContent: title }), element("p", { textContent: text }),
     element("div", { className: "row" }, ...buttons), element("ul", { className: "claims" }, ...list));
 }
-
-// --- the rest ------------------------------------------------------------------------------------
 
 function save(name, text, type) {
   const address = URL.createObjectURL(new Blob([text], { type }));
@@ -444,11 +303,11 @@ function connect() {
   byId("shown").addEventListener("change", () => refresh());
   byId("keep").addEventListener("click", () => {
     kept = { ...motion.figures };
-    showFigures();
+    report(motion, kept, shown);
   });
   byId("forget").addEventListener("click", () => {
     kept = null;
-    showFigures();
+    report(motion, kept, shown);
   });
   byId("read").addEventListener("click", () => {
     try {
@@ -477,7 +336,7 @@ function connect() {
   }
   const measure = () => {
     Object.values(plots).forEach((plot) => plot.measure());
-    drawPlots();
+    draw();
     setTime(time);
   };
   new ResizeObserver(measure).observe(document.body);

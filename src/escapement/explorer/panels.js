@@ -78,10 +78,13 @@ export class Panel {
     const { scene, poses, inverse, slope } = this;
     const [A, bend] = [[0, 1, 2].map(() => blank()), blank()];
     const B = blank();
+    let noise = FINE;
     for (let i = 0; i <= N; i++) {
       const { g, k } = poses[i];
       const { c } = this.bend(poses[i], s);
       const amplified = 1 / (1 + g * c * inverse[i]); // (rho + g^2)/J
+      // next to the Painleve limit J is a difference of nearly equal terms, and multiplies rounding
+      noise = Math.max(noise, 1e-15 * amplified);
       const twice = 2 * slope[i];
       bend[i] = c;
       A[0][i] = -twice * scene.load * (g + c * scene.rho * amplified * inverse[i]);
@@ -99,7 +102,7 @@ export class Panel {
       return sum;
     });
     const rough = Math.max(tail(alpha), tail(A[1]), tail(inverse));
-    return { bend, exponent, alpha, beta, rough };
+    return { bend, exponent, alpha, beta, fine: rough <= noise };
   }
 
   /** Both halves of a panel, which are kept. */
@@ -141,7 +144,6 @@ export class Run {
     this.Q = blank();
     this.dt = this.elapsed = null;
     this.start = this.engagement = 0;
-    this.fastest = 0;
     this.slowest = Infinity;
     this.reverses = false;
     const { alpha, beta } = this.solution;
@@ -171,7 +173,6 @@ export class Run {
       push[i] = Math.abs(X) > rounding ? s * X : 0;
       Q[i] = D - (g + bend[i]) * F;
       if (i < first || i > last) continue;
-      if (w > this.fastest) this.fastest = w;
       if (w < this.slowest) this.slowest = w;
     }
   }
@@ -217,9 +218,9 @@ export class Run {
     return dot(INTEGRAL[N], this.slowness);
   }
 
-  /** Whether the time over the panel is accurate. */
+  /** Whether the time over the panel is accurate, as far as rounding lets it before a stop. */
   get timed() {
-    return tail(this.slowness) <= Math.max(FINE, (4e-16 * this.fastest) / this.slowest);
+    return tail(this.slowness) <= Math.max(FINE, (4e-16 * this.w[0]) / this.slowest);
   }
 
   /**
