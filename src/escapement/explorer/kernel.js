@@ -9,7 +9,7 @@ import { emptyRecord, figuresOf, marchAll } from "./figures.js";
 import { followerAngle, frictionLimits, leastMargin, sceneOf } from "./law.js";
 import { March, NotConverged, Stopped } from "./march.js";
 import { chainOf } from "./panels.js";
-import { N, POINTS, interpolate, root } from "./polynomial.js";
+import { N, interpolate, root } from "./polynomial.js";
 import { checkDesign } from "./rules.js";
 
 /**

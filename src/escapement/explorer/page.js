@@ -29,15 +29,13 @@ let kept = null;
 let time = 0;
 let playing = false;
 let units = "SI";
-let stop = 0;
-let offset = 0;
 const picture = new Picture(byId("picture"));
 const plots = Object.fromEntries(["velocity", "moment", "phase", "map"].map((id) => [id, new Plot(byId(id))]));
 
 const kindOf = (name) => fields[name]?.unit ?? "ratio";
 const factor = (kind) => systems[units][kind].factor;
 const unit = (kind) => systems[units][kind].name;
-const shown = (value, kind) => `${digits(value / factor(kind))} ${unit(kind)}`.trim();
+const shown = (value, kind) => `${digits(value / factor(kind))} ${unit(kind).replaceAll(" ", "\u00a0")}`.trim();
 
 /** Least and greatest value of a slider. */
 function rangeOf(name) {
@@ -254,7 +252,6 @@ function play(on) {
 }
 
 function showStop(index) {
-  stop = index;
   const { title, text, designs, claims, shown: range } = stops[index];
   [...byId("stops").children].forEach((button, i) => {
     button.setAttribute("aria-current", String(i === index));
