@@ -180,7 +180,9 @@ def test_commands_in_running_text_exist(page):
 @pytest.mark.parametrize("page", having("toml"), ids=name_of)
 def test_studies_are_valid(page):
     for block in blocks(page, "toml"):
-        assert parse_plan(tomllib.loads(block.text)).cases > 1
+        content = tomllib.loads(block.text)
+        content.pop("limits", None)  # a table of the command budget
+        assert parse_plan(content).cases > 1
 
 
 def test_the_readme_installs_and_tests_in_one_line_each():

@@ -24,6 +24,7 @@ COMMANDS = {
     "rundown": "a timer whose spring runs down: rate, turns and stop",
     "sweep": "a study on a grid or a sample, to an HDF5 file",
     "budget": "what the tolerances of a drawing do, and which to tighten",
+    "explore": "a page that computes a motion anew while one drags",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "drive-torque": "torque and pin reversals at constant driver speed",

@@ -26,6 +26,8 @@ from escapement.units import SYSTEMS
 
 Arguments = argparse.Namespace
 """What was typed."""
+ArgumentGroup = argparse._ActionsContainer
+"""A group of options in the help, or a parser."""
 
 _NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 _OPTION = re.compile(r"--?[a-z]")
@@ -139,7 +141,7 @@ def one_of(label: str, allowed: Sequence[str]) -> Callable[[str], Any]:
     return reader(label, Choice(long_name=label, allowed=tuple(allowed)))
 
 
-def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: Any) -> None:
+def add_setting(group: ArgumentGroup, entry: Setting, **keywords: Any) -> None:
     """Add the option of something declared; what is not typed is None, unless `keywords` say."""
     keywords = {"default": None, "help": entry.help} | keywords
     if isinstance(entry, Truth):
@@ -149,9 +151,7 @@ def add_setting(group: argparse._ActionsContainer, entry: Setting, **keywords: A
     group.add_argument(option(entry.name), **keywords)
 
 
-def add_number(
-    group: argparse._ActionsContainer, name: str, text: str, metavar: str, **rule: Any
-) -> None:
+def add_number(group: ArgumentGroup, name: str, text: str, metavar: str, **rule: Any) -> None:
     """Add the option of a number; `rule` has attributes of `Quantity`."""
     add_setting(group, Quantity(name=name, long_name=text, metavar=metavar, **rule))
 
@@ -175,12 +175,22 @@ def typed(args: Arguments, settings: Mapping[str, Setting]) -> dict[str, Any]:
     return found
 
 
-def add_mechanism(parser: Parser) -> None:
-    """Add the mechanism: its kind, and the options of every kind."""
+def add_mechanism(parser: Parser, file: str = "") -> None:
+    """Add the mechanism: its kind, and the options of every kind.
+
+    In place of the kind there may be the name of a file, which then is a `Path`, with the suffix
+    that `file` ends in.
+    """
     listing = "; ".join(f"{name}: {kind_of(name).summary}" for name in KINDS)
     text = f"mechanism, {DEFAULT_KIND} where none is given. {listing}"
-    rule = one_of("KIND", [*KINDS])
-    parser.add_argument("kind", nargs="?", type=rule, metavar="KIND", help=text)
+    rule, suffix, shown = one_of("KIND", [*KINDS]), Path(file).suffix, "KIND"
+    if file:
+        text, shown = f"{text}; or {file}, one case of a study", f"KIND|{file}"
+
+    def read(word: str) -> Any:
+        return Path(word) if suffix and Path(word).suffix == suffix else rule(word)
+
+    parser.add_argument("kind", nargs="?", type=read, metavar=shown, help=text)
     group = parser.add_argument_group("mechanism")
     for name, kinds in owners().items():
         entry = kind_of(kinds[0]).options()[name]  # the first of those that share it explains it
@@ -220,7 +230,7 @@ def owners() -> dict[str, list[str]]:
     return found
 
 
-def add_output(group: argparse._ActionsContainer, file: str, text: str) -> None:
+def add_output(group: ArgumentGroup, file: str, text: str) -> None:
     """Add a file to write, never over another unless it may: `_output.check_wanted` looks."""
     group.add_argument("-o", "--output", type=Path, metavar=file, help=text)
     group.add_argument("--force", action="store_true", help=f"replace {file} where it exists")
@@ -232,7 +242,7 @@ def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help=text)
 
 
-def add_plot(group: argparse._ActionsContainer, text: str) -> None:
+def add_plot(group: ArgumentGroup, text: str) -> None:
     """Add a figure to draw; `_output.check_wanted` looks at its place."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, replaced where it exists"
     group.add_argument("--plot", type=Path, metavar="FILE", help=text)

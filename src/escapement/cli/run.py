@@ -7,7 +7,7 @@ from typing import Any
 
 import escapement as esc
 from escapement.cli import SOME_FAILED, _arguments, _log, _output
-from escapement.cli._arguments import Arguments, Parser, UsageError, option
+from escapement.cli._arguments import ArgumentGroup, Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
 from escapement.files import MOTIONS
@@ -26,18 +26,23 @@ _START = {"initial_speed": declared(Run)["initial_speed"]}
 _Input = tuple[str, Any, str]  # its name, its value in SI and its kind of unit
 
 
-def configure(parser: Parser) -> None:
-    """Add the command's arguments."""
-    study = parser.add_argument_group("one case of a study, instead of mechanism and model")
-    text = "written by escapement sweep"
-    study.add_argument("--from", dest="study", type=Path, metavar="FILE.h5", help=text)
+def add_study(group: ArgumentGroup) -> None:
+    """Add the options by which a case of a study takes the place of mechanism and model."""
+    text = "written by escapement sweep, or its CONFIG.toml"
+    group.add_argument("--from", dest="study", type=Path, metavar="FILE.h5", help=text)
     text = (
         "a value of each axis in the units of FILE.h5 or with its own, as friction=0.35,torque=0.1"
     )
-    study.add_argument("--select", metavar="NAME=VALUE,...", help=text)
+    group.add_argument("--select", metavar="NAME=VALUE,...", help=text)
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    study = parser.add_argument_group("one case of a study, instead of mechanism and model")
+    add_study(study)
     _arguments.add_mechanism(parser)
     length = {name: entry for name, entry in declared(Run).items() if name not in _START}
-    _arguments.add_group(parser, "model", _model())
+    _arguments.add_group(parser, "model", model())
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))
     output = parser.add_argument_group("output")
@@ -46,7 +51,7 @@ def configure(parser: Parser) -> None:
     _arguments.add_plot(output, "draw the velocities")
 
 
-def _model() -> dict[str, Setting]:
+def model() -> dict[str, Setting]:
     """What an escapement and its motion are made of, beside the mechanism."""
     every = declared(Escapement) | declared(Inertia) | _START
     return dict(sorted(every.items(), key=lambda item: not item[1].required))
@@ -55,7 +60,7 @@ def _model() -> dict[str, Setting]:
 def execute(args: Arguments) -> int:
     """Simulate, write what was asked for, print the figures."""
     _output.check_wanted(args, "FILE.h5", MOTIONS)
-    escapement, settings = _read_case(args)
+    escapement, settings = read_case(args)
     motion = esc.simulate(escapement, args.engagements, duration=args.duration, **settings)
     count = motion.handoff_times.size
     if args.plot is not None and count > _LONG:
@@ -86,7 +91,7 @@ def execute(args: Arguments) -> int:
     return SOME_FAILED if motion.status.failed or figures.status.failed else 0
 
 
-def _read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
+def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
     """What to simulate, and the settings of `simulate`: of the arguments or of a study."""
     given = _arguments.typed(args, declared(Solver))
     if args.study is None:
@@ -95,11 +100,11 @@ def _read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
         start = {"initial_speed": 0.0} | _arguments.typed(args, _START)
         _arguments.require(args, declared(Escapement) | declared(Inertia))
         inertia = Inertia(**_arguments.typed(args, declared(Inertia)))
-        model = _arguments.typed(args, declared(Escapement))
-        return Escapement(_arguments.read_mechanism(args), inertia, **model), given | start
+        numbers = _arguments.typed(args, declared(Escapement))
+        return Escapement(_arguments.read_mechanism(args), inertia, **numbers), given | start
     # whatever the study says must not be said twice
     twice = ["KIND"] if args.kind is not None else []
-    names = [*_model(), *_arguments.owners()]
+    names = [*model(), *_arguments.owners()]
     twice += [option(name) for name in names if getattr(args, name) is not None]
     if twice:
         raise UsageError(f"{twice[0]} must not come with --from, which has its own; leave it out")

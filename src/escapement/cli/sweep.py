@@ -163,12 +163,12 @@ def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:
 
 
 def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
-    """The plan of a study file, and the number of the case that was selected.
+    """The plan of a study, and the number of the case that was selected.
 
     Parameters
     ----------
     path : Path
-        File that `escapement sweep` wrote.
+        File that `escapement sweep` wrote, or its configuration, CONFIG.toml.
     selection : str, optional
         "friction=0.35,torque=0.1", in the units of the file, with "case=17" of a sample.
         An axis of one value needs no selection.
@@ -186,16 +186,17 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     from escapement.study.reader import read_configuration, read_sample_case
     from escapement.study.result import place_on
 
-    configuration = read_configuration(path)
+    written = path.suffix.lower() != ".toml"
+    configuration = read_configuration(path) if written else esc.load_plan(path).configuration
     wanted = parse_selection(selection or "", configuration.get("units", SYSTEMS[0]))
-    if "sample" in configuration and "case" in wanted:
+    if written and "sample" in configuration and "case" in wanted:
         if not (case := wanted.pop("case")).is_integer():
             raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
         # another version of SciPy may draw other numbers: take those that were computed
         row = read_sample_case(path, int(case))
         configuration["sample"] = {"method": "list"} | {name: [row[name]] for name in row}
     try:
-        plan = parse_plan(configuration)
+        plan = parse_plan(configuration) if written else esc.load_plan(path)
     except InvalidValue as error:
         raise InputFileError(
             f"study {path} must hold a configuration this version understands, got: {error}"

@@ -53,8 +53,10 @@ def load_plan(path: AnyPath) -> StudyPlan:
         When it cannot be read or is not TOML; the message has the line.
     InvalidValue
         When a key is unknown, missing, or its value breaks a rule.
+
+    The table [limits], which a budget reads, is left aside.
     """
-    return load_tables(path)[0]
+    return load_tables(path, "limits")[0]
 
 
 def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:

@@ -1,0 +1,137 @@
+/** A design as text: in the address, and as a study in TOML; and its numbers in the user's units. */
+
+import { NUMBERS, checkDesign } from "./rules.js";
+
+const MECHANISM = ["slots", "pins", "internal", "crank_radius", "pin_radius"];
+const INERTIA = { driver: "driver_inertia", follower: "follower_inertia" };
+const OF_RUN = ["initial_speed", "engagements"];
+/** Numbers of the package that this page does not compute with, and why. */
+export const BEYOND = {
+  driver_viscous: "viscous drag", follower_viscous: "viscous drag", roller_radius: "rollers",
+  efficiency: "a mesh", barrel: "trains", load_train: "trains", clearance: "clearance",
+  restitution: "clearance", stiffness: "compliant contact", damping: "compliant contact",
+  contact_law: "compliant contact", slip_speed: "compliant contact",
+  centre_distance_error: "unequal parts", pin_angle_errors: "unequal parts",
+  crank_radius_errors: "unequal parts", slot_angle_errors: "unequal parts",
+  slot_offsets: "unequal parts",
+};
+
+/** A number as short as it can be said with ten digits. */
+export function short(value) {
+  const rounded = Number(value.toPrecision(10));
+  const size = Math.abs(rounded);
+  return size !== 0 && (size < 1e-3 || size >= 1e6) ? rounded.toExponential() : String(rounded);
+}
+
+const isDefault = (name, value) => value === null || value === (NUMBERS[name]?.[2] ?? false);
+
+/** The design as the fragment of an address: what is not its default. */
+export const asFragment = (design) =>
+  Object.entries(design)
+    .filter(([name, value]) => ["slots", "pins", "torque"].includes(name) || !isDefault(name, value))
+    .map(([name, value]) => `${name}=${value}`).join("&");
+
+const number = (name, text) => {
+  const value = Number(text);
+  if (text.trim() === "" || !Number.isFinite(value)) {
+    const said = text.length > 40 ? `${text.slice(0, 40)}...` : text;
+    throw new RangeError(`${name} must be a number, got '${said.replace(/\s+/g, " ")}'; give digits`);
+  }
+  return value;
+};
+
+function assign(design, name, text) {
+  if (name in BEYOND) {
+    throw new RangeError(`this page does not compute ${BEYOND[name]} (${name}); use the package`);
+  }
+  if (name === "internal") {
+    if (!["true", "false"].includes(text)) {
+      throw new RangeError(`internal must be true or false, got '${text.slice(0, 40)}'; choose one`);
+    }
+    design.internal = text === "true";
+  } else if (name in NUMBERS) design[name] = number(name, text);
+  else {
+    throw new RangeError(`'${name.slice(0, 40)}' is no number of a design; leave it out`);
+  }
+}
+
+/** The design of a fragment; RangeError with one line where it cannot be understood. */
+export function fromFragment(fragment) {
+  const design = {};
+  for (const part of fragment.replace(/^#/, "").split("&").filter(Boolean)) {
+    const [name, value, more] = part.split("=");
+    if (value === undefined || more !== undefined) {
+      throw new RangeError(`the address must hold name=value, got '${part.slice(0, 40)}'; correct it`);
+    }
+    assign(design, name, value);
+  }
+  return checkDesign(design);
+}
+
+/** The design as a study of one case, which `escapement sweep` and `escapement explore` read. */
+export function asToml(design) {
+  const lines = (names) => names.filter(([, name]) => !isDefault(name, design[name]))
+    .map(([key, name]) => `${key} = ${design[name]}`);
+  const model = Object.keys(NUMBERS).filter((name) => ![...MECHANISM, ...Object.values(INERTIA),
+    ...OF_RUN, "friction", "torque"].includes(name));
+  const own = [...model, "initial_speed"].map((name) => [name, name]);
+  return [
+    'title = "a design of the explorer"', 'units = "SI"', `torque = ${design.torque}`, ...lines(own),
+    "", "[mechanism]", 'kind = "geneva"', `slots = ${design.slots}`, `pins = ${design.pins}`,
+    `internal = ${design.internal}`,
+    ...lines([["crank_radius", "crank_radius"], ["pin_radius", "pin_radius"]]),
+    "", "[inertia]", `driver = ${design.driver_inertia}`, `follower = ${design.follower_inertia}`,
+    "", "[sweep]", `friction = [${design.friction}]`, "",
+  ].join("\n");
+}
+
+/**
+ * The design of a study of one case. Numbers in other units than SI are taken with the factors of
+ * that system, by the kind of unit of each name.
+ */
+export function fromToml(text, fields, systems) {
+  let [section, units] = ["", "SI"];
+  const found = [];
+  for (const [i, raw] of text.split("\n").entries()) {
+    const line = raw.replace(/#.*$/, "").trim();
+    const where = `line ${i + 1}`;
+    const header = line.match(/^\[([a-z]+)\]$/);
+    const pair = line.match(/^([A-Za-z_]+)\s*=\s*(.+)$/);
+    if (!line) continue;
+    if (header && ["mechanism", "inertia", "sweep", "solver"].includes(header[1])) {
+      [, section] = header;
+    } else if (pair && !header) {
+      const [, key, value] = pair;
+      const plain = value.replace(/^\[\s*([^\],]+)\s*,?\s*\]$/, "$1").replace(/^(["'])(.*)\1$/, "$2");
+      if (/[[{,]/.test(plain) && key !== "title") {
+        throw new RangeError(`${where}: ${key} must be one number, got '${value.slice(0, 40)}'; `
+          + "this page shows one design");
+      }
+      if (key === "title" || section === "solver") continue;
+      if (key === "units") units = plain;
+      else if (section === "mechanism" && key === "kind") {
+        if (plain !== "geneva") {
+          throw new RangeError(`${where}: this page computes Geneva wheels, got '${plain.slice(0, 40)}'; `
+            + "use the package");
+        }
+      } else found.push([section === "inertia" ? INERTIA[key] ?? key : key, plain]);
+    } else {
+      throw new RangeError(`${where} must be 'name = value' or '[section]', got `
+        + `'${line.slice(0, 40)}'; correct it`);
+    }
+  }
+  if (!(units in systems)) {
+    throw new RangeError(`units must be ${Object.keys(systems).join(" or ")}, got '${units.slice(0, 40)}'; `
+      + "choose one");
+  }
+  const design = {};
+  for (const [name, value] of found) {
+    assign(design, name, value);
+    const kind = fields[name]?.unit;
+    if (kind && typeof design[name] === "number") design[name] *= systems[units][kind].factor;
+  }
+  for (const name of ["torque", "driver_inertia", "follower_inertia"]) {
+    if (!(name in design)) throw new RangeError(`the text must give ${name}, got none; add it`);
+  }
+  return checkDesign(design);
+}

@@ -1,0 +1,12 @@
+/** What the parts of the page share: its elements, and numbers as it writes them. */
+
+export const byId = (id) => document.getElementById(id);
+
+export const digits = (value, count = 5) =>
+  Number.isFinite(value) ? String(Number(value.toPrecision(count))) : "–";
+
+export function element(name, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(name), properties);
+  made.append(...children);
+  return made;
+}

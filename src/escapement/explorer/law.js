@@ -1,0 +1,169 @@
+/**
+ * The mechanism, the law of its motion and the limits of friction.
+ *
+ * The symbols are those of the theory page and of the Python module `dynamics`. Units are natural:
+ * the follower's inertia I_f, the torque tau at the start, sqrt(I_f/tau) and the crank radius are
+ * the units of inertia, torque, time and length. With w = theta_dot^2 and the side s of the slot
+ *
+ *     D = pull - c_d w,    F = k w + load,    k = g' + c_f g |g|
+ *     v = V + s r_p (g - beta),    h = R - sign(v) mu r_p - s b_f
+ *     p = g + c,    c = s (mu |v| + b_d + b_f g)/h,    J = rho + g p
+ *     J theta_ddot = D - p F,    N h J = X = rho F + g D
+ */
+
+import { root } from "./polynomial.js";
+
+/**
+ * The pin runs along C = centre + sigma exp(sigma i theta), seen from the follower's axis; sigma is
+ * -1 for an external wheel and 1 for an internal one, and is also beta, the pin's turn by driver
+ * radian. Returned are g, the slide u = R'/R, g' and R. The numerator of g is written so that it
+ * keeps its digits next to pin entry and exit, where it is zero.
+ */
+export function pose(wheel, theta) {
+  const { sigma, centre, exit } = wheel;
+  const half = sigma > 0 ? Math.cos(0.5 * theta) : Math.sin(0.5 * theta);
+  const square = (centre - 1) ** 2 + 4 * centre * half * half;
+  const g = (2 * centre * Math.sin(0.5 * (exit + theta)) * Math.sin(0.5 * (exit - theta))) / square;
+  const u = (-sigma * centre * Math.sin(theta)) / square;
+  return { g, u, dg: u * (sigma - 2 * g), R: Math.sqrt(square) };
+}
+
+/** Angle of the follower from dead centre. */
+export const followerAngle = ({ sigma, centre }, theta) =>
+  Math.atan2(Math.sin(theta), centre + sigma * Math.cos(theta));
+
+/** Geometry of a wheel, in crank radii and radians. */
+export function wheelOf({ slots, pins, internal }) {
+  const sigma = internal ? 1 : -1;
+  const exit = Math.PI / 2 + (sigma * Math.PI) / slots;
+  const cell = (2 * Math.PI) / pins;
+  const continuous = Math.abs(cell - 2 * exit) < 1e-12 * cell;
+  return {
+    slots, pins, sigma, centre: 1 / Math.sin(Math.PI / slots), exit, cell,
+    dwell: continuous ? 0 : cell - 2 * exit, step: (2 * Math.PI) / slots,
+  };
+}
+
+/** Most pins of a wheel: 2n/(n - 2), and one for an internal wheel. */
+export const mostPins = (slots, internal) =>
+  internal ? 1 : Math.floor((2 * slots) / (slots - 2) + 1e-9);
+
+/** An escapement in natural units. */
+export function sceneOf(design) {
+  const wheel = wheelOf(design);
+  const { torque, follower_inertia: follower, friction: mu, crank_radius: crank } = design;
+  const journal = (body) =>
+    (design[`${body}_bearing_friction`] * design[`${body}_bearing_radius`] * Math.hypot(1, mu))
+    / (crank || 1);
+  return {
+    ...wheel, mu, rho: design.driver_inertia / follower, load: design.load_torque / torque,
+    bearing: design.driver_bearing_torque / torque, rate: design.spring_rate / torque,
+    c_d: design.driver_drag / follower, c_f: design.follower_drag / follower,
+    r_p: design.pin_radius / (crank || 1), b_d: journal("driver"), b_f: journal("follower"),
+    clock: Math.sqrt(follower / torque),
+  };
+}
+
+/** Sliding speed of the contact point along the wall, per driver radian. */
+export const slideAt = ({ r_p, sigma }, at, s) => at.R * at.u + s * r_p * (at.g - sigma);
+
+/** c = p - g, and the lever h; `way` is the sign of v. */
+export function bendAt(scene, at, s, way) {
+  const h = at.R - way * scene.mu * scene.r_p - s * scene.b_f;
+  const v = way * slideAt(scene, at, s);
+  return { c: (s * (scene.mu * v + scene.b_d + scene.b_f * at.g)) / h, h };
+}
+
+/** Driver angles at which v changes its sign on either side, ascending. */
+export function slideChanges(scene) {
+  if (scene.r_p === 0) return [0];
+  const found = [1, -1].map((s) => {
+    const v = (theta) => slideAt(scene, pose(scene, theta), s);
+    return v(-scene.exit) * v(scene.exit) < 0 ? root(v, -scene.exit, scene.exit) : NaN;
+  });
+  return found.filter((angle) => Math.abs(angle) < scene.exit - 1e-9).sort((a, b) => a - b);
+}
+
+/** J h of the side s = -1, which must not vanish. */
+function margin(scene, theta) {
+  const at = pose(scene, theta);
+  const way = Math.sign(slideAt(scene, at, -1)) || 1;
+  const { c, h } = bendAt(scene, at, -1, way);
+  return (scene.rho + at.g * (at.g + c)) * h;
+}
+
+/** Least margin between two driver angles, and where it is. */
+export function leastMargin(scene, low, high) {
+  const lever = Math.min(pose(scene, 0).R, pose(scene, scene.exit).R)
+    - scene.mu * scene.r_p - scene.b_f;
+  if (!(lever > 0)) return { value: lever, theta: 0 };
+  const at = (theta) => ({ value: margin(scene, theta), theta });
+  const step = (high - low) / 32;
+  let best = at(low);
+  for (let i = 1; i <= 32; i++) {
+    const next = at(low + i * step);
+    if (next.value < best.value) best = next;
+  }
+  let a = Math.max(best.theta - step, low);
+  let b = Math.min(best.theta + step, high);
+  const golden = 0.6180339887498949;
+  let x = at(b - golden * (b - a));
+  let y = at(a + golden * (b - a));
+  while (b - a > 1e-9) {
+    if (x.value < y.value) [b, y, x] = [y.theta, x, at(y.theta - golden * (y.theta - a))];
+    else [a, x, y] = [x.theta, y, at(x.theta + golden * (b - x.theta))];
+  }
+  return [x, y].reduce((least, one) => (one.value < least.value ? one : least), best);
+}
+
+/** Friction at which no motion exists (behind dead centre), or another one exists beside it. */
+function frictionLimit(design, behind) {
+  const least = (friction) => {
+    const scene = sceneOf({ ...design, friction });
+    return leastMargin(scene, behind ? 0 : -scene.exit, behind ? scene.exit : 0);
+  };
+  const value = (friction) => least(friction).value;
+  if (!(value(0) > 0)) return { friction: 0, theta: 0 };
+  let most = 1;
+  while (value(most) > 0) {
+    most *= 2;
+    if (most > 1e3) return { friction: Infinity, theta: NaN };
+  }
+  const friction = root(value, 0, most);
+  return { friction, theta: least(friction).theta };
+}
+
+/**
+ * The Painleve limits. Of a thin pin both are min (rho + g^2)/(g |u|), in closed form: with
+ * u^2 = (g1 - g)(g - g2), S = g1 + g2 and P = g1 g2 the minimum is at the root of
+ * S g^3 + (4 rho - 2 P) g^2 - 3 rho S g + 2 rho P between 0 and g1.
+ */
+export function frictionLimits(design) {
+  const key = JSON.stringify(GEOMETRY.map((name) => design[name]));
+  if (key !== known.key) known = { key, limits: findLimits(design) };
+  return known.limits;
+}
+
+// they change with the numbers of this list alone, and not while friction or torque is dragged
+const GEOMETRY = ["slots", "internal", "crank_radius", "driver_inertia", "follower_inertia",
+  "pin_radius", "driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction",
+  "follower_bearing_radius"];
+let known = { key: "", limits: null };
+
+function findLimits(design) {
+  const scene = sceneOf(design);
+  const { rho, centre, sigma } = scene;
+  if (scene.r_p > 0 || scene.b_d > 0 || scene.b_f > 0) {
+    const jams = frictionLimit(design, true);
+    return { critical: jams.friction, unique: frictionLimit(design, false).friction,
+      theta: jams.theta };
+  }
+  const g1 = 1 / (1 + sigma * centre) * sigma;
+  const g2 = -1 / ((centre * centre - 1) * g1); // u^2 = -g1 g2 at pin exit, where g = 0
+  const [S, P] = [g1 + g2, g1 * g2];
+  const cubic = (g) => ((S * g + 4 * rho - 2 * P) * g - 3 * rho * S) * g + 2 * rho * P;
+  const g = root(cubic, 0, g1);
+  const critical = (rho + g * g) / (g * Math.sqrt((g1 - g) * (g - g2)));
+  const at = (theta) => pose(scene, theta).g - g;
+  return { critical, unique: critical, theta: root(at, 0, scene.exit) };
+}

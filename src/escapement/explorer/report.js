@@ -1,0 +1,67 @@
+/** The figures of a motion in words, beside those that were kept. */
+
+import { byId, digits, element } from "./dom.js";
+
+/** Name, words and kind of unit. */
+const FIGURES = [
+  ["period", "Period", "time"], ["velocity_mean", "Mean velocity", "speed"],
+  ["velocity_max", "Greatest velocity", "speed"], ["velocity_min", "Least velocity", "speed"],
+  ["rise_time", "Rise time", "time"], ["contact_force_max", "Greatest contact force", "force"],
+  ["contact_moment_max", "Greatest contact moment", "torque"],
+  ["critical_friction", "Painlevé limit of friction", "ratio"],
+];
+
+const REASONS = {
+  painleve: "At or above the Painlevé limit no rigid motion exists: the pin jams in its slot.",
+  stall: "The drive cannot carry the load and the mechanism stops.",
+  spent: "The spring is spent and nothing moves any more.",
+  no_terminal: "No terminal velocity exists: nothing takes more work at a higher speed.",
+  not_converged: "The search for the terminal cycle did not end; no figures are shown.",
+};
+
+/** Show the figures of a motion beside those that were kept, and its margin to jamming. */
+export function report(motion, kept, shown) {
+  const { figures, design } = motion;
+  const rows = FIGURES.map(([name, words, kind]) => {
+    const [now, before] = [figures[name], kept?.[name]];
+    const has = (value) => value !== undefined && value !== null && !Number.isNaN(value);
+    const told = (value) => {
+      if (has(value)) return value === Infinity ? "none" : shown(value, kind);
+      return name === "contact_force_max" && !design.crank_radius ? "needs crank radius" : "–";
+    };
+    const gain = has(now) && has(before) && before !== 0 ? 100 * (now / before - 1) : NaN;
+    const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)} %` : "–";
+    return [words, told(now), kept ? told(before) : "–", kept ? change_ : "–"];
+  });
+  const body = byId("figures").tBodies[0];
+  rows.forEach((row, i) => {
+    const line = body.rows[i] ?? body.insertRow();
+    row.forEach((text, j) => {
+      const cell = line.cells[j]
+        ?? line.appendChild(element(j ? "td" : "th", j ? {} : { scope: "row" }));
+      if (cell.textContent !== text) cell.textContent = text;
+    });
+  });
+  showMargin(motion);
+  const outcomes = [motion.status, figures.status].filter((status) => status !== "ok");
+  byId("outcome").textContent = [...new Set(outcomes.map((status) => REASONS[status]))].join(" ")
+    + (design.spring_rate > 0 && figures.status === "ok" ? " The figures are those of the full spring." : "");
+  byId("forget").disabled = !kept;
+  byId("figures").className = kept ? "" : "alone";
+}
+
+function showMargin(motion) {
+  const { figures, design } = motion;
+  const margin = figures.jam_margin;
+  const share = design.friction / figures.critical_friction;
+  byId("gauge").style.width = `${Math.min(100 * share, 100)}%`;
+  byId("gauge").className = share >= 1 ? "over" : "";
+  const where = Number.isFinite(figures.critical_angle)
+    ? ` It jams first ${digits((figures.critical_angle * 180) / Math.PI, 4)}° from dead centre, marked in the picture.` : "";
+  const beside = figures.uniqueness_friction;
+  const unique = motion.status !== "painleve" && !motion.unique
+    ? ` From friction ${digits(beside)} on another motion exists beside this one: a blow could jam the pin.` : "";
+  byId("margin").textContent = Number.isFinite(margin)
+    ? `Friction is ${digits(100 * share, 3)} % of the Painlevé limit ${digits(figures.critical_friction)}.${where}${unique}`
+    : "This pin cannot jam.";
+}

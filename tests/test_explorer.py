@@ -1,0 +1,102 @@
+"""The explorer's page: what it holds, what it refuses, how the command writes it."""
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import escapement as esc
+from escapement import explorer
+from escapement.errors import InvalidValue
+
+ROOT = Path(__file__).resolve().parents[1]
+INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
+GIVEN = ("--driver-inertia", "3.39e-7", "--follower-inertia", "5.65e-6", "--torque", "0.0113")
+
+
+def timer(mechanism=None, **numbers):
+    return esc.Escapement(mechanism or esc.Geneva(4), INERTIA, **{"torque": 0.0113} | numbers)
+
+
+def data_of(text):
+    return json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def test_the_page_is_one_small_file_that_asks_for_no_other():
+    text = explorer.page(timer(friction=0.35))
+    assert len(text.encode()) < 250_000
+    assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|@import|url\(|fetch\(|import\(""", text)
+    assert "default-src 'none'" in text
+    assert "/*" + "SCRIPT*/" not in text
+
+
+def test_the_page_begins_with_the_design_and_its_words_are_those_of_the_package():
+    wheel = esc.Geneva(5, 2, crank_radius=0.02, pin_radius=0.001)
+    found = data_of(explorer.page(timer(wheel, friction=0.3, spring_rate=1e-5), 12.0, 7))
+    design = found["design"]
+    assert set(design) == set(explorer.COMPUTED) == set(found["fields"])
+    assert (design["slots"], design["pins"], design["pin_radius"]) == (5, 2, 0.001)
+    assert (design["friction"], design["initial_speed"], design["engagements"]) == (0.3, 12.0, 7)
+    assert found["systems"]["in-lbf-s"]["torque"]["factor"] == esc.units.INCH_POUND
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (timer(esc.GearDriven(4, 1, "epicycloid")), "mechanism"),
+        (timer(driver_viscous=1e-9), "driver_viscous"),
+        (timer(esc.Geneva(4, crank_radius=0.02, pin_radius=1e-3, roller_radius=2e-3)), "roller_r"),
+        (timer(esc.Geneva(4, pin_angle_errors=(1e-3, 0, 0, 0))), "pin_angle_errors"),
+        (timer(torque=esc.TorqueCurve((0.0, 1.0), (1.0, 2.0))), "torque"),
+        (timer(esc.Geneva(41)), "slots"),
+    ],
+)
+def test_what_the_page_cannot_compute_is_refused_in_one_line(made, words):
+    with pytest.raises(InvalidValue, match=f"^{words}[^\n]*must be[^\n]*explorer[^\n]*$"):
+        explorer.page(made)
+
+
+def test_each_claim_of_a_stop_names_a_test_that_exists():
+    claims = [claim["test"] for stop in explorer.stops() for claim in stop["claims"]]
+    assert len(explorer.stops()) == 5
+    for claim in claims:
+        file, name = claim.split("::")
+        tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
+        tests = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+        assert name in tests, claim
+
+
+def test_the_command_writes_a_page_of_options_of_a_study_and_of_its_file(command, tmp_path):
+    study = ROOT / "runs" / "meyer_four_pins.toml"
+    chosen = ("--select", "friction=0.35,torque=0.1")
+    assert command("explore", study, *chosen, "-o", "a.html")[0] == 0
+    assert command("explore", "--from", study, *chosen, "-o", "b.html")[0] == 0
+    typed = ("--slots", 4, "--friction", 0.35, "--units", "in-lbf-s", "--torque", 0.1)
+    inertia = ("--driver-inertia", 3e-6, "--follower-inertia", 50e-6)
+    assert command("explore", *typed, *inertia, "-o", "c.html")[0] == 0
+    one, two, three = (data_of((tmp_path / f"{x}.html").read_text("utf-8")) for x in "abc")
+    assert one == two
+    assert one["design"] == three["design"]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        ((*GIVEN,), 2, "--output must name the page"),
+        ((*GIVEN, "-o", "page.png"), 2, "must end in .html"),
+        ((*GIVEN, "-o", "there.html"), 73, "there.html"),
+        ((*GIVEN, "--follower-viscous", "1e-9", "-o", "a.html"), 2, "follower_viscous"),
+        (("none.toml", "-o", "a.html"), 66, "none.toml"),
+        (("none.toml", "--from", "x.h5", "-o", "a.html"), 2, "--from must not come"),
+    ],
+)
+def test_the_command_refuses_in_one_line(command, tmp_path, words, code, message):
+    (tmp_path / "there.html").write_text("kept")
+    found, _, err = command("explore", *words)
+    assert found == code, err
+    assert message in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "a.html").exists()
+    assert (tmp_path / "there.html").read_text() == "kept"
