@@ -230,10 +230,12 @@ def arrival(work, case, flight, wall):
                 return after, wall
             step *= 0.25
             continue
-        opened = True
+        leaves, opened = (0.0 if opened else wall), True
         found, struck = np.inf, 0.0
         for side in (1.0, -1.0):
             time = after
+            if side == leaves:
+                continue
             if side * there < play and side * pace > 0.0 and side * then < 0.0:
                 # between two looks the pin may have gone to the wall and back
                 bend = (then - pace) / (after - t)

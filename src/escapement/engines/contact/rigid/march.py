@@ -11,7 +11,6 @@ from escapement.engines.contact.rigid.engagement import (
     Body,
     Notes,
     engage,
-    follower_on,
     turn_on,
 )
 from escapement.engines.contact.rigid.panel import PLACES, ROWS
@@ -37,7 +36,7 @@ def tail_for(rtol):
     return min(3.0 * np.sqrt(rtol), 1e-3)
 
 
-@inner_jit
+@inner_jit(allocates=True)
 def after(case, turned):
     """The case in the cell after a driver angle turned."""
     return Case(cell_after(turned, case.plus), cell_after(turned, case.minus), *case[2:])
@@ -54,65 +53,48 @@ def pass_one(work, notes, case, state, step, end_time, trend, count):
 
 
 @jit(allocates=True)
-def handoffs(scene_tuple, joint, rtol, speed, limit, states):
-    """March engagements until `states` is full, `limit` is passed, or the motion ends.
+def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagement, used):
+    """March engagements until `states` is full, a time is passed, or the motion ends.
 
     Parameters
     ----------
     scene_tuple : as `scene.scene_tuple` gives it.
     joint : centre distance, crank, play, restitution and follower angle of a cell.
     rtol : relative error asked for.
-    speed : driver speed at the first entry.
+    first : number of the first engagement.
     limit : time after which to stop.
-    states : shape (n + 1, STATE), to be filled with the start and the state at each handoff.
+    trend : sign of theta_ddot before, 0 where nothing came before.
+    states : shape (n + 1, STATE), the first of which is given; filled with those at handoffs.
+    rows, engagement : filled with what happens, and in which engagement; empty where it is not
+        asked for. There may be more rows, `used[0]`, than there is room for.
 
     Returns
     -------
-    code, done, angle, time
-        How the last engagement ended, how many were completed, and where and when it ended.
+    code, done, angle, time, trend
+        How the last engagement ended, how many were completed, where and when it ended, and the
+        sign of theta_ddot there.
     """
     scene = scene_of(scene_tuple)
     case, work = case_of(scene, joint[:4], rtol), workspace()
-    notes = Notes(np.empty(0, ROW), np.zeros(1, np.int64), False)
-    count, cell = np.int64(N), cell_of(scene)
-    middle = follower_on(Case(*case[:5], 0.0, 0.0, rtol), 1.0, scene.edges[0])[0]
-    states[0] = np.array([0.0, speed, middle, 0.0, 0.0])
-    lost, constant = 0.0, is_constant(scene)
+    notes = Notes(rows, used, rows.size > 0)
+    count, cell, lost, constant = np.int64(N), cell_of(scene), 0.0, is_constant(scene)
     for k in range(len(states) - 1):
         if not constant:
-            case = after(case, k * cell)
-        begin = states[k, 0]
-        body, code = pass_one(work, notes, case, states[k], joint[4], limit - begin, 0.0, count)
+            case = after(case, (first + k) * cell)
+        begin, begun = states[k, 0], used[0]
+        body, code = pass_one(work, notes, case, states[k], joint[4], limit - begin, trend, count)
+        trend = body.trend
+        for i in range(begun, min(used[0], rows.size)):
+            rows[i].time += begin
+            engagement[i] = first + k
         # Kahan's sum of the times
         more = body.time - lost
         end = begin + more
         if code != DONE:
-            return code, k, body.theta, end
+            return code, k, body.theta, end, trend
         lost = (end - begin) - more
         states[k + 1, 0], states[k + 1, 1], states[k + 1, 2] = end, body.speed, body.phi
         states[k + 1, 3], states[k + 1, 4] = body.turning, body.wall
         if end >= limit:
-            return OVER, k + 1, body.theta, end
-    return DONE, len(states) - 1, 0.0, states[len(states) - 1, 0]
-
-
-@jit(allocates=True)
-def happenings(scene_tuple, joint, rtol, first, states, trend, rows, engagement):
-    """Fill `rows` with what happens in the engagements that start with these states.
-
-    `first` is the number of the first of them. Returned are how many rows there are, which may
-    be more than there is room for, and the sign of theta_ddot at the end.
-    """
-    scene = scene_of(scene_tuple)
-    case, work, count, cell = case_of(scene, joint[:4], rtol), workspace(), np.int64(N), 0.0
-    notes = Notes(rows, np.zeros(1, np.int64), True)
-    if not is_constant(scene):
-        cell = cell_of(scene)
-    for k in range(len(states)):
-        case, begun = after(case, (first + k) * cell), notes.used[0]
-        body, _code = pass_one(work, notes, case, states[k], joint[4], np.inf, trend, count)
-        trend = body.trend
-        for i in range(begun, min(notes.used[0], rows.size)):
-            rows[i].time += states[k, 0]
-            engagement[i] = first + k
-    return notes.used[0], trend
+            return np.int64(OVER), k + 1, body.theta, end, trend
+    return np.int64(DONE), len(states) - 1, 0.0, states[len(states) - 1, 0], trend
