@@ -25,9 +25,10 @@ from escapement.engines.contact.rigid.panel import (
     solve_panel,
 )
 from escapement.engines.contact.rigid.walls import case_of, next_break, wall_scene
-from escapement.gauss import POINTS, WEIGHTS, N, cumulate, root_between, to_powers
+from escapement.gauss import BARYCENTRIC, POINTS, WEIGHTS, N, cumulate
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
+from escapement.roots import newton_in_bracket
 
 STRICT = 1e-11
 """The tail of a panel whose solution is interpolated."""
@@ -37,11 +38,31 @@ TABLE, LOST = 13, 6
 
 
 @inner_jit
-def _power(c, x):
-    value = 0.0
+def _inside(row, x):
+    """A row's value at a place x of its panel, by the barycentric formula."""
+    above = below = 0.0
     for i in range(N):
-        value = value * x + c[N - 1 - i]
-    return value
+        apart = x - POINTS[i]
+        if apart == 0.0:
+            return row[i]
+        weight = BARYCENTRIC[i] / apart
+        above += weight * row[i]
+        below += weight
+    return above / below
+
+
+@inner_jit
+def _place_after(work, time, width):
+    """The place x of a panel at which it has lasted for a time; row B holds the times there."""
+    low, high, sign = -1.0, 1.0, np.sign(width)
+    x = 0.0
+    for _ in range(60):
+        passed, slope = sign * _inside(work[B], x) - time, sign * _inside(work[SLOW], x)
+        guess, low, high = newton_in_bracket(x, passed, slope, low, high, True)
+        step, x = abs(guess - x), guess
+        if step <= 4e-16:
+            break
+    return x
 
 
 @inner_jit
@@ -93,32 +114,25 @@ def _along_wall(work, case, row, length, times, first, last, out, lost, spare, c
         if found.code != GOES_ON:
             break
         cumulate(work[SLOW], work[B])
-        to_powers(work[B], spare[0])
-        to_powers(work[W], spare[1])
-        sign, constant = np.sign(found.width), spare[0, 0]
         while first < last and times[first] <= time + found.time:
-            spare[0, 0] = constant - sign * max(times[first] - time, 0.0)
-            x = root_between(spare[0], 0.0, -1.0, 1.0, sign > 0.0)[0]
-            place = theta + 0.5 * found.width * (1.0 + x)
-            _touching_state(case, scene, side, place, way, max(_power(spare[1], x), 0.0), out, first)
+            x = _place_after(work, max(times[first] - time, 0.0), found.width)
+            place, w = theta + 0.5 * found.width * (1.0 + x), max(_inside(work[W], x), 0.0)
+            _touching_state(case, scene, side, place, way, w, out, first)
             first += 1
         end, over = theta + found.width, time + found.time
         if over > length * (1.0 + 1e-13):
             # the piece ends inside this panel
-            spare[0, 0] = constant - sign * (length - time)
-            x = root_between(spare[0], 0.0, -1.0, 1.0, sign > 0.0)[0]
-            found = solve_panel(
-                work, scene, side, theta, 0.5 * found.width * (1.0 + x), start, count
-            )
+            part = 0.5 * found.width * (1.0 + _place_after(work, length - time, found.width))
+            found = solve_panel(work, scene, side, theta, part, start, count)
             end, over = theta + found.width, length
         elif found.width == limit - theta:
             end = limit
         for i in range(N):
             place = theta + 0.5 * found.width * (1.0 + POINTS[i])
-            _touching_state(case, scene, side, place, way, work[W][i], spare[2:], 0)
+            _touching_state(case, scene, side, place, way, work[W][i], spare, 0)
             share = 0.5 * abs(found.width) * WEIGHTS[i] / np.sqrt(work[W][i])
             for j in range(LOST - 1):
-                lost[j] += share * spare[2 + 8 + j, 0]
+                lost[j] += share * spare[8 + j, 0]
         moved = follower_on(case, side, end)[0] - follower_on(case, side, theta)[0]
         lost[LOST - 1] += case.plus.load * abs(moved)
         theta, w, time, width = end, found.w, over, 2.0 * found.width
@@ -142,9 +156,9 @@ def _through_flight(work, case, row, length, times, first, last, out, lost, spar
             first += 1
         for i in range(N):
             since = 0.5 * part * (1.0 + POINTS[i])
-            _free_state(scene, *place_at(work, flight, since), spare[2:], 0)
+            _free_state(scene, *place_at(work, flight, since), spare, 0)
             for j in range(LOST - 1):
-                lost[j] += 0.5 * part * WEIGHTS[i] * spare[2 + 8 + j, 0]
+                lost[j] += 0.5 * part * WEIGHTS[i] * spare[8 + j, 0]
         then, pace, place, turn = place_at(work, flight, part)
         lost[LOST - 1] += scene.load * abs(place - phi)
         theta, phi, time = then, place, time + part
@@ -170,7 +184,7 @@ def trace(scene_tuple, joint, rtol, pieces, engagement, lengths, firsts, times, 
     """
     scene = scene_of(scene_tuple)
     case, work, count = case_of(scene, joint[:4], rtol), workspace(), np.int64(N)
-    cell, spare = cell_of(scene), np.empty((2 + TABLE, N))
+    cell, spare = cell_of(scene), np.empty((TABLE, 1))
     for k in range(pieces.size):
         row = pieces[k]
         own = after(case, engagement[k] * cell)
