@@ -38,7 +38,7 @@ def terminal(
     """Figures of merit with clearance; see `escapement.terminal`."""
     state = first_state(escapement, initial_speed)
     for _ in range(_ROUNDS):
-        code, states, angle, _end = march_from(escapement, state, _STEPS, rtol)
+        code, states, _angle, _end = march_from(escapement, state, _STEPS, rtol)
         if code != DONE:
             # an extrapolated speed may be one that the motion itself never has
             return _followed(escapement, base, initial_speed, rtol)
@@ -68,9 +68,7 @@ def _extrapolated(states: FloatArray) -> FloatArray:
     return state
 
 
-def _followed(
-    escapement: Escapement, base: Figures, initial_speed: float, rtol: float
-) -> Figures:
+def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol: float) -> Figures:
     """The figures where no state repeats: of a motion that ends, or of many engagements."""
     start = first_state(escapement, initial_speed)
     code, states, angle, _end = march_from(escapement, start, _MANY, rtol)
