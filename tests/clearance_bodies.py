@@ -57,10 +57,9 @@ class TwoBodies:
         push = -(bend + normal @ (force / self.inertia)) / (normal @ by_force)
         return force / self.inertia + by_force * push, push
 
-    def piece(self, side, t, q, v, ends):
-        """Integrate to the first of some events; each is a function of side, q and v."""
-
-        sense = np.sign(self.directions(side, q, v)[3])
+    def piece(self, side, sense, t, q, v):
+        """Integrate to the first of the `ends` of a flight, or of a contact that slides one way."""
+        ends = self.ends(side, sense, v)
 
         def rates(_t, y):
             return [*y[2:], *self.accelerations(side, y[:2], y[2:], sense)[0]]
@@ -69,17 +68,20 @@ class TwoBodies:
         for event in events:
             event.terminal, event.direction = True, -1
         settings = {"rtol": 1e-12, "atol": 1e-14, "method": "DOP853", "max_step": 0.05}
+        y = np.array([*q, *v])
         # what is zero at the start counts only once it has become positive
-        short = solve_ivp(rates, (t, t + 2e-4), [*q, *v], **settings)
-        if min(f(short.y[:2, -1], short.y[2:, -1]) for f in ends) > 0.0:
-            t, q, v = short.t[-1], short.y[:2, -1], short.y[2:, -1]
-        found = solve_ivp(rates, (t, t + 20.0), [*q, *v], events=events, **settings)
+        for step in (2e-4, 2e-5, 2e-6, 2e-7):
+            short = solve_ivp(rates, (t, t + step), y, **settings).y[:, -1]
+            if min(f(short[:2], short[2:]) for f in ends) > 0.0:
+                t, y = t + step, short
+                break
+        found = solve_ivp(rates, (t, t + 20.0), y, events=events, **settings)
         which = int(np.flatnonzero([times.size for times in found.t_events])[0])
         return which, found.t[-1], found.y[:2, -1], found.y[2:, -1]
 
-    def ends(self, side, q, v):
+    def ends(self, side, sense, v):
         """Functions that fall to zero where a flight (`side` 0) or a contact ends."""
-        way, sense = np.sign(v[1]), np.sign(self.directions(side, q, v)[3])
+        way = np.sign(v[1])
 
         def gap(wall):
             return lambda q, v: self.play - wall * self.directions(wall, q, v)[2]
@@ -119,10 +121,10 @@ class TwoBodies:
         """Times [s] and driver speeds [rad/s] at handoffs of a continuous wheel."""
         t, v, side = 0.0, np.array([speed * self.clock, 0.0]), 0.0
         pin = self.centre + self.sense * np.exp(-1j * self.sense * self.exit)
-        q, found = np.array([-self.exit, np.angle(pin)]), []
+        q, found, sense = np.array([-self.exit, np.angle(pin)]), [], 0.0
         while len(found) < engagements:
-            ends = self.ends(side, q, v)
-            which, t, q, v = self.piece(side, t, q, v, ends)
+            which, t, q, v = self.piece(side, sense, t, q, v)
+            sense = -sense if which == 2 else np.sign(self.directions(side, q, v)[3])
             if which == 0:
                 found.append((t * self.clock, v[0] / self.clock))
                 q, side = q - np.array([2.0 * self.exit, self.step]), 0.0
@@ -131,6 +133,7 @@ class TwoBodies:
             elif side == 0.0:
                 side = 1.0 if which == 1 else -1.0
                 v, bounces = self.blow(side, q, v)
+                sense = np.sign(self.directions(side, q, v)[3])
                 if bounces or self.accelerations(side, q, v)[1] <= 0.0:
                     side = 0.0
             elif which == 1:

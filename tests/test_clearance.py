@@ -99,20 +99,21 @@ def test_clearance_to_zero_gives_the_engine_without():
 
 
 @pytest.mark.parametrize(
-    "given",
+    ("given", "rtol"),
     [
-        {},
-        {"restitution": 0.4, "play": 2e-3},
-        {"pin_radius": 0.08 * RADIUS, "friction": 0.2, "restitution": 0.2},
-        {"slots": 6, "load_torque": 0.05 * 0.1 * INCH_POUND, "play": 1e-3},
+        ({}, 1e-9),
+        ({"pin_radius": 0.08 * RADIUS, "friction": 0.2}, 1e-9),
+        ({"slots": 6, "load_torque": 0.05 * 0.1 * INCH_POUND, "play": 1e-3}, 1e-9),
+        # rounding decides whether a rebound as slow as the stated speed counts
+        ({"restitution": 0.05, "play": 5e-3}, 1e-6),
     ],
 )
-def test_two_bodies_in_time_agree(given):
+def test_two_bodies_in_time_agree(given, rtol):
     drive = timer(**given)
     motion = esc.simulate(drive, 2, initial_speed=20.0)
     times, speeds = TwoBodies(drive, CHATTER).run(2, 20.0)
-    assert_allclose(motion.handoff_times, times, rtol=2e-9)
-    assert_allclose(motion.handoff_velocities, speeds, rtol=5e-9)
+    assert_allclose(motion.handoff_times, times, rtol=rtol)
+    assert_allclose(motion.handoff_velocities, speeds, rtol=rtol)
 
 
 def test_energy_momentum_and_walls():
@@ -142,21 +143,22 @@ def test_impulse_and_momentum_without_friction():
     piece = np.array([np.flatnonzero(start == t)[-1] for t in blows.time])
     before, behind = (motion.within(piece - k, blows.time) for k in (1, 0))
     gained = drive.inertia.follower * (behind.phi_dot - before.phi_dot)
-    lost = drive.inertia.driver * (before.theta_dot - behind.theta_dot)
-    place = np.hypot(drive.mechanism.radius(blows.theta - blows.engagement * math.pi / 2), 0.0)
-    lever = RADIUS * np.sqrt(place**2 - drive.joint.play**2)
-    assert_allclose(
-        gained, blows.wall * lever * blows.impulse, rtol=1e-12, atol=1e-12 * gained.max()
-    )
+    lost = drive.inertia.driver * (blows.speed_before - blows.theta_dot)
+    theta = blows.theta - blows.engagement * drive.mechanism.cell_angle
+    offset, found = blows.wall * drive.joint.play, drive.mechanism.transmission(theta)
+    lever = np.sqrt(drive.mechanism.radius(theta) ** 2 - offset**2)
+    ratio = found.g + offset * found.u / lever
+    moment = blows.wall * RADIUS * lever
+    digits = {"rtol": 1e-12, "atol": 1e-12 * np.abs(gained).max()}
+    assert_allclose(gained, moment * blows.impulse, **digits)
+    assert_allclose(lost, ratio * moment * blows.impulse, **digits)
     # Poisson's law is Newton's here: the rebound is e times the approach
-    ratio = lost / gained
-    approach, rebound = (
-        blows.wall * lever * (ratio * s.theta_dot - s.phi_dot) for s in (before, behind)
-    )
-    assert_allclose(approach, blows.approach_speed, rtol=1e-9, atol=1e-9 * approach.max())
+    speeds = (blows.speed_before, before), (blows.theta_dot, behind)
+    approach, rebound = (moment * (ratio * driver - state.phi_dot) for driver, state in speeds)
+    assert_allclose(approach, blows.approach_speed, rtol=0, atol=1e-12 * approach.max())
     bounced = -rebound > 2e-5 * RADIUS / drive.time_unit
     assert bounced.sum() > 5
-    assert_allclose(-rebound[bounced], 0.3 * approach[bounced], rtol=1e-6)
+    assert_allclose(-rebound[bounced], 0.3 * approach[bounced], rtol=1e-7)
 
 
 def test_a_million_engagements_do_not_drift():

@@ -57,7 +57,7 @@ def _same(one, two):
     apart = 0.0
     for i in range(1, STATE):
         apart = max(apart, abs(one[i] - two[i]))
-    return apart <= 4e-16 * two[1]
+    return apart <= 4e-15 * two[1]
 
 
 @inner_jit

@@ -58,7 +58,7 @@ def _extrapolated(states: FloatArray) -> FloatArray:
     """The state to which the last ones tend, as a geometric series."""
     speed, before, last = states[-3:, 1]
     one, two = before - speed, last - before
-    state = states[-1].copy()
+    state = np.array(states[-1])
     ratio = two / one if one != 0.0 else 0.0
     if abs(ratio) < 0.999 and abs(two) > 1e-15 * last:
         to = max(last + two * ratio / (1.0 - ratio), 0.5 * last)
