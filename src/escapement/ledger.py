@@ -54,6 +54,8 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
         jumps = float(motion.handoffs.jump[passed].sum())
         blows = float(motion.handoffs.energy[passed].sum())
     load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps)
+    if (taken := getattr(motion.trajectory, "load_work", None)) is not None:
+        load, blows = float(taken.sum()), float(motion.impacts.energy.sum())
     lost, done = np.zeros(len(LOSSES)), 0
     for part in motion.parts():
         lost += part.trajectory.losses.sum(axis=1)

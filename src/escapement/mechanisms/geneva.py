@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from escapement import validate
 from escapement.mechanisms.imperfect import ImperfectWheel, centre_distance_error, each
-from escapement.mechanisms.kind import WHEEL, Arms, pin_radius, roller_radius
+from escapement.mechanisms.kind import WHEEL, Arms, clearance, pin_radius, roller_radius
 from escapement.quantity import Truth, quantity, setting
 
 MOST_SLOTS = 1_000_000
@@ -33,10 +33,13 @@ class Geneva(ImperfectWheel):
         Distance of the pins from the driver's axis [m]; contact forces and all other lengths
         need it.
     pin_radius : float
-        Radius of the pins [m]; they fit their slots exactly.
+        Radius of the pins [m].
     roller_radius : float
         Outer radius of rollers that turn on the pins and roll in the slots [m], 0 for none.
         Friction is then that between roller and pin.
+    clearance : float
+        Slot width less pin diameter [m]. With it the pin goes from wall to wall in flights and
+        blows, see `escapement.engines.contact`; without it pins fit their slots exactly.
     centre_distance_error : float
         By how much the axes are too far apart [m]; negative where they are too close.
     pin_angle_errors, slot_angle_errors : sequence of float
@@ -78,6 +81,7 @@ class Geneva(ImperfectWheel):
 
     pin_radius: float = field(default=0.0, metadata=pin_radius())
     roller_radius: float = field(default=0.0, metadata=roller_radius())
+    clearance: float = field(default=0.0, metadata=clearance())
     centre_distance_error: float = centre_distance_error("")
     pin_angle_errors: Sequence[float] = each("pin", "angle error", "angle")
     crank_radius_errors: Sequence[float] = each("pin", "error of the crank radius", "length")

@@ -24,6 +24,7 @@ from escapement.mechanism import FloatArray
 from escapement.mechanisms import KINDS
 from escapement.motion import Motion
 from escapement.motion_file.sampled import SampledTrajectory
+from escapement.simulation import simulate
 from escapement.status import Status
 from escapement.study.hdf5 import FILTERS
 from escapement.study.parse import parse_plan, plan_from
@@ -40,6 +41,7 @@ from escapement.variables import (
     Columns,
     attributes,
     attributes_of,
+    groups_of,
     values_of,
 )
 
@@ -140,7 +142,7 @@ def _blocks(
                 ends, last = motion.handoff_times, start + _BLOCK >= times.size
                 reached = part.end_time if last else state.t[-1]
                 progress(int(np.searchsorted(ends, reached, side="right")), ends.size, 0)
-        for owner, prefix, names in GROUPS if whole else ():
+        for owner, prefix, names in groups_of(part) if whole else ():
             source: Any = getattr(part, owner) if owner else part
             columns = {key: (column, values_of(source, key)) for key, column in names.items()}
             size = next(iter(columns.values()))[1].size
@@ -206,7 +208,7 @@ def read_motion(path: str | PathLike[str]) -> Motion:
     """Read a motion.
 
     Handoffs and events are as written. The state at any time is computed anew from
-    the samples at reversals and handoffs.
+    the samples at reversals and handoffs. A motion with clearance is simulated again.
 
     Raises
     ------
@@ -231,8 +233,13 @@ def read_motion(path: str | PathLike[str]) -> Motion:
 
 
 def _read(hdf5: Any) -> Motion:
-    escapement = parse_plan(configuration_of(hdf5)).escapement(0)
+    plan = parse_plan(configuration_of(hdf5))
+    escapement = plan.escapement(0)
     attributes = {name: kind(hdf5.attrs[name]) for name, kind in ATTRIBUTES.items()}
+    if escapement.contact:
+        # what a free follower does between two samples only the engine knows
+        start = {"initial_speed": plan.values(0)["initial_speed"], "rtol": attributes["rtol"]}
+        return simulate(escapement, duration=attributes["end_time"], **start)
     groups = [
         # files of the first versions hold the loss in friction alone
         {key: hdf5[prefix + key][()] for key in columns if key not in LOST or prefix + key in hdf5}

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.engines.energy.gauss import WEIGHTS
+from escapement.gauss import WEIGHTS
 from escapement.mechanism import FloatArray
 from escapement.tolerance.dual import Dual, slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED

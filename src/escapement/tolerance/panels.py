@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from escapement.engines.energy.gauss import BARYCENTRIC, POINTS, TRANSFORM
+from escapement.gauss import BARYCENTRIC, POINTS, TRANSFORM
 from escapement.mechanism import FloatArray
 from escapement.tolerance.dual import slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED, Law, Point

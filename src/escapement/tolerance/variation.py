@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.engines.energy.gauss import CUMULATE, WEIGHTS
+from escapement.gauss import CUMULATE, WEIGHTS
 from escapement.mechanism import FloatArray
 from escapement.motion import Motion
 from escapement.tolerance.dual import slopes_of, value_of

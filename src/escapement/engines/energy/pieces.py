@@ -15,7 +15,6 @@ from escapement.dynamics import LOSSES, left_by_blow, losses_per_angle, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
-from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
@@ -23,6 +22,7 @@ from escapement.engines.energy.pattern import scene_in
 from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import slope_of_w, solve_side
+from escapement.gauss import WEIGHTS, N, cumulate, dot
 from escapement.jit import inner_jit, jit
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import Handoff
