@@ -42,7 +42,7 @@ def joint_of(escapement: Escapement) -> FloatArray:
 class RigidTrajectory(Held):
     """The states at handoffs, from which everything else follows when it is asked for.
 
-    begun : shape (n + 1, 5), states of the start and of each handoff, see `march.STATE`; each starts
+    begun : shape (n + 1, 5), states at the start and at handoffs, see `march.STATE`; each starts
         an engagement, of which the last may be incomplete.
     end_time : time at which the motion ends [s].
     """
