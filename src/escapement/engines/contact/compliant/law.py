@@ -31,12 +31,13 @@ from escapement.drive import torque_after
 from escapement.jit import inner_jit
 from escapement.scene import Joint, Scene
 
-STATE = 11
-"""Numbers of a state: theta, phi, theta_dot, phi_dot, and work since the start: that of the load,
-and what is lost in each of `dynamics.LOSSES` and in the walls."""
+STATE = 12
+"""Numbers of a state: theta, phi, theta_dot, phi_dot, and since the start the work that the load
+takes, what is lost in each of `dynamics.LOSSES` and in the walls, and the impulse of the walls."""
+LOAD, LOST, WALLS, IMPULSE = 4, 5, 10, 11
+"""Places in it."""
 FREE, LOCKED = 0, 2
 """Contact with none of the walls, and the follower locked in a dwell; +1 and -1 are the walls."""
-_LOST = 5
 
 
 class Engagement(NamedTuple):
@@ -101,13 +102,28 @@ def push(depth, rate, case):
 
 
 @inner_jit
+def resistance(speed, scene, least):
+    """What load and drag hold the follower back with."""
+    air = scene.follower_drag * abs(speed) + scene.follower_viscous
+    return scene.load * fading(speed, least) + air * speed
+
+
+@inner_jit
+def slide_of(y, side, scene):
+    """Sliding speed v of the contact point along the wall of a side."""
+    across, _radius, sine, _cosine, _speed = place(y, scene)
+    arm = side * scene.pin
+    return (across + arm) * y[3] - (sine + scene.path.numbers[9] * arm) * y[2]
+
+
+@inner_jit
 def rates(y, mode, case, out):
     """Fill `out` with the derivative of a state by time; the result is the contact force N."""
     scene, joint = case.scene, case.joint
     eps, mu, pin, sense = joint.slip, scene.mu_plus, scene.pin, scene.path.numbers[9]
     driver, follower = y[2], y[3]
     on_driver = on_follower = force = friction = reaction = slide = wall = 0.0
-    if mode == 1 or mode == -1:
+    if abs(mode) == 1:
         across, radius, sine, cosine, speed = place(y, scene)
         side = float(mode)
         depth, rate, arm = side * across - joint.play, side * speed, side * pin
@@ -133,13 +149,14 @@ def rates(y, mode, case, out):
     out[3] = on_follower - held - at_follower - air
     if mode == LOCKED:
         out[3] = 0.0
-    out[4] = held * follower
-    out[_LOST] = friction * slide
-    out[_LOST + 1] = at_driver * driver
-    out[_LOST + 2] = at_follower * follower
-    out[_LOST + 3] = drag * driver
-    out[_LOST + 4] = air * follower
-    out[_LOST + 5] = wall
+    out[LOAD] = held * follower
+    out[LOST] = friction * slide
+    out[LOST + 1] = at_driver * driver
+    out[LOST + 2] = at_follower * follower
+    out[LOST + 3] = drag * driver
+    out[LOST + 4] = air * follower
+    out[WALLS] = wall
+    out[IMPULSE] = force
     return force
 
 
@@ -176,7 +193,7 @@ def room(y, out, mode, case):
 @inner_jit
 def stiffest(y, mode, case):
     """Frequency of the contact, and the fastest rate of decay that its damping gives."""
-    if mode == FREE or mode == LOCKED:
+    if abs(mode) != 1:
         return 1.0, 0.0
     scene, joint = case.scene, case.joint
     across, radius, _sine, cosine, speed = place(y, scene)
@@ -193,7 +210,7 @@ def stiffest(y, mode, case):
 @inner_jit
 def stored(y, mode, case):
     """Energy that a wall holds while the pin touches it."""
-    if mode == FREE or mode == LOCKED:
+    if abs(mode) != 1:
         return 0.0
     across = place(y, case.scene)[0]
     return elastic(abs(across) - case.joint.play, case.joint)[1]

@@ -12,10 +12,12 @@ II.10.
 import numpy as np
 from scipy.integrate import DOP853
 
-from escapement.engines.contact.compliant import (
+from escapement.engines.contact.compliant.law import (
     FREE,
+    IMPULSE,
     LOCKED,
     STATE,
+    WALLS,
     Engagement,
     place,
     rates,
@@ -36,15 +38,17 @@ CLOCK = np.dtype([
     ("moved", "f8"), ("steps", "i8"),
 ])  # fmt: skip
 """Beside its state what a motion goes on from. `moved` is when it was last faster than slip."""
-TIME, CELL, MODE, FORCE, FIRST, BENDS = 0, 1, 2, 3, 4, 4 + STATE
+TIME, CELL, MODE, TOUCH, FORCE, FIRST, BENDS = 0, 1, 2, 3, 4, 5, 5 + STATE
 ROW = BENDS + 2
-"""A row holds time, engagement, mode, contact force, state, and both accelerations."""
+"""A row holds time, engagement, mode, speed of the last touch, contact force, state, and both
+accelerations."""
 RUNNING, ARRIVED, STANDS, TOO_LONG = 0, 1, 2, 3
 """The rows are full, the goal is reached, nothing moves, or the steps are used up."""
 
 _STABLE = 5.7
 """Steps over the fastest time of decay, at which the method damps still (6.3 is its limit)."""
 _ROUNDING = 4e-16
+_MOST_IDLE = 20
 _PATIENCE = 30.0
 """A mechanism that is slower than ten slip speeds for this long [sqrt(I_f/torque)] stands."""
 _SLOW = 0.1
@@ -55,9 +59,8 @@ _SLOW = 0.1
 def attempt(y, h, mode, case, rtol, stages, trial):
     """Take a step into `trial`; stages[0] holds the rates before it, stages[12] those behind.
 
-    The result is the error over the tolerance, and the contact force.
+    The result is the error over the tolerance.
     """
-    force = 0.0
     for i in range(1, STAGES):
         a, b, c, d = 0.0, 0.0, 0.0, 0.0
         for j in range(i):
@@ -73,7 +76,7 @@ def attempt(y, h, mode, case, rtol, stages, trial):
         for i in range(STAGES):
             gain += SUM[i] * stages[i, k]
         trial[k] = y[k] + h * gain
-    force = rates(trial, mode, case, stages[STAGES])
+    rates(trial, mode, case, stages[STAGES])
     frequency = stiffest(y, mode, case)[0]
     scale = rtol * (_SLOW + max(abs(y[2]), abs(y[3])))
     fifth = third = 0.0
@@ -86,8 +89,8 @@ def attempt(y, h, mode, case, rtol, stages, trial):
         fifth += (unit * one) ** 2
         third += (unit * two) ** 2
     if fifth == 0.0:
-        return 0.0, force
-    return fifth / np.sqrt(4.0 * (fifth + 0.01 * third)), force
+        return 0.0
+    return fifth / np.sqrt(4.0 * (fifth + 0.01 * third))
 
 
 @inner_jit
@@ -101,7 +104,7 @@ def _left(trial, stages, mode, case, goal):
 @inner_jit
 def _locate(y, h, mode, case, rtol, stages, trial, goal):
     """Length of the step that ends at an event within it, by false position (Illinois)."""
-    low, high = 0.0, h
+    low, high, length = 0.0, h, h
     at_high = _left(trial, stages, mode, case, goal)
     at_low = goal - y[0] if goal == goal else room(y, stages[0], mode, case)[0]
     at_low, last = max(at_low, 0.0), 0
@@ -109,12 +112,13 @@ def _locate(y, h, mode, case, rtol, stages, trial, goal):
         length = (low * at_high - high * at_low) / (at_high - at_low)
         if not low < length < high:
             length = 0.5 * (low + high)
-        if high - low <= 1e-15 * h or not low < length < high:
-            break
+        # where no double lies between, it is the end behind the event
+        done = high - low <= 1e-15 * h or not low < length < high
+        length = high if done else length
         attempt(y, length, mode, case, rtol, stages, trial)
         value = _left(trial, stages, mode, case, goal)
-        if abs(value) <= _ROUNDING:
-            return length
+        if done or abs(value) <= _ROUNDING:
+            break
         if value > 0.0:
             low, at_low = length, value
             at_high = 0.5 * at_high if last == 1 else at_high
@@ -123,7 +127,7 @@ def _locate(y, h, mode, case, rtol, stages, trial, goal):
             high, at_high = length, value
             at_low = 0.5 * at_low if last == -1 else at_low
             last = -1
-    return high
+    return length
 
 
 @inner_jit
@@ -141,26 +145,26 @@ def _dip(h, before, behind):
 
 
 @inner_jit
-def _write(rows, n, clock, force, y, bends):
+def _write(rows, n, clock, y, out):
     rows[n, TIME], rows[n, CELL], rows[n, MODE] = clock.time, clock.engagement, clock.mode
-    rows[n, FORCE] = force
+    rows[n, TOUCH], rows[n, FORCE] = clock.touch, out[IMPULSE]
     for k in range(STATE):
         rows[n, FIRST + k] = y[k]
-    rows[n, BENDS], rows[n, BENDS + 1] = bends[2], bends[3]
+    rows[n, BENDS], rows[n, BENDS + 1] = out[2], out[3]
 
 
 @inner_jit
 def _switch(y, clock, case):
     """Let go, or note a touch and the speed across the slot in it."""
     # a wall that lets go while it is still pressed in loses what its spring holds
-    y[STATE - 1] += stored(y, clock.mode, case)
+    y[WALLS] += stored(y, clock.mode, case)
     if clock.mode != FREE:
         clock.mode = FREE
         return
     across, _radius, _sine, _cosine, speed = place(y, case.scene)
     clock.mode = 1 if across > 0.0 or (across == 0.0 and speed >= 0.0) else -1
     clock.touch = abs(speed)
-    y[STATE - 1] -= stored(y, clock.mode, case)
+    y[WALLS] -= stored(y, clock.mode, case)
 
 
 @inner_jit
@@ -169,7 +173,7 @@ def _arrive(y, clock, case, step):
     scene = case.scene
     if scene.dwell > 0.0 and clock.mode != LOCKED:
         # the lock stops the follower where it stands
-        y[STATE - 1] += 0.5 * y[3] * y[3] + stored(y, clock.mode, case)
+        y[WALLS] += 0.5 * y[3] * y[3] + stored(y, clock.mode, case)
         y[3], clock.mode = 0.0, LOCKED
         return
     y[0] = scene.edges[0]
@@ -183,6 +187,39 @@ def _arrive(y, clock, case, step):
 def _goal(clock, scene):
     """Driver angle at which the engagement, or the dwell behind it, ends."""
     return scene.edges[-1] + (scene.dwell if clock.mode == LOCKED else 0.0)
+
+
+@inner_jit
+def _advance(y, clock, case, rtol, end, events, stages, trial):
+    """Take a step that the error allows into `trial`, so long at most that it ends at an event.
+
+    `events` tells whether a touch or letting go is looked for. The result is its length, 0 where
+    none was accepted, and whether the contact changes there and the pin is at its goal.
+    """
+    mode = clock.mode
+    decay = stiffest(y, mode, case)[1]
+    h = min(clock.step, end - clock.time, _STABLE / decay if decay > 0.0 else np.inf)
+    error = attempt(y, h, mode, case, rtol, stages, trial)
+    clock.steps += 1
+    factor = min(max(0.9 * error**-0.125, 0.2), 6.0) if error > 0.0 else 6.0
+    if not error <= 1.0:
+        clock.step = h * (factor if error == error else 0.1)
+        return 0.0, False, False
+    clock.step = max(clock.step, h * factor) if h < clock.step else h * factor
+    passed = False
+    if events:
+        here, full = room(y, stages[0], mode, case), h
+        h = _dip(h, here, room(trial, stages[STAGES], mode, case))
+        if h < full:
+            attempt(y, h, mode, case, rtol, stages, trial)
+        passed = room(trial, stages[STAGES], mode, case)[0] <= 0.0
+        if passed:
+            h = _locate(y, h, mode, case, rtol, stages, trial, np.nan)
+    goal = _goal(clock, case.scene)
+    arrived = trial[0] >= goal
+    if arrived:
+        h = _locate(y, h, mode, case, rtol, stages, trial, goal)
+    return h, passed, arrived
 
 
 @jit(allocates=True)
@@ -204,54 +241,32 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
     clock = clocks[0]
     stages, trial = np.empty((STAGES + 1, STATE)), np.empty(STATE)
     n, idle, fresh = 0, 0, True
-    case = Engagement(scene, joint, clock.engagement * cell_of(scene), clock.touch)
+    case = Engagement(scene, joint, 0.0, 0.0)
     while True:
         if fresh:
             case = Engagement(scene, joint, clock.engagement * cell_of(scene), clock.touch)
-            force = rates(y, clock.mode, case, stages[0])
-            _write(rows, n, clock, force, y, stages[0])
+            rates(y, clock.mode, case, stages[0])
+            _write(rows, n, clock, y, stages[0])
             n, fresh = n + 1, False
         if clock.engagement >= engagements or clock.time >= end:
             return n, ARRIVED
-        if n + 2 > rows.shape[0]:
-            return n, RUNNING
         if clock.steps >= limit:
             return n, TOO_LONG
         if clock.time - clock.moved > _PATIENCE:
             return n, STANDS
-        decay = stiffest(y, clock.mode, case)[1]
-        most = min(end - clock.time, _STABLE / decay if decay > 0.0 else np.inf)
-        h = min(clock.step, most)
-        error, force = attempt(y, h, clock.mode, case, rtol, stages, trial)
-        clock.steps += 1
-        factor = min(max(0.9 * error**-0.125, 0.2), 6.0) if error > 0.0 else 6.0
-        if not error <= 1.0:
-            clock.step = h * (factor if error == error else 0.1)
+        if n + 2 > rows.shape[0]:
+            return n, RUNNING
+        # where both the contact and the flight end at once, one of them goes on for a step
+        looks = idle < _MOST_IDLE
+        h, passed, arrived = _advance(y, clock, case, rtol, end, looks, stages, trial)
+        if h == 0.0:
             continue
-        clock.step = max(clock.step, h * factor) if h < clock.step else h * factor
-        passed = False
-        if idle < 20:
-            here = room(y, stages[0], clock.mode, case)
-            shorter = _dip(h, here, room(trial, stages[STAGES], clock.mode, case))
-            if shorter < h:
-                h = shorter
-                force = attempt(y, h, clock.mode, case, rtol, stages, trial)[1]
-            passed = room(trial, stages[STAGES], clock.mode, case)[0] <= 0.0
-            if passed:
-                h = _locate(y, h, clock.mode, case, rtol, stages, trial, np.nan)
-                force = attempt(y, h, clock.mode, case, rtol, stages, trial)[1]
-        goal = _goal(clock, scene)
-        arrived = trial[0] >= goal
-        if arrived:
-            h = _locate(y, h, clock.mode, case, rtol, stages, trial, goal)
-            force = attempt(y, h, clock.mode, case, rtol, stages, trial)[1]
-        idle = idle + 1 if h <= 1e-15 * clock.time else 0
+        idle = idle + 1 if h <= _ROUNDING * clock.time else 0
         clock.time = end if end - clock.time <= h else clock.time + h
-        y[:] = trial
-        stages[0] = stages[STAGES]
+        y[:], stages[0] = trial, stages[STAGES]
         if max(abs(y[2]), abs(y[3])) > 10.0 * joint.slip:
             clock.moved = clock.time
-        _write(rows, n, clock, force, y, stages[0])
+        _write(rows, n, clock, y, stages[0])
         n += 1
         if arrived:
             _arrive(y, clock, case, step)
@@ -260,4 +275,3 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         if arrived or passed:
             fresh = True
             clock.step = min(clock.step, 0.1 / np.sqrt(joint.stiffness / scene.rho))
-
