@@ -15,8 +15,8 @@ The wall pushes the pin with
 
 and never pulls it: it lets go where N would fall below zero. Friction is
 F = mu N v/sqrt(v^2 + eps^2). Load, bearings and journals fade likewise where a body is slower
-than eps, so that they hold it still. There is contact where both d and d + b d'/k (d alone after
-Hunt and Crossley) are greater than zero, so that within contact, and without, the law is smooth.
+than eps, so that they hold it still. There is contact where d > 0 and N > 0, so that within
+contact, and without, the law is smooth.
 
 Source: Hunt and Crossley (1975), Journal of Applied Mechanics 42, 440-445; chi from a restitution
 e and the speed d'_0 of the touch, 8 (1 - e)/(5 e d'_0), after Flores, Machado, Silva and Martins
@@ -96,8 +96,7 @@ def push(depth, rate, case):
     """Force N of a wall. It goes on smoothly behind its zero, where a trial step may lie."""
     joint = case.joint
     if joint.hertz:
-        force = joint.stiffness * depth * np.sqrt(abs(depth))
-        return force * max(1.0 + chi_of(case) * rate, 0.0)
+        return joint.stiffness * depth * np.sqrt(abs(depth)) * (1.0 + chi_of(case) * rate)
     return joint.stiffness * depth + joint.damping * rate
 
 
@@ -162,17 +161,20 @@ def rates(y, mode, case, out):
 
 @inner_jit
 def _reach(y, out, side, case):
-    """How far a wall is from letting go: the lesser of d and d + b d'/k, and its slope in time."""
+    """How far a wall is from letting go, as a number with the sign of N, and its slope in time."""
     scene, joint = case.scene, case.joint
     across, radius, sine, cosine, speed = place(y, scene)
     depth, rate = side * across - joint.play, side * speed
-    delay = 0.0 if joint.hertz else joint.damping / joint.stiffness
-    if rate >= 0.0 or delay == 0.0:
+    if rate >= 0.0 or depth < 0.0:
         return depth, rate
     along = y[3] * across - sine * y[2]
     turn = scene.path.numbers[9] * y[2] - y[3]
-    bend = cosine * out[2] - sine * turn * y[2] - radius * out[3] - along * y[3]
-    return depth + delay * rate, rate + delay * side * bend
+    bend = side * (cosine * out[2] - sine * turn * y[2] - radius * out[3] - along * y[3])
+    if joint.hertz:
+        chi = chi_of(case)
+        return depth * (1.0 + chi * rate), rate * (1.0 + chi * rate) + depth * chi * bend
+    delay = joint.damping / joint.stiffness
+    return depth + delay * rate, rate + delay * bend
 
 
 @inner_jit

@@ -16,6 +16,7 @@ from escapement.engines.contact.compliant.law import (
     FREE,
     IMPULSE,
     LOCKED,
+    LOST,
     STATE,
     WALLS,
     Engagement,
@@ -48,6 +49,7 @@ RUNNING, ARRIVED, STANDS, TOO_LONG = 0, 1, 2, 3
 _STABLE = 5.7
 """Steps over the fastest time of decay, at which the method damps still (6.3 is its limit)."""
 _ROUNDING = 4e-16
+_TOUCHED = 1e-12
 _MOST_IDLE = 20
 _PATIENCE = 30.0
 """A mechanism that is slower than ten slip speeds for this long [sqrt(I_f/torque)] stands."""
@@ -80,17 +82,17 @@ def attempt(y, h, mode, case, rtol, stages, trial):
     frequency = stiffest(y, mode, case)[0]
     scale = rtol * (_SLOW + max(abs(y[2]), abs(y[3])))
     fifth = third = 0.0
-    for k in range(4):
+    for k in (0, 1, 2, 3, LOST, WALLS):
         one = two = 0.0
         for i in range(STAGES + 1):
             one += FIFTH[i] * stages[i, k]
             two += THIRD[i] * stages[i, k]
-        unit = h / scale * (frequency if k < 2 else 1.0)
+        unit = h / scale * (frequency if k < 2 else 1.0 if k < 4 else rtol / scale)
         fifth += (unit * one) ** 2
         third += (unit * two) ** 2
     if fifth == 0.0:
         return 0.0
-    return fifth / np.sqrt(4.0 * (fifth + 0.01 * third))
+    return fifth / np.sqrt(6.0 * (fifth + 0.01 * third))
 
 
 @inner_jit
@@ -163,7 +165,9 @@ def _switch(y, clock, case):
         return
     across, _radius, _sine, _cosine, speed = place(y, case.scene)
     clock.mode = 1 if across > 0.0 or (across == 0.0 and speed >= 0.0) else -1
-    clock.touch = abs(speed)
+    # a wall may push again before the pin has left it
+    if abs(across) - case.joint.play < _TOUCHED:
+        clock.touch = abs(speed)
     y[WALLS] -= stored(y, clock.mode, case)
 
 

@@ -25,7 +25,7 @@ from escapement.status import MESSAGES, Status
 
 SETTLE = 60
 """Engagements after which a motion that does not repeat itself is taken for one that never does."""
-SAMPLE = 100
+SAMPLE = 120
 """Engagements over which means are taken then."""
 BATCHES = 10
 """Batches of them whose means give the intervals."""
@@ -96,10 +96,10 @@ def terminal(
 
 
 def _limit(speeds: list[float]) -> float:
-    """Where three handoff speeds tend to if they approach it slowly and evenly; 0 if not so."""
+    """Where three handoff speeds tend to if they approach it slowly, from one side or in turn; 0 if not so."""
     one, two, three = (speed * speed for speed in speeds)
     ratio = (three - two) / (two - one) if two != one else 0.0
-    if not 0.3 < ratio < 0.999:
+    if not 0.3 < abs(ratio) < 0.999:
         return 0.0
     return math.sqrt(max(three + (three - two) * ratio / (1.0 - ratio), 0.0))
 
