@@ -50,6 +50,8 @@ _STABLE = 5.7
 """Steps over the fastest time of decay, at which the method damps still (6.3 is its limit)."""
 _ROUNDING = 4e-16
 _TOUCHED = 1e-12
+_LONGEST_FLIGHT = 0.02
+"""Angle [rad] of a step in flight, so short that no wall is passed unseen."""
 _MOST_IDLE = 20
 _PATIENCE = 30.0
 """A mechanism that is slower than ten slip speeds for this long [sqrt(I_f/torque)] stands."""
@@ -202,7 +204,10 @@ def _advance(y, clock, case, rtol, end, events, stages, trial):
     """
     mode = clock.mode
     decay = stiffest(y, mode, case)[1]
-    h = min(clock.step, end - clock.time, _STABLE / decay if decay > 0.0 else np.inf)
+    most = _STABLE / decay if decay > 0.0 else np.inf
+    if mode == FREE:
+        most = _LONGEST_FLIGHT / (abs(y[2]) + abs(y[3]) + case.joint.slip)
+    h = min(clock.step, end - clock.time, most)
     error = attempt(y, h, mode, case, rtol, stages, trial)
     clock.steps += 1
     factor = min(max(0.9 * error**-0.125, 0.2), 6.0) if error > 0.0 else 6.0
