@@ -53,6 +53,8 @@ _TOUCHED = 1e-12
 _LONGEST_FLIGHT = 0.02
 """Angle [rad] of a step in flight, so short that no wall is passed unseen."""
 _MOST_IDLE = 20
+_THIN = 0.05
+"""Share of the contact's time scale within which states are not kept, as where a pin sticks."""
 _PATIENCE = 30.0
 """A mechanism that is slower than ten slip speeds for this long [sqrt(I_f/torque)] stands."""
 _SLOW = 0.1
@@ -239,7 +241,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
     ----------
     y : shape (STATE,); it is moved on, and so is `clocks`, of one `CLOCK`.
     step : angle by which the follower turns from pin to pin [rad].
-    rows : shape (n, ROW), for the states at the ends of all steps. Where the law or the pin
+    rows : shape (n, ROW), for the states at the ends of steps. Where the law or the pin
         changes there are two rows of one time.
 
     Returns
@@ -275,8 +277,10 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         y[:], stages[0] = trial, stages[STAGES]
         if max(abs(y[2]), abs(y[3])) > 10.0 * joint.slip:
             clock.moved = clock.time
-        _write(rows, n, clock, y, stages[0])
-        n += 1
+        event = arrived or passed or clock.time >= end
+        if event or clock.time - rows[n - 1, TIME] >= _THIN / stiffest(y, clock.mode, case)[0]:
+            _write(rows, n, clock, y, stages[0])
+            n += 1
         if arrived:
             _arrive(y, clock, case, step)
         elif passed:

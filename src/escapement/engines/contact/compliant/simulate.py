@@ -21,8 +21,8 @@ from escapement.status import MESSAGES, Status
 
 LONGEST = 2000
 """Engagements of one motion: each takes up to a megabyte."""
-MOST_STEPS = 10_000_000
-"""Steps of one motion; they take some ten seconds."""
+MOST_STEPS = 3_000_000
+"""Steps of one motion; they take some seconds."""
 SLIP = 1e-4
 """Slip speed where none is given, in crank radii over sqrt(I_f/torque)."""
 _BLOCK = 32_768
