@@ -180,7 +180,7 @@ class CompliantTrajectory:
         ends = steps[np.append(turns, steps.size - 1)[place]]
         ends = np.where(rows.table[ends, MODE] == 0.0, ends, ends + 1)
         impulse = rows.table[:, FIRST + IMPULSE]
-        found: FloatArray = impulse[ends] - impulse[at]
+        found: FloatArray = np.maximum(impulse[ends] - impulse[at], 0.0)
         return found
 
     @property
