@@ -112,7 +112,7 @@ def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
     slide = slide_at(g, u, radius, side, scene)
     way, turn = sign_of(slide, way), sign_of(g, turn)
     arm = scene.pin + side * scene.path.numbers[10]
-    lever = radius - abs(signed_loss(side, scene)) * way * arm
+    lever = radius - side * signed_loss(side, scene) * way * arm
     return way * slide, lever - side * turn * scene.follower_journal
 
 

@@ -88,7 +88,7 @@ class Impacts(Events):
 class Trajectory(Protocol):
     """The pieces of a motion, its events, and the driver's state within a piece.
 
-    Where the follower is free of the driver, a trajectory gives more: `states(pieces, t)`, the
+    Where the follower is free of the driver, a trajectory gives more: `states_at(pieces, t)`, the
     whole `motion.State` at times within pieces of these indices, in place of `state`; and
     `impacts`, `slide_changes` and `load_work`, what the load takes over each piece [J]. Its
     `sign` is that of the wall that the pin touches, 0 in a flight.

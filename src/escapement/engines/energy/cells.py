@@ -7,7 +7,7 @@ of cell k.
 
 import numpy as np
 
-from escapement.engines.energy.gauss import POINTS, N
+from escapement.gauss import POINTS, N
 from escapement.engines.energy.panels import END, ROW, WORKSPACE, fill_end, record_dtype
 from escapement.jit import jit
 from escapement.mechanism import FloatArray

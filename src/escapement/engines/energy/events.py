@@ -11,7 +11,7 @@ import numpy as np
 from escapement.drive import torque_at
 from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.engines.energy import panels
-from escapement.engines.energy.gauss import POINTS, N, cumulate, dot
+from escapement.gauss import POINTS, N, cumulate, dot
 from escapement.engines.energy.locate import locate, weights_to
 from escapement.engines.energy.panels import (
     FLAG,

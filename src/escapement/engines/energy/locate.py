@@ -19,7 +19,7 @@ from escapement.dynamics import (
     root_of,
 )
 from escapement.engines.energy import sampling
-from escapement.engines.energy.gauss import (
+from escapement.gauss import (
     BARYCENTRIC,
     FROM_LEFT,
     POINTS,

@@ -21,7 +21,7 @@ from escapement.engines.energy.events import (
     note,
     note_extremum,
 )
-from escapement.engines.energy.gauss import N
+from escapement.gauss import N
 from escapement.engines.energy.passage import (
     NOWHERE,
     Detail,

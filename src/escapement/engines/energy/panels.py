@@ -16,7 +16,7 @@ import numpy as np
 
 from escapement.drive import next_knot, torque_at
 from escapement.dynamics import dragged_slope
-from escapement.engines.energy.gauss import POINTS, N, tail_of
+from escapement.gauss import POINTS, N, tail_of
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, transmission_on
 

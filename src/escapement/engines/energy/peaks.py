@@ -14,7 +14,7 @@ from escapement.dynamics import (
     reduced_inertia,
     root_of,
 )
-from escapement.engines.energy.gauss import POINTS, N, dot
+from escapement.gauss import POINTS, N, dot
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.panels import points_of
 from escapement.jit import inner_jit

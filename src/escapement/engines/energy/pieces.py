@@ -14,7 +14,7 @@ from escapement.dynamics import LOSSES, losses_per_angle, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
-from escapement.engines.energy.gauss import WEIGHTS, N, cumulate, dot
+from escapement.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype

@@ -8,7 +8,7 @@ which of these it asks of which panel.
 import numpy as np
 
 from escapement.dynamics import bend, contact, is_viscous, net_torque, root_of
-from escapement.engines.energy.gauss import (
+from escapement.gauss import (
     LAST_BUT_ONE_COEFFICIENT,
     LAST_COEFFICIENT,
     POINTS,

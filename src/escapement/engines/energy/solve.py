@@ -20,7 +20,7 @@ from escapement.dynamics import (
     reduced_inertia,
     signed_loss,
 )
-from escapement.engines.energy.gauss import POINTS, N, cumulate, integral, tail_of
+from escapement.gauss import POINTS, N, cumulate, integral, tail_of
 from escapement.engines.energy.panels import (
     UNSOLVED,
     copy_end,

@@ -1,0 +1,120 @@
+"""A blow: the impulse between pin and wall, with Coulomb friction.
+
+Per unit of normal impulse the follower gains s h and the driver s h p/rho less. With the force
+of friction f along the wall, between -mu and mu,
+
+    h = R - f (s delta + r_p) - s b_f sign(phi_dot),     s h p = s g (R - f (..)) + f v + b_d
+
+where f = mu times the sense of sliding, or what holds a contact that sticks. Each is constant
+until the sliding speed U, or the speed of a journal, reaches zero. Compression ends where the
+speed of approach is zero, restitution at (1 + e) times its impulse (Poisson).
+
+Source: the equations of impulsive motion with dry friction in two dimensions, as in W. J.
+Stronge, Impact Mechanics (2000), chapter 3.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.jit import inner_jit
+from escapement.mechanisms.slotted import pose_at
+
+CHATTER = 1e-5
+"""A rebound slower than this, in crank radii over sqrt(I_f/torque), is none."""
+TINY = 1e-300
+_MOST = 40
+_END, _STICK, _JOURNAL = 1, 2, 3
+
+
+class Blow(NamedTuple):
+    """Speeds of driver and follower behind a blow, the speed of approach and the normal impulse.
+
+    rebounds : whether the pin leaves the wall again.
+    sound : whether there is one; beyond the Painleve limit there may be none.
+    """
+
+    speed: float
+    turning: float
+    approach: float
+    impulse: float
+    rebounds: bool
+    sound: bool
+
+
+@inner_jit
+def _rates(scene, side, g, radius, slide, f, speed, turning):
+    """What a unit of normal impulse adds to the speeds of driver and follower."""
+    # a contact that sticks loads the bearings with less than the friction of sliding
+    share = np.sqrt((1.0 + f * f) / (1.0 + scene.mu_plus**2))
+    lever = radius - f * (scene.pin + side * scene.path.numbers[10])
+    on_driver = side * g * lever + f * slide + share * scene.driver_journal * np.sign(speed)
+    on_follower = side * lever - share * scene.follower_journal * np.sign(turning)
+    return -on_driver / scene.rho, on_follower
+
+
+@inner_jit
+def _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turning):
+    """The friction f at which sliding, once at zero, stays there."""
+    f = 0.0
+    for _ in range(20):
+        a, b = _rates(scene, side, g, radius, slide, f, speed, turning)
+        # U changes by this much with f
+        arm = scene.pin + side * scene.path.numbers[10]
+        slope = -by_speed * (slide - side * g * arm) / scene.rho - by_turning * side * arm
+        step = (by_speed * a + by_turning * b) / slope
+        f -= step
+        if abs(step) <= 1e-15 * (1.0 + abs(f)):
+            break
+    return f
+
+
+@inner_jit
+def strike(case, side, theta, speed, turning):
+    """The blow on a wall that the pin reaches at a driver angle with these speeds."""
+    scene = case.plus if side > 0.0 else case.minus
+    g, u, _dg, radius = pose_at(scene.path, theta)
+    body, offset, mu = scene.path.numbers[9], scene.path.numbers[10], scene.mu_plus
+    slide = radius * u + side * scene.pin * (g - body)
+    # U = by_speed theta_dot + by_turning phi_dot
+    by_speed = radius * u - g * offset - side * scene.pin * body
+    by_turning = offset + side * scene.pin
+    # speed at which the gap opens
+    opening = side * radius * (turning - g * speed)
+    approach, impulse, goal = -opening, 0.0, np.inf
+    sliding = by_speed * speed + by_turning * turning
+    stuck, f = False, mu * np.sign(sliding)
+    for _ in range(_MOST):
+        a, b = _rates(scene, side, g, radius, slide, f, speed, turning)
+        opens, slides = side * radius * (b - g * a), by_speed * a + by_turning * b
+        step, event, body = np.inf, 0, 0
+        if goal < np.inf:
+            step, event = goal - impulse, _END
+        elif opens > 0.0:
+            step, event = -opening / opens, _END
+        if not stuck and sliding * slides < 0.0 and -sliding / slides < step:
+            step, event = -sliding / slides, _STICK
+        if scene.driver_journal > 0.0 and speed * a < 0.0 and -speed / a < step:
+            step, event, body = -speed / a, _JOURNAL, 1
+        if scene.follower_journal > 0.0 and turning * b < 0.0 and -turning / b < step:
+            step, event, body = -turning / b, _JOURNAL, 2
+        if event == 0:
+            return Blow(speed, turning, approach, impulse, False, False)
+        speed, turning, impulse = speed + a * step, turning + b * step, impulse + step
+        opening, sliding = opening + opens * step, sliding + slides * step
+        if event == _END:
+            rebound = case.restitution * opens * impulse
+            if goal < np.inf or not rebound > CHATTER:
+                return Blow(speed, turning, approach, impulse, goal < np.inf, True)
+            goal = (1.0 + case.restitution) * impulse
+        if event == _JOURNAL:
+            # it turns the other way from here on
+            speed = np.copysign(TINY, a) if body == 1 else speed
+            turning = np.copysign(TINY, b) if body == 2 else turning
+        if event == _STICK or stuck:
+            sliding = 0.0
+            hold = _sticking(
+                scene, side, g, radius, slide, by_speed, by_turning, speed, turning
+            )
+            stuck, f = abs(hold) <= mu, hold if abs(hold) <= mu else mu * np.sign(hold)
+    return Blow(speed, turning, approach, impulse, False, False)

@@ -1,0 +1,327 @@
+"""Contact, flights and blows of one engagement, from entry to the end of the cell."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.drive import is_spent
+from escapement.engines.contact.rigid.blow import strike
+from escapement.engines.contact.rigid.flight import (
+    ahead,
+    arrival,
+    driver_rate,
+    launch,
+    place_at,
+)
+from escapement.engines.contact.rigid.panel import (
+    GOES_ON,
+    JAMS,
+    LIFTS,
+    NET,
+    PLACES,
+    SMALLEST,
+    STOPS,
+    X,
+    law_at,
+    next_panel,
+)
+from escapement.engines.contact.rigid.walls import next_break, wall_scene
+from escapement.gauss import POINTS, N, root_between, to_powers
+from escapement.jit import inner_jit
+from escapement.mechanisms.slotted import pose_at
+
+DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, RESTLESS, LIFTED, TURNED, STRUCK = range(10)
+"""How an engagement ends: at the handoff, or behind the time asked for; where the drive cannot go
+on, or the spring is spent; at the Painleve limit; where the driver turns back out of the slot;
+or with more than `MOST_PIECES`. A piece also ends at a lift-off, where a driver that goes back
+comes to rest, and at a blow."""
+FLIGHT, WALL, LOCKED, BLOW, EXTREMUM, LIFT, SLIDE = range(7)
+"""Kinds of rows: pieces of the motion, and events."""
+MOST_PIECES = 20_000
+
+ROW = np.dtype(
+    [
+        *(("kind", np.int64), ("wall", np.float64), ("time", np.float64)),
+        *((name, np.float64) for name in ("theta", "speed", "phi", "turning")),
+        # of a blow the speed before it, and of an extremum whether it is a maximum
+        *((name, np.float64) for name in ("before", "approach", "impulse", "energy")),
+    ]
+)
+"""A row of what happened: where a piece starts, or an event."""
+
+
+class Body(NamedTuple):
+    """Driver and follower at an instant of an engagement.
+
+    theta, speed, phi, turning, time : as in the package's docstring.
+    wall : the wall that the pin touches or has just left, 0 for none.
+    trend : sign of theta_ddot before, 0 where nothing came before.
+    """
+
+    theta: float
+    speed: float
+    phi: float
+    turning: float
+    time: float
+    wall: float
+    trend: float
+
+
+class Notes(NamedTuple):
+    """Memory of what happens: rows, how many are used, and whether any are wanted."""
+
+    rows: np.ndarray
+    used: np.ndarray
+    wanted: bool
+
+
+@inner_jit
+def note(notes, kind, body):
+    """Note a row, if there is room; the number of rows is counted in any case."""
+    at = notes.used[0]
+    notes.used[0] = at + 1
+    if at < notes.rows.size:
+        row = notes.rows[at]
+        row.kind, row.wall, row.time, row.theta = kind, body.wall, body.time, body.theta
+        row.speed, row.phi, row.turning = body.speed, body.phi, body.turning
+        row.before = row.approach = row.impulse = row.energy = 0.0
+
+
+@inner_jit
+def _last(notes):
+    return notes.rows[min(notes.used[0], notes.rows.size) - 1]
+
+
+@inner_jit
+def _turned(notes, body, trend):
+    """The body with the trend of the speed from here on; an extremum is noted where it changes."""
+    if trend * body.trend < 0.0:
+        note(notes, EXTREMUM, body)
+        _last(notes).before = 1.0 if body.trend > 0.0 else 0.0
+    trend = trend if trend != 0.0 else body.trend
+    return Body(body.theta, body.speed, body.phi, body.turning, body.time, body.wall, trend)
+
+
+@inner_jit
+def follower_on(case, side, theta):
+    """Follower angle, and g, while the pin touches a wall."""
+    scene = case.plus if side > 0.0 else case.minus
+    x, y = case.centre + case.crank * np.cos(theta), np.sin(theta)
+    behind = np.arcsin(side * case.play / np.sqrt(x * x + y * y))
+    return np.arctan2(y, x) - behind, pose_at(scene.path, theta)[0]
+
+
+@inner_jit
+def _extremum_on(work, notes, case, panel, body, scene, way):
+    """Note the extremum of the speed inside a panel; returns the trend behind it."""
+    trend = body.trend
+    for i in range(N - 1):
+        if work[NET][i] * work[NET][i + 1] < 0.0:
+            to_powers(work[NET], work[PLACES])
+            x = root_between(
+                work[PLACES], 0.5 * (POINTS[i] + POINTS[i + 1]), POINTS[i], POINTS[i + 1],
+                work[NET][i] < 0.0,
+            )[0]  # fmt: skip
+            before, after = work[NET][i] * way, work[NET][i + 1] * way
+            width, count = 0.5 * (1.0 + x) * panel.width, np.int64(N)
+            for k in range(N):
+                work[PLACES][k] = POINTS[k]
+            w = body.speed * body.speed
+            part = next_panel(
+                work, scene, body.wall, body.theta, w, width, body.theta + width, 1.0, False, count
+            )
+            theta, speed = body.theta + width, way * np.sqrt(part.w)
+            phi, g = follower_on(case, body.wall, theta)
+            time = body.time + part.time
+            here = Body(theta, speed, phi, g * speed, time, body.wall, np.sign(before))
+            _turned(notes, here, np.sign(after))
+            trend = np.sign(after)
+            break
+    return trend
+
+
+@inner_jit
+def touch(work, notes, case, body, end_time, tail, count):
+    """The motion while the pin touches a wall: the body where that ends, and how."""
+    side, theta = body.wall, body.theta
+    way, w, width = 1.0 if body.speed >= 0.0 else -1.0, body.speed * body.speed, np.inf
+    if w == 0.0:
+        scene = wall_scene(case, side, theta, 1.0)
+        rate = law_at(scene, side, theta, 0.0)[1]
+        if not rate > 0.0:
+            return body, _stopped(theta, scene)
+        # over an angle that no panel can be smaller than, the acceleration is constant
+        w, theta = 2.0 * rate * SMALLEST, theta + SMALLEST
+        body = _on_wall(case, body, theta, np.sqrt(w), body.time + np.sqrt(w) / rate)
+    while True:
+        scene = wall_scene(case, side, theta, way)
+        limit = next_break(case, side, theta, way, scene)
+        found = next_panel(work, scene, side, theta, w, width, limit, tail, True, count)
+        if found.code == JAMS:
+            return body, np.int64(JAM)
+        if found.code == STOPS:
+            rate = abs(law_at(scene, side, theta, w)[1])
+            time = body.time + np.sqrt(w) / rate
+            body = _on_wall(case, body, theta + 0.5 * way * w / rate, 0.0, time)
+            return body, np.int64(TURNED) if way < 0.0 else _stopped(body.theta, scene)
+        trend = body.trend
+        if notes.wanted:
+            body = _turned(notes, body, np.sign(law_at(scene, side, theta, w)[1]))
+            trend = _extremum_on(work, notes, case, found, body, scene, way)
+        ends = found.code == GOES_ON and found.width == limit - theta
+        theta, w, width = limit if ends else theta + found.width, found.w, 2.0 * found.width
+        body = _on_wall(case, body, theta, way * np.sqrt(w), body.time + found.time)
+        body = Body(*body[:6], trend)
+        if body.time > end_time:
+            return body, np.int64(OVER)
+        if found.code == LIFTS:
+            return body, np.int64(LIFTED)
+        if way > 0.0 and not theta < scene.edges[-1]:
+            return body, np.int64(DONE)
+        if way < 0.0 and not theta > scene.edges[0]:
+            return body, np.int64(BACKS_OUT)
+        if notes.wanted and theta == case.breaks[0 if side > 0.0 else 1, 0]:
+            note(notes, SLIDE, body)
+
+
+@inner_jit
+def _stopped(theta, scene):
+    """How a motion ends whose driver comes to rest."""
+    return np.int64(SPENT) if is_spent(theta, scene) else np.int64(STALL)
+
+
+@inner_jit
+def _on_wall(case, body, theta, speed, time):
+    """The body at another driver angle, speed and time, on the wall that it touches."""
+    phi, g = follower_on(case, body.wall, theta)
+    return Body(theta, speed, phi, g * speed, time, body.wall, body.trend)
+
+
+@inner_jit
+def fly(work, notes, case, body, end, locked, end_time, count):
+    """A flight to a wall or to the driver angle `end`: the body where it ends, and how."""
+    scene = case.plus
+    while True:
+        flight = launch(work, scene, body.theta, body.speed, body.phi, body.turning, end, count)
+        if notes.wanted:
+            body = _turned(notes, body, np.sign(flight.rate))
+        lowest = body.theta
+        if body.speed < 0.0 and flight.rate > 0.0:
+            lowest -= 0.5 * body.speed * body.speed / flight.rate
+        if lowest < scene.edges[0] - 1e-12:
+            return body, np.int64(BACKS_OUT)
+        if not flight.length < np.inf:
+            return body, _stopped(body.theta, scene)
+        time, struck = flight.length, 0.0
+        if not locked:
+            time, struck = arrival(work, case, flight, body.wall)
+        theta, speed, phi, turning = place_at(work, flight, time)
+        passed, stands = body.time + time, struck == 0.0 and speed <= 1e-15
+        if struck == 0.0 and abs(theta - end) < 1e-12:
+            theta = end
+        if struck == 0.0 and time >= flight.rest:
+            turning = 0.0
+        stays = stands and not driver_rate(scene, theta, 0.0, 1.0) > 0.0
+        if stands and abs(speed) <= 1e-12:
+            speed = 0.0
+        body = Body(theta, speed, phi, turning, passed, struck, body.trend)
+        if struck != 0.0:
+            return body, np.int64(STRUCK)
+        if theta == end:
+            return body, np.int64(DONE)
+        if body.time > end_time:
+            return body, np.int64(OVER)
+        if stays:
+            return body, _stopped(theta, scene)
+
+
+@inner_jit
+def _knocked(notes, case, body):
+    """The body behind the blow on the wall that it has reached, and whether it rebounds; the
+    third tells whether there is a solution.
+    """
+    blow = strike(case, body.wall, body.theta, body.speed, body.turning)
+    rho = case.plus.rho
+    if notes.wanted:
+        body = _turned(notes, body, np.sign(blow.speed - body.speed))
+    now = Body(
+        body.theta, blow.speed, body.phi, blow.turning, body.time, body.wall, body.trend
+    )  # fmt: skip
+    if notes.wanted:
+        note(notes, BLOW, now)
+        row = _last(notes)
+        row.before, row.approach, row.impulse = body.speed, blow.approach, blow.impulse
+        # differences of squares as products, which keep the digits of a small loss
+        row.energy = 0.5 * rho * (body.speed - blow.speed) * (body.speed + blow.speed)
+        row.energy += 0.5 * (body.turning - blow.turning) * (body.turning + blow.turning)
+    return now, blow.rebounds, blow.sound
+
+
+@inner_jit
+def holds(case, body):
+    """Whether the wall that the pin touches carries a force, and whether J_s is positive."""
+    way = 1.0 if body.speed >= 0.0 else -1.0
+    scene = wall_scene(case, body.wall, body.theta, way)
+    force, _rate, sound = law_at(scene, body.wall, body.theta, body.speed * body.speed)
+    return force > 0.0, sound
+
+
+@inner_jit
+def engage(work, notes, case, body, end_time, tail, count):
+    """An engagement from its entry, in flight; the body at its exit, and how it ends."""
+    exit_, touching = case.plus.edges[-1], False
+    for _ in range(MOST_PIECES):
+        if notes.wanted:
+            note(notes, WALL if touching else FLIGHT, body)
+        if touching:
+            body, code = touch(work, notes, case, body, end_time, tail, count)
+            touching = code == TURNED and holds(case, body)[0]
+            if code == LIFTED and notes.wanted:
+                note(notes, LIFT, body)
+        else:
+            body, code = fly(work, notes, case, body, exit_, False, end_time, count)
+            if code == STRUCK:
+                body, rebounds, sound = _knocked(notes, case, body)
+                if not sound:
+                    return body, np.int64(JAM)
+                carries, sound = holds(case, body)
+                touching = carries and not rebounds
+                if touching and not sound:
+                    return body, np.int64(JAM)
+                if touching:
+                    body = _on_wall(case, body, body.theta, body.speed, body.time)
+        if code == DONE:
+            # the pin that leaves a wall here is the next one at once
+            wall = body.wall if abs(_gap(case, body)) < 1e-12 else 0.0
+            return Body(*body[:5], wall, body.trend), code
+        if code < LIFTED:
+            return body, code
+    return body, np.int64(RESTLESS)
+
+
+@inner_jit
+def _gap(case, body):
+    return ahead(case, body.theta, 0.0, body.phi, 0.0)[0] - body.wall * case.play
+
+
+@inner_jit
+def turn_on(work, notes, case, body, step, end_time, count):
+    """The dwell behind an exit, and the change to the next pin and slot."""
+    scene, code = case.plus, np.int64(DONE)
+    if scene.dwell > 0.0:
+        radius = pose_at(scene.path, body.theta)[3]
+        moved = abs(body.turning)
+        locked = Body(*body[:3], 0.0, body.time, 0.0, body.trend)
+        if notes.wanted and moved > 0.0:
+            note(notes, BLOW, locked)
+            row = _last(notes)
+            row.before, row.energy = body.speed, 0.5 * moved * moved
+            row.approach, row.impulse = moved * radius, moved / radius
+        if notes.wanted:
+            note(notes, LOCKED, locked)
+        end = scene.edges[-1] + scene.dwell
+        locked, code = fly(work, notes, case, locked, end, True, end_time, count)
+        body = Body(*locked[:5], body.wall, locked.trend)
+    if code == DONE:
+        body = Body(scene.edges[0], body.speed, body.phi - step, *body[3:])
+    return body, code

@@ -1,0 +1,270 @@
+"""Driver and follower on their own, and the first wall that the pin reaches.
+
+Without drag and with a constant torque both move with constant acceleration, the follower until
+its load has brought it to rest. Otherwise a flight is cut into parts so short that speeds and
+angles are power series in time.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.drive import is_constant, torque_at
+from escapement.dynamics import is_drag_free
+from escapement.engines.contact.rigid.panel import B, BEND, G, PLACES, U, W, X
+from escapement.gauss import N, cumulate, integral, tail_of, to_powers
+from escapement.jit import inner_jit
+from escapement.roots import newton_in_bracket
+
+STRIDE = 0.03
+"""Greatest driver angle between two looks at the gaps [rad]."""
+_LONGEST = 0.25
+"""Longest part of a flight with drag, in natural units."""
+_SHORTEST = 1e-7
+# rows of the workspace for the power series of a part: angles and speeds of driver and follower
+_THETA, _SPEED, _PHI, _TURNING = B, W, X, BEND
+
+
+class Flight(NamedTuple):
+    """A flight, or a part of it, as long as driver and follower go on in the same way.
+
+    theta, speed, rate, phi, turning, slowing : driver and follower where it begins, and their
+        accelerations. length : how long it lasts.
+    rest : time at which the follower comes to rest. half : half of the time of a power series,
+        0 of constant acceleration.
+    """
+
+    theta: float
+    speed: float
+    rate: float
+    phi: float
+    turning: float
+    slowing: float
+    length: float
+    rest: float
+    half: float
+
+
+@inner_jit
+def driver_rate(scene, theta, speed, way):
+    """theta_ddot of a driver that nothing touches and that turns the way +1 or -1."""
+    torque = torque_at(theta, scene)[0]
+    lost = scene.bearing + scene.driver_drag * speed * speed + scene.driver_viscous * abs(speed)
+    return (torque - way * lost) / scene.rho
+
+
+@inner_jit
+def follower_rate(scene, turning, way):
+    """phi_ddot of a follower that nothing touches and that goes the way +1, -1 or 0 for rest."""
+    lost = scene.load + scene.follower_drag * turning * turning
+    return -way * (lost + scene.follower_viscous * abs(turning))
+
+
+@inner_jit
+def is_even(scene):
+    """Whether a free driver has constant acceleration."""
+    return is_constant(scene) and is_drag_free(scene)
+
+
+@inner_jit
+def launch(work, scene, theta, speed, phi, turning, end, count):
+    """The flight from a state, or its first part; `end` is the driver angle at which it ends."""
+    way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
+    rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
+    if not is_even(scene):
+        return _in_series(work, scene, theta, speed, phi, turning, end, count)
+    rest = -turning / slowing if slowing != 0.0 else np.inf
+    length, square = np.inf, speed * speed + 2.0 * rate * (end - theta)
+    if speed < 0.0 and scene.bearing > 0.0:
+        length = -speed / rate
+    elif square >= 0.0 and speed >= 0.0:
+        length = 2.0 * (end - theta) / (speed + np.sqrt(square))
+    elif square >= 0.0:
+        length = (np.sqrt(square) - speed) / rate
+    elif rate < 0.0:
+        length = -speed / rate
+    return Flight(theta, speed, rate, phi, turning, slowing, length, rest, 0.0)
+
+
+@inner_jit
+def _in_series(work, scene, theta, speed, phi, turning, end, count):
+    """The next part of a flight, by Picard's iteration on the Gauss points."""
+    way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
+    rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
+    angle, pace, place, turn = work[_THETA], work[_SPEED], work[_PHI], work[_TURNING]
+    one, two, half = work[G], work[U], _LONGEST
+    while True:
+        for i in range(N):
+            t = half * (1.0 + work[PLACES][i])
+            pace[i], angle[i] = speed + rate * t, theta + (speed + 0.5 * rate * t) * t
+            turn[i] = turning + slowing * t
+        change = 1.0
+        for _ in range(30):
+            if change <= 1e-15 * (1.0 + abs(speed)):
+                break
+            change = 0.0
+            for i in range(N):
+                one[i] = half * driver_rate(scene, angle[i], pace[i], sense)
+                two[i] = half * follower_rate(scene, turn[i], way)
+            cumulate(one, angle)
+            cumulate(two, place)
+            for i in range(N):
+                change = max(change, abs(speed + angle[i] - pace[i]))
+                change = max(change, abs(turning + place[i] - turn[i]))
+                pace[i], turn[i] = speed + angle[i], turning + place[i]
+                one[i], two[i] = half * pace[i], half * turn[i]
+            cumulate(one, angle)
+            cumulate(two, place)
+            for i in range(N):
+                angle[i], place[i] = theta + angle[i], phi + place[i]
+        tails = tail_of(pace, count) + tail_of(turn, count) + change
+        if half <= _SHORTEST or tails <= 1e-13 * (1.0 + abs(speed)):
+            break
+        half *= 0.5
+    for row in (_THETA, _SPEED, _PHI, _TURNING):
+        to_powers(work[row], one)
+        for i in range(N):
+            work[row][i] = one[i]
+    part = Flight(theta, speed, rate, phi, turning, slowing, 2.0 * half, np.inf, half)
+    length = _passing(work, scene, part, part.length, end, 0)
+    length = _passing(work, scene, part, length, 0.0, 1)
+    rest = _passing(work, scene, part, length, 0.0, 2)
+    length = min(length, rest)
+    return Flight(theta, speed, rate, phi, turning, slowing, length, rest, half)
+
+
+@inner_jit
+def _passing(work, scene, part, length, goal, which):
+    """Time within a part at which its driver angle (0) reaches a goal, or one of the speeds (1 of
+    the driver, 2 of the follower) changes its sign; `length` where it does not.
+    """
+    at_start = part.theta - goal if which == 0 else (part.speed if which == 1 else part.turning)
+    low, high, t = 0.0, length, length
+    for _ in range(80):
+        theta, speed, _phi, turning = place_at(work, part, t)
+        value = theta - goal if which == 0 else (speed if which == 1 else turning)
+        if t == length and not value * at_start < 0.0:
+            return length
+        slope = speed if which == 0 else driver_rate(scene, theta, speed, np.sign(part.speed))
+        if which == 2:
+            slope = follower_rate(scene, turning, np.sign(part.turning))
+        guess, low, high = newton_in_bracket(t, value, slope, low, high, at_start < 0.0)
+        step, t = abs(guess - t), guess
+        if step <= 1e-15 * length:
+            break
+    return t
+
+
+@inner_jit
+def _series_at(c, x):
+    value = 0.0
+    for i in range(N):
+        value = value * x + c[N - 1 - i]
+    return value
+
+
+@inner_jit
+def place_at(work, flight, t):
+    """theta, theta_dot, phi and phi_dot after a time within a flight."""
+    if flight.half > 0.0:
+        x = t / flight.half - 1.0
+        return (
+            _series_at(work[_THETA], x),
+            _series_at(work[_SPEED], x),
+            _series_at(work[_PHI], x),
+            _series_at(work[_TURNING], x),
+        )
+    theta = flight.theta + (flight.speed + 0.5 * flight.rate * t) * t
+    speed, moved = flight.speed + flight.rate * t, min(t, flight.rest)
+    phi = flight.phi + (flight.turning + 0.5 * flight.slowing * moved) * moved
+    return theta, speed, phi, flight.turning + flight.slowing * moved if t < flight.rest else 0.0
+
+
+@inner_jit
+def ahead(case, theta, speed, phi, turning):
+    """D, by which the pin's centre stands ahead of the slot's line, and its speed."""
+    sine, cosine = np.sin(theta), np.cos(theta)
+    across, along = np.sin(phi), np.cos(phi)
+    x = case.centre + case.crank * cosine
+    moved = cosine * along + case.crank * sine * across
+    return sine * along - x * across, speed * moved - turning * (x * along + sine * across)
+
+
+@inner_jit
+def _ahead_after(case, work, flight, t):
+    return ahead(case, *place_at(work, flight, t))
+
+
+@inner_jit
+def _first_look(case, flight, wall, stride):
+    """Time at which to look first whether the gap at the wall that the pin left has opened.
+
+    A pin that rebounds comes back to that wall, after twice its speed over its deceleration.
+    """
+    step = 1e-3 * stride
+    speed, speed_then = flight.speed, flight.speed + flight.rate * step
+    theta = flight.theta + (speed + 0.5 * flight.rate * step) * step
+    phi = flight.phi + (flight.turning + 0.5 * flight.slowing * step) * step
+    opening = -wall * ahead(case, flight.theta, speed, flight.phi, flight.turning)[1]
+    then = -wall * ahead(case, theta, speed_then, phi, flight.turning + flight.slowing * step)[1]
+    closing = (opening - then) / step
+    return min(stride, 0.8 * opening / closing) if opening > 0.0 and closing > 0.0 else stride
+
+
+@inner_jit
+def arrival(work, case, flight, wall):
+    """Time at which the pin first reaches a wall, and that wall; 0 for none within the flight.
+
+    `wall` is the one that the pin leaves, or 0. Its gap must have opened before it counts.
+    """
+    length, play = flight.length, case.play
+    stride = STRIDE / max(abs(flight.speed), np.sqrt(STRIDE * abs(flight.rate)))
+    step = min(length, _first_look(case, flight, wall, stride) if wall != 0.0 else stride)
+    t, opened, least = 0.0, wall == 0.0, 1e-6 * stride
+    place, pace = _ahead_after(case, work, flight, 0.0)
+    while t < length:
+        after = min(t + step, length)
+        there, then = _ahead_after(case, work, flight, after)
+        if not opened and not wall * there < play:
+            if after <= least:
+                return after, wall
+            step *= 0.25
+            continue
+        leaves, opened = (0.0 if opened else wall), True
+        found, struck = np.inf, 0.0
+        for side in (1.0, -1.0):
+            time = after
+            if side == leaves:
+                continue
+            if side * there < play and side * pace > 0.0 and side * then < 0.0:
+                # between two looks the pin may have gone to the wall and back
+                bend = (then - pace) / (after - t)
+                time = t - pace / bend
+                there_, then_ = _ahead_after(case, work, flight, time)
+                if not side * there_ >= play:
+                    continue
+            elif side * there < play:
+                continue
+            time = _touching(work, case, flight, side, t, time)
+            if time < found:
+                found, struck = time, side
+        if struck != 0.0:
+            return found, struck
+        t, place, pace = after, there, then
+        step = min(stride, 1.7 * step)
+    return length, 0.0
+
+
+@inner_jit
+def _touching(work, case, flight, side, low, high):
+    """Time between two looks at which D = s c."""
+    t = high
+    for _ in range(80):
+        value, slope = _ahead_after(case, work, flight, t)
+        guess, low, high = newton_in_bracket(
+            t, side * value - case.play, side * slope, low, high, True
+        )
+        step, t = abs(guess - t), guess
+        if step <= 1e-15 * (1.0 + t):
+            break
+    return t

@@ -1,0 +1,100 @@
+"""Engagements one after the other: their handoffs, and what happens within them."""
+
+import numpy as np
+
+from escapement.drive import cell_after, cell_of, is_constant
+from escapement.dynamics import scene_of
+from escapement.engines.contact.rigid.engagement import (
+    DONE,
+    OVER,
+    ROW,
+    Body,
+    Notes,
+    engage,
+    turn_on,
+)
+from escapement.engines.contact.rigid.panel import PLACES, ROWS
+from escapement.engines.contact.rigid.walls import Case, case_of
+from escapement.gauss import POINTS, N
+from escapement.jit import inner_jit, jit
+
+STATE = 5
+"""Numbers of the state at a handoff: time, speed, phi, phi_dot and the wall, 0 for none."""
+
+
+@inner_jit(allocates=True)
+def workspace():
+    """Rows of values at the Gauss points."""
+    work = np.empty((ROWS, N))
+    work[PLACES] = POINTS
+    return work
+
+
+@inner_jit
+def tail_for(rtol):
+    """The tail that a panel may have; integrals over it are as exact as the square of that."""
+    return min(3.0 * np.sqrt(rtol), 1e-3)
+
+
+@inner_jit(allocates=True)
+def after(case, turned):
+    """The case in the cell after a driver angle turned."""
+    return Case(cell_after(turned, case.plus), cell_after(turned, case.minus), *case[2:])
+
+
+@inner_jit
+def pass_one(work, notes, case, state, step, end_time, trend, count):
+    """An engagement from a state; the body at the next handoff, with its time, and how it ends."""
+    body = Body(case.plus.edges[0], state[1], state[2], state[3], 0.0, state[4], trend)
+    body, code = engage(work, notes, case, body, end_time, tail_for(case.rtol), count)
+    if code == DONE:
+        body, code = turn_on(work, notes, case, body, step, end_time, count)
+    return body, code
+
+
+@jit(allocates=True)
+def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagement, used):
+    """March engagements until `states` is full, a time is passed, or the motion ends.
+
+    Parameters
+    ----------
+    scene_tuple : as `scene.scene_tuple` gives it.
+    joint : centre distance, crank, play, restitution and follower angle of a cell.
+    rtol : relative error asked for.
+    first : number of the first engagement.
+    limit : time after which to stop.
+    trend : sign of theta_ddot before, 0 where nothing came before.
+    states : shape (n + 1, STATE), the first of which is given; filled with those at handoffs.
+    rows, engagement : filled with what happens, and in which engagement; empty where it is not
+        asked for. There may be more rows, `used[0]`, than there is room for.
+
+    Returns
+    -------
+    code, done, angle, time, trend
+        How the last engagement ended, how many were completed, where and when it ended, and the
+        sign of theta_ddot there.
+    """
+    scene = scene_of(scene_tuple)
+    case, work = case_of(scene, joint[:4], rtol), workspace()
+    notes = Notes(rows, used, rows.size > 0)
+    count, cell, lost, constant = np.int64(N), cell_of(scene), 0.0, is_constant(scene)
+    for k in range(len(states) - 1):
+        if not constant:
+            case = after(case, (first + k) * cell)
+        begin, begun = states[k, 0], used[0]
+        body, code = pass_one(work, notes, case, states[k], joint[4], limit - begin, trend, count)
+        trend = body.trend
+        for i in range(begun, min(used[0], rows.size)):
+            rows[i].time += begin
+            engagement[i] = first + k
+        # Kahan's sum of the times
+        more = body.time - lost
+        end = begin + more
+        if code != DONE:
+            return code, k, body.theta, end, trend
+        lost = (end - begin) - more
+        states[k + 1, 0], states[k + 1, 1], states[k + 1, 2] = end, body.speed, body.phi
+        states[k + 1, 3], states[k + 1, 4] = body.turning, body.wall
+        if end >= limit:
+            return np.int64(OVER), k + 1, body.theta, end, trend
+    return np.int64(DONE), len(states) - 1, 0.0, states[len(states) - 1, 0], trend

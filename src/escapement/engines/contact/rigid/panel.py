@@ -1,0 +1,161 @@
+"""Contact with a wall over a panel of driver angles.
+
+Twice the kinetic energy, E = (rho + g^2) w, obeys dE/dx = A - B E with `dynamics.energy_rates`,
+so that with b = int B it is E = exp(-b) (E_left + int A exp(b)). Time is int dtheta/sqrt(w).
+A panel is halved until what it leaves out is small; see `gauss`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.drive import torque_at
+from escapement.dynamics import (
+    bend,
+    contact,
+    dragged_slope,
+    energy_rates,
+    is_viscous,
+    net_torque,
+    reduced_inertia,
+    root_of,
+)
+from escapement.gauss import POINTS, N, cumulate, integral, root_between, tail_of, to_powers
+from escapement.jit import inner_jit
+from escapement.mechanisms.slotted import pose_at, transmission_on
+
+ROWS = 15
+G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, X, NET, PLACES = range(ROWS)
+"""Rows of the workspace: values at the Gauss points. PLACES are those points, X is s X, NET the
+torque that accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`."""
+GOES_ON, LIFTS, STOPS, JAMS = 0, 1, 2, 3
+"""How a panel ends: in the middle of the contact, at a lift-off, where the driver stops, or
+where J_s is not positive."""
+SMALLEST = 1e-12
+"""A panel of a smaller width [rad] is not halved."""
+
+
+class Panel(NamedTuple):
+    """A panel that is solved.
+
+    code : how it ends. left, width : its driver angles, width < 0 where the driver goes back.
+    w, time : at its right end, and the time over it. tail : what it leaves out.
+    """
+
+    code: int
+    left: float
+    width: float
+    w: float
+    time: float
+    tail: float
+
+
+@inner_jit
+def law_at(scene, side, theta, w):
+    """s X and theta_ddot in contact with a wall, and whether J_s is positive."""
+    g, u, dg, radius = pose_at(scene.path, theta)
+    k, c = dragged_slope(g, dg, scene), bend(g, u, radius, side, scene)
+    pull, root = torque_at(theta, scene)[0] - scene.bearing, root_of(w, scene)
+    inertia = reduced_inertia(g, c, scene)
+    rate = net_torque(g, c, k, pull, w, root, scene) / inertia
+    return side * contact(g, k, pull, w, root, scene), rate, inertia > 0.0
+
+
+@inner_jit
+def solve_panel(work, scene, side, left, width, w, count):
+    """Solve a panel from the squared speed `w`; the rows of the workspace hold the solution."""
+    half = 0.5 * width
+    g, u, k, radius = work[G], work[U], work[SLOPE], work[RADIUS]
+    transmission_on(scene.path, left, half, work[PLACES], count, g, u, k, radius)
+    middle, slope = torque_at(left + half, scene)
+    middle -= scene.bearing
+    least = 1.0
+    for i in range(N):
+        k[i] = dragged_slope(g[i], k[i], scene)
+        work[BEND][i] = bend(g[i], u[i], radius[i], side, scene)
+        least = min(least, reduced_inertia(g[i], work[BEND][i], scene))
+        work[INVERSE][i] = 1.0 / (scene.rho + g[i] * g[i])
+    if not least > 0.0:
+        return Panel(JAMS, left, width, 0.0, 0.0, 1.0)
+    ratio = pose_at(scene.path, left)[0]
+    energy = (scene.rho + ratio * ratio) * w
+    viscous, at_end = is_viscous(scene), 0.0
+    for i in range(N):
+        work[W][i] = w
+    for _ in range(30):
+        for i in range(N):
+            root = np.sqrt(max(work[W][i], 1e-300)) if viscous else 0.0
+            pull, inverse = middle + slope * half * POINTS[i], work[INVERSE][i]
+            rates = energy_rates(g[i], work[BEND][i], k[i], pull, inverse, half, root, scene)
+            work[GAIN][i], work[DECAY][i] = rates[0], rates[1]
+        cumulate(work[DECAY], work[B])
+        for i in range(N):
+            work[SLOW][i] = np.exp(-work[B][i])
+            work[GAIN][i] /= work[SLOW][i]
+        cumulate(work[GAIN], work[ENERGY])
+        change = 0.0
+        for i in range(N):
+            work[ENERGY][i] = work[SLOW][i] * (energy + work[ENERGY][i])
+            value = work[ENERGY][i] * work[INVERSE][i]
+            change = max(change, abs(value - work[W][i]) / max(value, 1e-300))
+            work[W][i] = value
+        at_end = np.exp(-integral(work[DECAY], count)) * (energy + integral(work[GAIN], count))
+        if not (viscous and change > 1e-14):
+            break
+    right = pose_at(scene.path, left + width)[0]
+    at_end /= scene.rho + right * right
+    slowest, greatest = at_end, energy
+    for i in range(N):
+        slowest, greatest = min(slowest, work[W][i]), max(greatest, work[ENERGY][i])
+    if not slowest > 0.0:
+        return Panel(STOPS, left, width, 0.0, 0.0, 1.0)
+    for i in range(N):
+        pull, root = middle + slope * half * POINTS[i], root_of(work[W][i], scene)
+        work[SLOW][i] = half / np.sqrt(work[W][i])
+        work[X][i] = side * contact(g[i], k[i], pull, work[W][i], root, scene)
+        work[NET][i] = net_torque(g[i], work[BEND][i], k[i], pull, work[W][i], root, scene)
+    tail = tail_of(work[ENERGY], count) / greatest
+    tail = max(tail, tail_of(work[SLOW], count) * np.sqrt(slowest) / abs(half))
+    tail = max(tail, tail_of(work[INVERSE], count) * scene.rho)
+    return Panel(GOES_ON, left, width, at_end, abs(integral(work[SLOW], count)), tail)
+
+
+@inner_jit
+def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
+    """Solve the panel from a driver angle towards a limit, as wide as its `tail` may be.
+
+    `width` is the width to try first. With `lifts` the panel ends where the pin lifts off.
+    """
+    span = limit - theta
+    if not abs(width) < 0.9 * abs(span):
+        width = span
+    elif abs(width) > 0.5 * abs(span):
+        width = 0.5 * span
+    found = solve_panel(work, scene, side, theta, width, w, count)
+    while found.code != GOES_ON or found.tail > tail:
+        if abs(width) < SMALLEST:
+            break
+        width *= 0.5
+        found = solve_panel(work, scene, side, theta, width, w, count)
+    if not lifts or found.code != GOES_ON:
+        return found
+    at = N
+    for i in range(N):
+        if at == N and not work[X][i] > 0.0:
+            at = i
+    if at == N and law_at(scene, side, theta + width, found.w)[0] > 0.0:
+        return found
+    low = POINTS[at - 1] if at > 0 else -1.0
+    high = POINTS[at] if at < N else 1.0
+    to_powers(work[X], work[B])
+    x, slope = root_between(work[B], 0.5 * (low + high), low, high, False)
+    width *= 0.5 * (1.0 + x)
+    slope *= 2.0 / found.width
+    for _ in range(8):
+        found = solve_panel(work, scene, side, theta, width, w, count)
+        more = -law_at(scene, side, theta + width, found.w)[0] / slope
+        # the motion itself depends on the lift-off by the cube of its error
+        if found.code != GOES_ON or not abs(more) > 1e-11 or abs(more) > 0.1 * abs(width):
+            break
+        width += more
+    return Panel(LIFTS, theta, width, found.w, found.time, found.tail)

@@ -1,0 +1,102 @@
+"""A motion with clearance between rigid bodies."""
+
+import math
+
+import numpy as np
+
+from escapement.engines.contact.rigid.engagement import (
+    BACKS_OUT,
+    DONE,
+    JAM,
+    OVER,
+    RESTLESS,
+    SPENT,
+    STALL,
+)
+from escapement.engines.contact.rigid.march import STATE, march
+from escapement.engines.contact.rigid.trajectory import (
+    NO_ENGAGEMENT,
+    NO_ROWS,
+    RigidTrajectory,
+    joint_of,
+)
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
+from escapement.motion import Motion, no_motion, stall_message
+from escapement.painleve import friction_limits
+from escapement.scene import scene_tuple
+from escapement.status import MESSAGES, Status
+from escapement.validate import fail
+
+_STATUS = {
+    STALL: Status.STALL,
+    SPENT: Status.SPENT,
+    JAM: Status.PAINLEVE,
+    BACKS_OUT: Status.NOT_CONVERGED,
+    RESTLESS: Status.NOT_CONVERGED,
+}
+_REASONS = {
+    JAM: "the pin jams {}: rigid bodies have no motion there; give a stiffness",
+    BACKS_OUT: "a blow drives the driver back out of the slot {}; give a smaller clearance",
+    RESTLESS: "the pin bounces without end {}; give a smaller restitution",
+}
+
+
+def outcome(code: int, angle: float, engagement: int) -> tuple[Status, str]:
+    """Status and message of a motion that ends in an engagement, counted from 0."""
+    if code in (DONE, OVER):
+        return Status.OK, MESSAGES[Status.OK]
+    if code in (STALL, SPENT):
+        return _STATUS[code], stall_message(angle, engagement, _STATUS[code])
+    place = f"{math.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
+    return _STATUS[code], _REASONS[code].format(place)
+
+
+def first_state(escapement: Escapement, initial_speed: float) -> FloatArray:
+    """The state at the start: the follower at rest, the pin in the middle of the slot."""
+    entry = np.array([escapement.mechanism.breaks[0]])
+    phi = float(escapement.mechanism.follower_angle(entry)[0])
+    return np.array([0.0, initial_speed * escapement.time_unit, phi, 0.0, 0.0])
+
+
+def simulate(
+    escapement: Escapement,
+    *,
+    engagements: int | None,
+    duration: float | None,
+    initial_speed: float,
+    rtol: float,
+    longest: int = 1_000_000,
+) -> Motion:
+    """Motion with clearance; arguments are validated by `escapement.simulate`.
+
+    A duration of more than `longest` engagements is refused.
+    """
+    if escapement.friction >= friction_limits(escapement)[0]:
+        return no_motion(escapement, "contact", rtol)
+    inputs = scene_tuple(escapement.scene), joint_of(escapement), rtol, 0
+    clock = escapement.time_unit
+    horizon, size = math.inf if duration is None else duration / clock, engagements or 64
+    while True:
+        states = np.empty((size + 1, STATE))
+        states[0] = first_state(escapement, initial_speed)
+        used = np.zeros(1, np.int64)
+        found = march(*inputs, horizon, 0.0, states, NO_ROWS, NO_ENGAGEMENT, used)
+        code, done, angle, end, _trend = found
+        if code != DONE or duration is None:
+            break
+        if size >= longest:
+            rule = f"at most {end * clock:.6g} s, in which {longest} engagements pass"
+            raise fail("duration", rule, duration, "the figures of merit need no long motion")
+        size = min(8 * size, longest)
+    status, message = outcome(code, angle, done)
+    states, end_time = states[: done + 1], float(end * clock)
+    times = states[1:, 0] * clock
+    if duration is not None and (status is Status.OK or end_time >= duration):
+        status, message, end_time = Status.OK, MESSAGES[Status.OK], duration
+        times = times[times <= duration]
+    speeds = states[1 : times.size + 1, 1] / clock
+    trajectory = RigidTrajectory(escapement, rtol, states, end_time)
+    return Motion(
+        escapement, "contact", rtol, trajectory, end_time, times, speeds, status, message
+    )

@@ -1,0 +1,175 @@
+"""A motion with clearance in pieces: contact with either wall, flights and dwells."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from escapement.dynamics import LOSSES
+from escapement.engines.contact.rigid.engagement import (
+    BLOW,
+    EXTREMUM,
+    FLIGHT,
+    LIFT,
+    LOCKED,
+    ROW,
+    SLIDE,
+    WALL,
+)
+from escapement.engines.contact.rigid.march import march
+from escapement.engines.contact.rigid.trace import LOST, TABLE, trace
+from escapement.engines.contact.state import state_from
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
+from escapement.motion import State
+from escapement.scene import scene_tuple
+from escapement.trajectory import Events, Extrema, Impacts
+
+_ROOM = 24  # rows that an engagement takes, in most cases
+NO_ROWS, NO_ENGAGEMENT = np.empty(0, ROW), np.empty(0, np.int64)
+
+
+def joint_of(escapement: Escapement) -> FloatArray:
+    """What the kernels are told of the joint, see `march.march`."""
+    wheel: Any = escapement.mechanism
+    joint, crank = escapement.joint, 1.0 if wheel.internal else -1.0
+    numbers = (wheel.centre_distance, crank, joint.play, joint.restitution, wheel.follower_step)
+    return np.array(numbers)
+
+
+@dataclass
+class RigidTrajectory:
+    """The states at handoffs, from which everything else follows when it is asked for.
+
+    states : shape (n + 1, 5), of the start and of each handoff, see `march.STATE`; each starts
+        an engagement, of which the last may be incomplete.
+    end_time : time at which the motion ends [s].
+    """
+
+    escapement: Escapement
+    rtol: float
+    states: FloatArray
+    end_time: float
+
+    @cached_property
+    def _inputs(self) -> tuple[Any, ...]:
+        return scene_tuple(self.escapement.scene), joint_of(self.escapement), self.rtol
+
+    @cached_property
+    def _happened(self) -> tuple[np.ndarray, np.ndarray]:
+        """Every row of the motion, and its engagement."""
+        # a motion that ends at a handoff has no part of the next engagement
+        last = self.end_time / self.escapement.time_unit * (1.0 - 1e-14)
+        states = self.states[self.states[:, 0] < last] if last > 0.0 else self.states[:1]
+        begun = np.vstack([states, states[:1]])
+        used, size = np.zeros(1, np.int64), _ROOM * len(states)
+        while True:
+            rows, engagement = np.zeros(size, ROW), np.zeros(size, np.int64)
+            used[0] = 0
+            march(*self._inputs, 0, np.inf, 0.0, begun.copy(), rows, engagement, used)
+            if used[0] <= size:
+                break
+            size = int(used[0])
+        end = self.end_time / self.escapement.time_unit
+        kept = rows["time"][: used[0]] <= end
+        return rows[: used[0]][kept], engagement[: used[0]][kept]
+
+    def _events(self, kind: int) -> tuple[Any, ...]:
+        """Columns of `Events` for the rows of a kind, and the rows."""
+        rows, engagement = self._happened
+        chosen = rows["kind"] == kind
+        rows, engagement, clock = rows[chosen], engagement[chosen], self.escapement.time_unit
+        theta = rows["theta"] + engagement * self.escapement.mechanism.cell_angle
+        return (engagement, rows["time"] * clock, theta, rows["speed"] / clock), rows
+
+    @cached_property
+    def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        rows, engagement = self._happened
+        chosen = np.isin(rows["kind"], (FLIGHT, WALL, LOCKED))
+        return rows[chosen], engagement[chosen]
+
+    @cached_property
+    def start(self) -> FloatArray:
+        """Start time of each piece [s]."""
+        return np.asarray(self._pieces[0]["time"] * self.escapement.time_unit)
+
+    @property
+    def engagement(self) -> np.ndarray:
+        """Engagement of each piece."""
+        return self._pieces[1]
+
+    @property
+    def sign(self) -> FloatArray:
+        """The wall that the pin touches in each piece, 0 in flights and dwells."""
+        rows = self._pieces[0]
+        return np.where(rows["kind"] == WALL, rows["wall"], 0.0)
+
+    @cached_property
+    def reversals(self) -> Events:
+        """Every instant at which the pin lifts off a wall, because the force becomes zero."""
+        return Events(*self._events(LIFT)[0])
+
+    @cached_property
+    def slide_changes(self) -> Events:
+        """Every instant at which the contact point changes its sense of sliding on a wall."""
+        return Events(*self._events(SLIDE)[0])
+
+    @cached_property
+    def extrema(self) -> Extrema:
+        """Every extremum of the driver speed."""
+        columns, rows = self._events(EXTREMUM)
+        return Extrema(*columns, maximum=rows["before"] > 0.0)
+
+    @cached_property
+    def impacts(self) -> Impacts:
+        """Every blow."""
+        columns, rows = self._events(BLOW)
+        own, wheel = self.escapement, self.escapement.mechanism
+        length, clock, torque = wheel.crank_radius, own.time_unit, own.torque_unit  # type: ignore[attr-defined]
+        return Impacts(
+            *columns,
+            wall=rows["wall"],
+            speed_before=rows["before"] / clock,
+            approach_speed=rows["approach"] * length / clock,
+            impulse=rows["impulse"] * torque * clock / length,
+            energy=rows["energy"] * torque,
+        )
+
+    def _traced(self, firsts: np.ndarray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Natural states at times since the start of their pieces, and the work lost."""
+        pieces, engagement = self._pieces
+        end = self.end_time / self.escapement.time_unit
+        lengths = np.diff(pieces["time"], append=end)
+        out, lost = np.empty((TABLE, times.size)), np.zeros((pieces.size, LOST))
+        trace(*self._inputs, pieces, engagement, lengths, firsts, times, out, lost)
+        return out, lost
+
+    @cached_property
+    def _work(self) -> FloatArray:
+        none = np.zeros(self.start.size + 1, np.int64)
+        return np.asarray(self._traced(none, np.empty(0))[1] * self.escapement.torque_unit)
+
+    @property
+    def losses(self) -> FloatArray:
+        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
+        return self._work[:, : len(LOSSES)].T
+
+    @property
+    def load_work(self) -> FloatArray:
+        """Work that the load takes over each piece [J]."""
+        return np.asarray(self._work[:, -1])
+
+    def states_at(self, pieces: np.ndarray, t: FloatArray) -> State:
+        """State at times [s] within pieces of these indices."""
+        owners, times = pieces.reshape(-1), t.reshape(-1)
+        order = np.lexsort((times, owners))
+        rows, engagement = self._pieces
+        since = np.maximum(times / self.escapement.time_unit - rows["time"][owners], 0.0)[order]
+        firsts = np.searchsorted(owners[order], np.arange(rows.size + 1)).astype(np.int64)
+        table = np.empty((TABLE, times.size))
+        table[:, order] = self._traced(firsts, since)[0]
+        mechanism = self.escapement.mechanism
+        table[0] += engagement[owners] * mechanism.cell_angle
+        table[3] += engagement[owners] * mechanism.follower_step
+        return state_from(self.escapement, t, table)
