@@ -13,7 +13,6 @@ from escapement.engines.contact.compliant.law import STATE
 from escapement.engines.contact.compliant.trajectory import CompliantTrajectory, Rows
 from escapement.errors import InvalidValue
 from escapement.mechanism import FloatArray
-from escapement.mechanisms.slotted import pose_at
 from escapement.model import Escapement
 from escapement.motion import Motion, stall_message
 from escapement.scene import Joint
@@ -58,12 +57,10 @@ class March:
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
         self.escapement, self.rtol = escapement, rtol
         self.joint, scene = joint_of(escapement), escapement.scene
-        radius = pose_at(scene.path, scene.edges[0])[3]
         self.state = np.zeros(STATE)
         turned = escapement.meetings[0].turned(scene.edges[:1])[0]
-        # the slot stands with its rear wall at the pin
-        behind = math.asin(self.joint.play / radius)
-        self.state[:3] = scene.edges[0], turned + behind, speed * escapement.time_unit
+        # the follower rests with the pin in the middle of its slot
+        self.state[:3] = scene.edges[0], turned, speed * escapement.time_unit
         self.clock = np.zeros(1, marching.CLOCK)
         self.clock["step"] = 0.1 / math.sqrt(self.joint.stiffness / scene.rho)
 

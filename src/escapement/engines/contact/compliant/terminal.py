@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.blows import jams
 from escapement.dynamics import is_lossless
 from escapement.engines.contact.compliant.law import STATE
 from escapement.engines.contact.compliant.simulate import MOST_STEPS, March, simulate
@@ -21,6 +22,7 @@ from escapement.metrics import Figures, Spread, fall_times, read_cycle, read_tra
 from escapement.metrics import transient_length
 from escapement.model import Escapement
 from escapement.motion import Motion
+from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status
 
 SETTLE = 60
@@ -117,10 +119,13 @@ def _repeated(
     cycle.march.state[:] = end
     contraction = ((moved / speed) ** 2 - 1.0) / ((1.0 + nudge) ** 2 - 1.0)
     figures = replace(read_cycle(passed.motion, base), contraction=contraction)
+    if note := _jam_note(passed.motion):
+        figures = replace(figures, message=note)
     count = transient_length(abs(contraction), initial_speed / speed)
     if count > _LONGEST_TRANSIENT:
         why = f"the motion needs {count} engagements to get there"
-        return replace(figures, message=f"{', '.join(TRANSIENT)} not given: {why}")
+        message = f"{', '.join(TRANSIENT)} not given: {why}"
+        return replace(figures, message=f"{message}; {note}" if note else message)
     motion = simulate(
         escapement, engagements=count, duration=None, initial_speed=initial_speed, rtol=rtol
     )
@@ -152,5 +157,22 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
         f"of the period within {share:.2g} of it (95 %), and the rest are those of the last one"
     )
     cell = passed.motion.escapement.mechanism.cell_angle
+    if note := _jam_note(passed.motion):
+        message = f"{message}; {note}"
     means["velocity_mean"] = cell / means["period"]
     return replace(base, **means, motion=passed.motion, spread=spread, message=message)
+
+
+def _jam_note(motion: Motion) -> str:
+    """Where, and for how long, an engagement beyond the Painleve limit jams; "" below it."""
+    own, limit = motion.escapement, friction_limits(motion.escapement)[0]
+    if own.friction < limit:
+        return ""
+    found = jams(motion)
+    places = [f"{angle:.2f}" for angle in np.degrees(found.angle)]
+    if not places:
+        return f"friction {own.friction:g} is above the Painleve limit {limit:.6g}, and it does not jam"
+    return (
+        f"friction {own.friction:g} is above the Painleve limit {limit:.6g}: the mechanism jams "
+        f"{', '.join(places)} degrees from dead centre for {found.duration.sum():.2g} s in all"
+    )

@@ -99,7 +99,7 @@ class CompliantTrajectory:
         self.losses: FloatArray = gained[LOST : LOST + len(LOSSES)] * torque
         self.load_work: FloatArray = gained[LOAD] * torque
 
-    def states(self, pieces: Any, t: FloatArray) -> State:
+    def states_at(self, pieces: Any, t: FloatArray) -> State:
         """The whole state at times within pieces [s]."""
         first, last = self.rows.pieces
         owners, times = np.asarray(pieces).reshape(-1), t.reshape(-1) / self._clock
