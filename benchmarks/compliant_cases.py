@@ -119,15 +119,14 @@ def main() -> None:
     hard = given.part == "hard"
     count = given.count or (1000 if hard else 500)
     rows = []
-    for seed in range(given.first, given.first + count):
-        rows.append(row_of(seed, hard))
-        if seed % 50 == 0:
-            print(rows[-1], flush=True)
     path = RESULTS / f"compliant_{given.part}.csv"
     with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+        for seed in range(given.first, given.first + count):
+            rows.append(row_of(seed, hard))
+            if len(rows) == 1:
+                csv.DictWriter(file, list(rows[0])).writeheader()
+            csv.DictWriter(file, list(rows[0])).writerow(rows[-1])
+            file.flush()
     residual = max(abs(float(str(row["residual"]))) for row in rows)
     slowest = max(max(row["seconds"], row["terminal_seconds"]) for row in rows)
     print("largest residual", residual, "slowest", slowest, "s")

@@ -60,22 +60,22 @@ def test_stiff_walls_tend_to_rigid_bodies_with_order_one_half():
     exact = esc.terminal(rigid()).period
     errors = [
         esc.terminal(timer(stiffness=k, share=0.3), rtol=1e-8).period - exact
-        for k in (1e5, 1e6, 1e7)
+        for k in (1e6, 4e6, 16e6)
     ]
-    orders = np.log10(np.array(errors[:-1]) / errors[1:])
+    orders = np.log(np.array(errors[:-1]) / errors[1:]) / math.log(4.0)
     assert orders == pytest.approx(0.5, abs=0.05)
 
 
-def test_the_method_has_its_order():
-    # fixed by the tolerance: 100 times less error takes 100^(1/8) times the steps
-    own = timer(share=0.02, stiffness=1e5)
-    exact = esc.simulate(own, 1, rtol=1e-13)
-    rtols = (1e-5, 1e-7, 1e-9)
-    found = [esc.simulate(own, 1, rtol=rtol) for rtol in rtols]
-    errors = [abs(m.handoff_velocities[0] / exact.handoff_velocities[0] - 1.0) for m in found]
-    steps = [m.trajectory.rows.steps.size for m in found]
-    assert all(error < 10.0 * rtol for error, rtol in zip(errors, rtols, strict=True))
-    assert steps[2] < 3.5 * steps[0]
+def test_the_error_falls_with_the_order_of_the_method():
+    # without damping and friction the law is smooth between touches
+    own = timer(friction=0.0, share=0.0, stiffness=1e5)
+    exact = esc.simulate(own, 1, rtol=1e-13).handoff_velocities[0]
+    found = {rtol: esc.simulate(own, 1, rtol=rtol) for rtol in (1e-6, 1e-8, 1e-11)}
+    errors = {rtol: abs(m.handoff_velocities[0] / exact - 1.0) for rtol, m in found.items()}
+    steps = [m.trajectory.rows.steps.size for m in found.values()]
+    assert all(error < 2.0 * rtol for rtol, error in errors.items())
+    order = math.log(errors[1e-6] / errors[1e-11]) / math.log(steps[2] / steps[0])
+    assert 6.5 < order < 9.0
 
 
 def _judged(own, end):
@@ -147,12 +147,11 @@ def test_the_energy_balance_closes(other):
     assert motion.status is Status.OK
     assert abs(motion.ledger.residual) < 1e-8
     assert motion.ledger.blows > 0.0
-    times = np.linspace(0.0, motion.end_time, 4001)
+    times = np.linspace(0.0, motion.end_time, 40_001)
     state = motion.at(times)
-    # the state is one that its speeds lead to
-    assert np.diff(state.theta) == pytest.approx(
-        np.diff(times) * 0.5 * (state.theta_dot[1:] + state.theta_dot[:-1]), abs=2e-3
-    )
+    for angle, speed in ((state.theta, state.theta_dot), (state.phi, state.phi_dot)):
+        turned = np.sum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))
+        assert turned == pytest.approx(angle[-1] - angle[0], rel=1e-4)
 
 
 def test_losses_agree_with_the_rigid_engine():
@@ -166,7 +165,7 @@ def test_losses_agree_with_the_rigid_engine():
 
 
 def test_engagements_that_never_repeat_give_means_and_intervals():
-    found = esc.terminal(timer(play=5e-4, share=0.1, stiffness=1e5), rtol=1e-7)
+    found = esc.terminal(timer(play=5e-4, share=0.1), rtol=1e-7)
     assert found.status is Status.OK
     assert found.spread is not None
     assert found.spread.deviation["period"] > found.spread.interval["period"] > 0.0
