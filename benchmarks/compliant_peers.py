@@ -66,7 +66,9 @@ def slope(_t, y, centre, rho, play, pin, stiffness, damping, friction, slip):  #
     return out
 
 
-def by_solve_ivp(own: esc.Escapement, method: str, rtol: float) -> Callable[[], tuple[float, float]]:
+def by_solve_ivp(
+    own: esc.Escapement, method: str, rtol: float
+) -> Callable[[], tuple[float, float]]:
     """Handoff time and speed by a method of solve_ivp with the compiled law."""
     scene, joint = own.scene, own.joint
     numbers = (own.mechanism.centre_distance, scene.rho, joint.play, scene.pin, joint.stiffness)
@@ -82,8 +84,8 @@ def by_solve_ivp(own: esc.Escapement, method: str, rtol: float) -> Callable[[], 
 
     def run() -> tuple[float, float]:
         found = solve_ivp(
-            slope, (0.0, 10.0), [start, phi, SPEED * CLOCK, 0.0], method, events=arrives, args=numbers,
-            rtol=rtol, atol=atol,
+            slope, (0.0, 10.0), [start, phi, SPEED * CLOCK, 0.0], method,
+            events=arrives, args=numbers, rtol=rtol, atol=atol,
         )  # fmt: skip
         return float(found.t[-1] * CLOCK), float(found.y[2, -1] / CLOCK)
 
@@ -100,7 +102,9 @@ def by_package(own: esc.Escapement, rtol: float) -> Callable[[], tuple[float, fl
     return run
 
 
-def measure(run: Callable[[], tuple[float, float]], turns: int) -> tuple[tuple[float, float], float]:
+def measure(
+    run: Callable[[], tuple[float, float]], turns: int
+) -> tuple[tuple[float, float], float]:
     """What a run gives, and the least processor time of some turns [s]."""
     found, least = run(), math.inf
     for _ in range(turns):
@@ -128,7 +132,10 @@ def main() -> None:
         print(*rows[-1], flush=True)
     finest = with_exudyn.run(own, SPEED, 1_600_000, "RK44")()
     print("Exudyn's finest run differs from ours by", f"{error_of(finest, exact):.1e}")
-    for method, counts in (("RK44", (20_000, 100_000, 400_000)), ("GeneralizedAlpha", (20_000, 100_000))):
+    for method, counts in (
+        ("RK44", (20_000, 100_000, 400_000)),
+        ("GeneralizedAlpha", (20_000, 100_000)),
+    ):
         for count in counts:
             found, spent = measure(with_exudyn.run(own, SPEED, count, method), 1)
             error = error_of(found, finest)

@@ -44,7 +44,11 @@ def _model(own: esc.Escapement, speed: float) -> tuple[object, object, list[int]
     system.AddLoad(items.LoadCoordinate(markerNumber=turned, load=-own.torque))
     far, wall = 4.0 * crank, wheel.pin_radius + 0.5 * wheel.clearance
     for side in (1.0, -1.0):
-        corners = [[-far, side * wall, -far], [3.0 * far, side * wall, -far], [far, side * wall, 2.0 * far]]
+        corners = [
+            [-far, side * wall, -far],
+            [3.0 * far, side * wall, -far],
+            [far, side * wall, 2.0 * far],
+        ]
         # the wall faces the pin
         faced = corners if side > 0.0 else corners[::-1]
         data = system.AddNode(
@@ -76,7 +80,7 @@ def _model(own: esc.Escapement, speed: float) -> tuple[object, object, list[int]
 def run(
     own: esc.Escapement, speed: float, steps: int, method: str
 ) -> Callable[[], tuple[float, float]]:
-    """A run that gives handoff time and speed; its length is that of our engagement and 1 % more."""
+    """A run that gives handoff time and speed; it is 1 % longer than our engagement."""
     length = 1.01 * float(esc.simulate(own, 1, initial_speed=speed).end_time)
 
     def solve() -> tuple[float, float]:

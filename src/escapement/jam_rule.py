@@ -77,7 +77,8 @@ def jam_rule(escapement: Escapement) -> JamCycle:
     Returns
     -------
     JamCycle
-        Its `error` is that of the period, as measured on four slots against walls of 1e8 torque/r^2: from 5e-4 to the figure given.
+        Its `error` is that of the period: the greatest that was found with four slots against
+        walls of 1e7 and 1e8 torque/r^2.
 
     Raises
     ------
@@ -104,7 +105,9 @@ def jam_rule(escapement: Escapement) -> JamCycle:
     close = escapement.friction < _CLOSE * limit
     error = _NEAR if close else _FAR
     near = "just above" if close else "well above"
-    message = f"friction is {near} the limit {limit:.6g}: the period is good to some {error:g} of it"
+    message = (
+        f"friction is {near} the limit {limit:.6g}: the period is good to some {error:g} of it"
+    )
     top = passed.top / clock
     return JamCycle(
         passed.time * clock, passed.speed / clock, top, tuple(passed.jams), error, message
@@ -162,7 +165,9 @@ def _push(
         atol=_RTOL,
     )  # fmt: skip
     if found.status != 1:
-        raise validate.fail("escapement", "one that moves", theta, "the drive cannot carry the load")
+        raise validate.fail(
+            "escapement", "one that moves", theta, "the drive cannot carry the load"
+        )
     last = found.y[:, -1]
     at = end if found.t_events[0].size else float(last[0])
     return at, float(last[1]), float(found.t[-1]), float(found.y[1].max())

@@ -12,6 +12,7 @@ II.10.
 import numpy as np
 from scipy.integrate import DOP853
 
+from escapement.drive import cell_of
 from escapement.engines.contact.compliant.law import (
     FREE,
     IMPULSE,
@@ -26,7 +27,6 @@ from escapement.engines.contact.compliant.law import (
     stiffest,
     stored,
 )
-from escapement.drive import cell_of
 from escapement.jit import inner_jit, jit
 
 STAGES = 12

@@ -18,8 +18,14 @@ from escapement.dynamics import is_lossless
 from escapement.engines.contact.compliant.law import STATE
 from escapement.engines.contact.compliant.simulate import MOST_STEPS, March, simulate
 from escapement.merits import TRANSIENT
-from escapement.metrics import Figures, Spread, fall_times, read_cycle, read_transient
-from escapement.metrics import transient_length
+from escapement.metrics import (
+    Figures,
+    Spread,
+    fall_times,
+    read_cycle,
+    read_transient,
+    transient_length,
+)
 from escapement.model import Escapement
 from escapement.motion import Motion
 from escapement.painleve import friction_limits
@@ -98,7 +104,7 @@ def terminal(
 
 
 def _limit(speeds: list[float]) -> float:
-    """Where three handoff speeds tend to if they approach it slowly, from one side or in turn; 0 if not so."""
+    """Where three handoff speeds tend to if they do so slowly and evenly; 0 if not so."""
     one, two, three = (speed * speed for speed in speeds)
     ratio = (three - two) / (two - one) if two != one else 0.0
     if not 0.3 < abs(ratio) < 0.999:
@@ -144,7 +150,7 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
             return replace(base, status=passed.motion.status, message=passed.motion.message)
         found.append(passed.numbers)
     columns = {name: np.array([row[name] for row in found]) for name in found[0]}
-    means = {name: float(column.mean()) for name, column in columns.items()}
+    means: dict[str, Any] = {name: float(column.mean()) for name, column in columns.items()}
     deviation = {name: float(column.std(ddof=1)) for name, column in columns.items()}
     interval = {}
     for name, column in columns.items():
@@ -168,11 +174,12 @@ def _jam_note(motion: Motion) -> str:
     own, limit = motion.escapement, friction_limits(motion.escapement)[0]
     if own.friction < limit:
         return ""
+    above = f"friction {own.friction:g} is above the Painleve limit {limit:.6g}"
     found = jams(motion)
     places = [f"{angle:.2f}" for angle in np.degrees(found.angle)]
     if not places:
-        return f"friction {own.friction:g} is above the Painleve limit {limit:.6g}, and it does not jam"
+        return f"{above}, but it does not jam"
     return (
-        f"friction {own.friction:g} is above the Painleve limit {limit:.6g}: the mechanism jams "
-        f"{', '.join(places)} degrees from dead centre for {found.duration.sum():.2g} s in all"
+        f"{above}: the mechanism jams {', '.join(places)} degrees from dead centre for "
+        f"{found.duration.sum():.2g} s in all"
     )

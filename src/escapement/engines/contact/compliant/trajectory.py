@@ -111,7 +111,9 @@ class CompliantTrajectory:
         table = self.rows.at(which, times)[: len(COLUMNS) + len(LOSSES)]
         return state_from(self.rows.escapement, t, table)
 
-    def _events(self, which: np.ndarray, time: FloatArray) -> tuple[Any, ...]:
+    def _events(
+        self, which: np.ndarray, time: FloatArray
+    ) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
         """Columns of `Events` at times between rows."""
         theta, speed = self.rows.at(which, time)[:2]
         engagement = self.rows.table[which, CELL].astype(int)
@@ -120,7 +122,7 @@ class CompliantTrajectory:
     @cached_property
     def reversals(self) -> Events:
         """Where the pin lets go of a wall and touches the other one next."""
-        first, last = self.rows.pieces
+        last = self.rows.pieces[1]
         held = np.flatnonzero(self.sign)
         turned = held[:-1][self.sign[held[1:]] * self.sign[held[:-1]] < 0.0]
         which = last[turned] - 1
@@ -137,7 +139,8 @@ class CompliantTrajectory:
         which, time = np.append(which, edge), np.append(time, self.rows.table[edge, TIME])
         top = np.append(top, behind[corners] > 0.0)
         order = np.argsort(time, kind="stable")
-        return Extrema(*self._events(which[order], time[order]), maximum=top[order])
+        events = self._events(which[order], time[order])
+        return Extrema(*events, top[order])
 
     @cached_property
     def slide_changes(self) -> Events:
@@ -163,11 +166,11 @@ class CompliantTrajectory:
         length: float = own.mechanism.crank_radius  # type: ignore[attr-defined]
         return Impacts(
             *columns,
-            wall=np.where(locked, 0.0, table[at, MODE]),
-            speed_before=columns[3],
-            approach_speed=np.where(locked, 0.0, table[at, TOUCH]) * length / self._clock,
-            impulse=self._compressions(at) * (own.torque_unit * self._clock / length),
-            energy=np.diff(taken) * own.torque_unit,
+            np.where(locked, 0.0, table[at, MODE]),
+            columns[3],
+            np.where(locked, 0.0, table[at, TOUCH]) * length / self._clock,
+            self._compressions(at) * (own.torque_unit * self._clock / length),
+            np.diff(taken) * own.torque_unit,
         )
 
     def _compressions(self, at: np.ndarray) -> FloatArray:
@@ -207,4 +210,5 @@ class CompliantTrajectory:
                 low, high = times[step, ends[:1]], times[step, ends[1:]]
             found.append(values.max())
         units = (self._clock**-2.0, self._clock**-2.0, torque, torque)
-        return np.array(found)[:, None] * np.array(units)[:, None]
+        tops: FloatArray = np.array(found)[:, None] * np.array(units)[:, None]
+        return tops
