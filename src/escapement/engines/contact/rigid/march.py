@@ -52,6 +52,27 @@ def pass_one(work, notes, case, state, step, end_time, trend, count):
     return body, code
 
 
+@inner_jit
+def _same(one, two):
+    """Whether two handoffs are in the same state to rounding: the later ones are as well."""
+    apart = 0.0
+    for i in range(1, STATE):
+        apart = max(apart, abs(one[i] - two[i]))
+    return apart <= 4e-16 * two[1]
+
+
+@inner_jit
+def _repeat(states, k, length, limit):
+    """Repeat the engagement that led to handoff k, to the end or the limit; the last handoff."""
+    for j in range(k + 1, len(states)):
+        for i in range(1, STATE):
+            states[j, i] = states[k, i]
+        states[j, 0] = states[k, 0] + (j - k) * length
+        if states[j, 0] >= limit:
+            return j
+    return len(states) - 1
+
+
 @jit(allocates=True)
 def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagement, used):
     """March engagements until `states` is full, a time is passed, or the motion ends.
@@ -97,4 +118,7 @@ def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagemen
         states[k + 1, 3], states[k + 1, 4] = body.turning, body.wall
         if end >= limit:
             return np.int64(OVER), k + 1, body.theta, end, trend
+        if constant and not notes.wanted and _same(states[k], states[k + 1]):
+            done = _repeat(states, k + 1, body.time, limit)
+            return np.int64(DONE if states[done, 0] < limit else OVER), done, 0.0, states[done, 0], trend
     return np.int64(DONE), len(states) - 1, 0.0, states[len(states) - 1, 0], trend

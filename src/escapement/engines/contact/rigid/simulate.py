@@ -74,24 +74,43 @@ def simulate(
     """
     if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "contact", rtol)
-    inputs = scene_tuple(escapement.scene), joint_of(escapement), rtol, 0
+    start = first_state(escapement, initial_speed)
+    return motion_from(escapement, start, engagements, duration, rtol, longest)
+
+
+def march_from(
+    escapement: Escapement, start: FloatArray, count: int, rtol: float, horizon: float = math.inf
+) -> tuple[int, FloatArray, float, float]:
+    """March engagements from a state: how that ends, states at handoffs, last angle and time."""
+    inputs = scene_tuple(escapement.scene), joint_of(escapement), rtol, 0, horizon, 0.0
+    states = np.empty((count + 1, STATE))
+    states[0] = start
+    none = NO_ROWS, NO_ENGAGEMENT, np.zeros(1, np.int64)
+    code, done, angle, end, _trend = march(*inputs, states, *none)
+    return code, states[: done + 1], angle, end
+
+
+def motion_from(
+    escapement: Escapement,
+    start: FloatArray,
+    engagements: int | None,
+    duration: float | None,
+    rtol: float,
+    longest: int = 1_000_000,
+) -> Motion:
+    """The motion from a state at pin entry, see `march.STATE`."""
     clock = escapement.time_unit
     horizon, size = math.inf if duration is None else duration / clock, engagements or 64
     while True:
-        states = np.empty((size + 1, STATE))
-        states[0] = first_state(escapement, initial_speed)
-        used = np.zeros(1, np.int64)
-        found = march(*inputs, horizon, 0.0, states, NO_ROWS, NO_ENGAGEMENT, used)
-        code, done, angle, end, _trend = found
+        code, states, angle, end = march_from(escapement, start, size, rtol, horizon)
         if code != DONE or duration is None:
             break
         if size >= longest:
             rule = f"at most {end * clock:.6g} s, in which {longest} engagements pass"
             raise fail("duration", rule, duration, "the figures of merit need no long motion")
         size = min(8 * size, longest)
-    status, message = outcome(code, angle, done)
-    states, end_time = states[: done + 1], float(end * clock)
-    times = states[1:, 0] * clock
+    status, message = outcome(code, angle, len(states) - 1)
+    end_time, times = float(end * clock), states[1:, 0] * clock
     if duration is not None and (status is Status.OK or end_time >= duration):
         status, message, end_time = Status.OK, MESSAGES[Status.OK], duration
         times = times[times <= duration]

@@ -109,6 +109,9 @@ def _along_wall(work, case, row, length, times, first, last, out, lost, spare, c
     while length - time > 1e-14 * length:
         scene = wall_scene(case, side, theta, way)
         limit = next_break(case, side, theta, way, scene)
+        if limit == theta:
+            # rounding has left a piece longer than the way to its end
+            break
         start = w
         found = next_panel(work, scene, side, theta, w, width, limit, STRICT, False, count)
         if found.code != GOES_ON:
@@ -150,7 +153,8 @@ def _through_flight(work, case, row, length, times, first, last, out, lost, spar
     while True:
         flight = launch(work, scene, theta, speed, phi, turning, end, count)
         part = min(flight.length, length - time)
-        while first < last and (times[first] <= time + part or part == length - time):
+        ends = not part > 0.0 or length - time - part <= 1e-14 * length
+        while first < last and (times[first] <= time + part or ends):
             since = min(max(times[first] - time, 0.0), part)
             _free_state(scene, *place_at(work, flight, since), out, first)
             first += 1
@@ -164,7 +168,7 @@ def _through_flight(work, case, row, length, times, first, last, out, lost, spar
         theta, phi, time = then, place, time + part
         speed = 0.0 if speed < 0.0 and abs(pace) <= 1e-12 else pace
         turning = 0.0 if part >= flight.rest else turn
-        if not length - time > 1e-14 * length:
+        if ends:
             break
 
 

@@ -1,0 +1,125 @@
+"""The engagement that repeats itself, and how the motion gets there.
+
+The motion itself tends to that engagement, so that it is followed, and hastened by Aitken's
+extrapolation of the speed at the handoff. Near the Painleve limit, or with rebounds, there may
+be no such engagement: then many are followed, and their spread is told.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from escapement.engines.contact.rigid.engagement import DONE
+from escapement.engines.contact.rigid.simulate import (
+    first_state,
+    march_from,
+    motion_from,
+    outcome,
+    simulate,
+)
+from escapement.mechanism import FloatArray
+from escapement.merits import TRANSIENT
+from escapement.metrics import Figures, fall_times, read_cycle, read_transient, transient_length
+from escapement.model import Escapement
+from escapement.status import Status
+
+LONGEST_TRANSIENT = 10_000
+"""Engagements of a transient that is followed."""
+_STEPS, _ROUNDS = 12, 40
+_MANY, _KEPT = 3000, 1000
+_ALIKE = 1e-5
+"""Spread of the period, over the period, up to which engagements are said to repeat."""
+
+
+def terminal(
+    escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
+) -> Figures:
+    """Figures of merit with clearance; see `escapement.terminal`."""
+    state = first_state(escapement, initial_speed)
+    for _ in range(_ROUNDS):
+        code, states, angle, _end = march_from(escapement, state, _STEPS, rtol)
+        if code != DONE:
+            # an extrapolated speed may be one that the motion itself never has
+            return _followed(escapement, base, initial_speed, rtol)
+        if _repeats(states, rtol):
+            return _figures(escapement, base, states[-1], initial_speed, rtol)
+        state = _extrapolated(states)
+    return _followed(escapement, base, initial_speed, rtol)
+
+
+def _repeats(states: FloatArray, rtol: float) -> bool:
+    """Whether the last two of these states are the same, and the ones before them nearly."""
+    changes = np.abs(np.diff(states[-3:, 1:4], axis=0)) / np.abs(states[-1, 1:4]).max()
+    return bool(changes.max() <= max(1e-3 * rtol, 1e-14))
+
+
+def _extrapolated(states: FloatArray) -> FloatArray:
+    """The state to which the last ones tend, as a geometric series."""
+    speed, before, last = states[-3:, 1]
+    one, two = before - speed, last - before
+    state = states[-1].copy()
+    ratio = two / one if one != 0.0 else 0.0
+    if abs(ratio) < 0.999 and abs(two) > 1e-15 * last:
+        to = max(last + two * ratio / (1.0 - ratio), 0.5 * last)
+        # on a wall the follower's speed is in proportion to the driver's
+        state[1], state[3] = to, state[3] * to / last
+    state[0] = 0.0
+    return state
+
+
+def _followed(
+    escapement: Escapement, base: Figures, initial_speed: float, rtol: float
+) -> Figures:
+    """The figures where no state repeats: of a motion that ends, or of many engagements."""
+    start = first_state(escapement, initial_speed)
+    code, states, angle, _end = march_from(escapement, start, _MANY, rtol)
+    if code != DONE:
+        status, message = outcome(code, angle, len(states) - 1)
+        return replace(base, status=status, message=message)
+    if _repeats(states, rtol):
+        return _figures(escapement, base, states[-1], initial_speed, rtol)
+    clock = escapement.time_unit
+    periods, speeds = np.diff(states[-_KEPT - 1 :, 0]) * clock, states[-_KEPT:, 1] / clock
+    period = float(periods.mean())
+    spread = float(np.ptp(periods) / period)
+    if spread <= _ALIKE:
+        found = _figures(escapement, base, states[-1], initial_speed, rtol)
+        return replace(found, message=f"engagements repeat to {spread:.1g} of the period")
+    message = (
+        f"the engagements do not repeat: over {_KEPT} of them the period is {periods.min():.6g} to "
+        f"{periods.max():.6g} s, {period:.6g} s in the mean, and the handoff velocity "
+        f"{speeds.min():.6g} to {speeds.max():.6g} rad/s"
+    )
+    return replace(base, status=Status.NOT_CONVERGED, message=message)
+
+
+def _figures(
+    escapement: Escapement, base: Figures, state: FloatArray, initial_speed: float, rtol: float
+) -> Figures:
+    """Figures of the engagement that begins with a state and leads back to it."""
+    state = np.append(0.0, state[1:])
+    cycle = motion_from(escapement, state, 1, None, rtol)
+    figures = replace(read_cycle(cycle, base), contraction=_contraction(escapement, state, rtol))
+    start = initial_speed / figures.handoff_velocity
+    count = transient_length(abs(figures.contraction), start)
+    if count > LONGEST_TRANSIENT:
+        message = f"{', '.join(TRANSIENT)} not given: beyond {LONGEST_TRANSIENT} engagements"
+        return replace(figures, message=message)
+    settings: dict[str, Any] = {"initial_speed": initial_speed, "rtol": rtol}
+    motion = simulate(escapement, engagements=count, duration=None, **settings)
+    rise, settled = read_transient(motion, figures)
+    most, nearly = fall_times(motion, initial_speed, figures.handoff_velocity)
+    return replace(
+        figures, rise_time=rise, settling_time=settled, rise_time_63=most, rise_time_98=nearly
+    )
+
+
+def _contraction(escapement: Escapement, state: FloatArray, rtol: float) -> float:
+    """dw_out/dw_in of an engagement, by a central difference."""
+    ends = []
+    for share in (1.0 - 1e-5, 1.0 + 1e-5):
+        changed = state * np.array([1.0, share, 1.0, share, 1.0])
+        code, states, _angle, _end = march_from(escapement, changed, 1, rtol)
+        ends.append(states[-1, 1] ** 2 if code == DONE else np.nan)
+    return float((ends[1] - ends[0]) / (4e-5 * state[1] ** 2))
