@@ -92,7 +92,10 @@ def terminal(
         if passed.motion.status is not Status.OK:
             return replace(base, status=passed.motion.status, message=passed.motion.message)
         numbers = passed.numbers
-        if last and all(abs(numbers[n] / last[n] - 1.0) <= tolerance for n in last if last[n]):
+        # where it jams the least speed is next to nothing, and says little by itself
+        scales = {"velocity_min": numbers["velocity_max"]}
+        changes = [abs(numbers[n] - last[n]) / scales.get(n, last[n]) for n in last]
+        if last and max(changes) <= tolerance:
             return _repeated(escapement, cycle, base, initial_speed, rtol)
         last = numbers
         speeds.append(numbers["handoff_velocity"])
