@@ -59,11 +59,9 @@ def test_worked_examples_come_out_to_the_digits_printed(
 def test_stiff_walls_tend_to_rigid_bodies_with_order_one_half():
     exact = esc.terminal(rigid()).period
     errors = [
-        esc.terminal(timer(stiffness=k, share=0.3), rtol=1e-8).period - exact
-        for k in (1e6, 4e6, 16e6)
+        esc.terminal(timer(stiffness=k, share=0.3), rtol=1e-8).period - exact for k in (1e6, 4e6)
     ]
-    orders = np.log(np.array(errors[:-1]) / errors[1:]) / math.log(4.0)
-    assert orders == pytest.approx(0.5, abs=0.05)
+    assert math.log(errors[0] / errors[1]) / math.log(4.0) == pytest.approx(0.5, abs=0.02)
 
 
 def test_the_error_falls_with_the_order_of_the_method():
@@ -115,7 +113,7 @@ def _judged(own, end):
 @pytest.mark.parametrize("internal", [False, True])
 def test_radau_finds_the_same_motion(internal):
     own = timer(play=1e-3, stiffness=3e3, internal=internal, pin_radius=0.05 * RADIUS)
-    end = 1.4
+    end = 0.9
     state = esc.simulate(own, duration=end * CLOCK, rtol=1e-10).at(end * CLOCK)
     found = [state.theta, state.phi, state.theta_dot * CLOCK, state.phi_dot * CLOCK]
     assert np.array(found) == pytest.approx(_judged(own, end), rel=2e-6)

@@ -15,7 +15,7 @@ from escapement.trajectory import Impacts
 
 _NEARLY_DEAD = 0.01
 """A driver slower than this share of its mean speed has nearly stopped [-]."""
-_ONE_PLACE = 1e-3
+_ONE_PLACE = 0.01
 """Stops this close together [rad] are one jam, in which the driver trembles."""
 _SAMPLES = 4000
 """Times in an engagement at which jams are looked for; a jam lasts far longer than one step."""

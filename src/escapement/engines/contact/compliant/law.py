@@ -130,7 +130,9 @@ def rates(y, mode, case, out):
         slide = (across + arm) * follower - (sine + sense * arm) * driver
         bent = mu * fading(slide, eps)
         friction = bent * force
-        reaction = np.sqrt((1.0 + bent * bent) / (1.0 + mu * mu)) * force
+        if scene.driver_journal + scene.follower_journal > 0.0:
+            # the journals' numbers hold where the pin slides with full friction
+            reaction = np.sqrt((1.0 + bent * bent) / (1.0 + mu * mu)) * force
         on_driver = friction * (sine + sense * arm) - side * force * cosine
         on_follower = side * force * radius - (across + arm) * friction
         wall = (force - elastic(depth, joint)[0]) * rate
