@@ -2,7 +2,7 @@
 
 Without drag and with a constant torque both move with constant acceleration, the follower until
 its load has brought it to rest. Otherwise a flight is cut into parts so short that speeds and
-angles are power series in time.
+angles are known from their values at the Gauss points.
 """
 
 from typing import NamedTuple
@@ -12,16 +12,18 @@ import numpy as np
 from escapement.drive import is_constant, torque_at
 from escapement.dynamics import is_drag_free
 from escapement.engines.contact.rigid.panel import B, BEND, G, PLACES, U, W, X
-from escapement.gauss import N, cumulate, integral, tail_of, to_powers
+from escapement.gauss import BARYCENTRIC, POINTS, N, cumulate, tail_of
 from escapement.jit import inner_jit
 from escapement.roots import newton_in_bracket
 
 STRIDE = 0.03
 """Greatest driver angle between two looks at the gaps [rad]."""
+PRESSING = 1e-12
+"""A pin that begins a flight at a wall strikes it at once if it is faster towards it."""
 _LONGEST = 0.25
 """Longest part of a flight with drag, in natural units."""
 _SHORTEST = 1e-7
-# rows of the workspace for the power series of a part: angles and speeds of driver and follower
+# rows of the workspace for a part: angles and speeds of driver and follower
 _THETA, _SPEED, _PHI, _TURNING = B, W, X, BEND
 
 
@@ -30,8 +32,8 @@ class Flight(NamedTuple):
 
     theta, speed, rate, phi, turning, slowing : driver and follower where it begins, and their
         accelerations. length : how long it lasts.
-    rest : time at which the follower comes to rest. half : half of the time of a power series,
-        0 of constant acceleration.
+    rest : time at which the follower comes to rest. half : half of the time of a part with drag, 0 of constant
+        acceleration.
     """
 
     theta: float
@@ -121,16 +123,12 @@ def _in_series(work, scene, theta, speed, phi, turning, end, count):
         if half <= _SHORTEST or tails <= 1e-13 * (1.0 + abs(speed)):
             break
         half *= 0.5
-    for row in (_THETA, _SPEED, _PHI, _TURNING):
-        to_powers(work[row], one)
-        for i in range(N):
-            work[row][i] = one[i]
     part = Flight(theta, speed, rate, phi, turning, slowing, 2.0 * half, np.inf, half)
     length = _passing(work, scene, part, part.length, end, 0)
     length = _passing(work, scene, part, length, 0.0, 1)
     rest = _passing(work, scene, part, length, 0.0, 2)
-    length = min(length, rest)
-    return Flight(theta, speed, rate, phi, turning, slowing, length, rest, half)
+    rest = rest if rest < length else np.inf
+    return Flight(theta, speed, rate, phi, turning, slowing, min(length, rest), rest, half)
 
 
 @inner_jit
@@ -156,24 +154,21 @@ def _passing(work, scene, part, length, goal, which):
 
 
 @inner_jit
-def _series_at(c, x):
-    value = 0.0
-    for i in range(N):
-        value = value * x + c[N - 1 - i]
-    return value
-
-
-@inner_jit
 def place_at(work, flight, t):
     """theta, theta_dot, phi and phi_dot after a time within a flight."""
     if flight.half > 0.0:
         x = t / flight.half - 1.0
-        return (
-            _series_at(work[_THETA], x),
-            _series_at(work[_SPEED], x),
-            _series_at(work[_PHI], x),
-            _series_at(work[_TURNING], x),
-        )
+        above = below = speed = phi = turning = 0.0
+        for i in range(N):
+            apart = x - POINTS[i]
+            # at a point itself a tiny distance gives that point all the weight
+            weight = BARYCENTRIC[i] / (apart if apart != 0.0 else 1e-30)
+            below += weight
+            above += weight * work[_THETA][i]
+            speed += weight * work[_SPEED][i]
+            phi += weight * work[_PHI][i]
+            turning += weight * work[_TURNING][i]
+        return above / below, speed / below, phi / below, turning / below
     theta = flight.theta + (flight.speed + 0.5 * flight.rate * t) * t
     speed, moved = flight.speed + flight.rate * t, min(t, flight.rest)
     phi = flight.phi + (flight.turning + 0.5 * flight.slowing * moved) * moved
@@ -218,10 +213,14 @@ def arrival(work, case, flight, wall):
     `wall` is the one that the pin leaves, or 0. Its gap must have opened before it counts.
     """
     length, play = flight.length, case.play
-    stride = STRIDE / max(abs(flight.speed), np.sqrt(STRIDE * abs(flight.rate)))
+    # D bends on the scale of an angle whose cube is the play
+    stride = min(STRIDE, 0.5 * np.cbrt(play))
+    stride /= max(abs(flight.speed), np.sqrt(stride * abs(flight.rate)))
     step = min(length, _first_look(case, flight, wall, stride) if wall != 0.0 else stride)
     t, opened, least = 0.0, wall == 0.0, 1e-6 * stride
     place, pace = _ahead_after(case, work, flight, 0.0)
+    if wall * pace > PRESSING:
+        return 0.0, wall
     while t < length:
         after = min(t + step, length)
         there, then = _ahead_after(case, work, flight, after)
@@ -236,15 +235,17 @@ def arrival(work, case, flight, wall):
             time = after
             if side == leaves:
                 continue
-            if side * there < play and side * pace > 0.0 and side * then < 0.0:
-                # between two looks the pin may have gone to the wall and back
-                bend = (then - pace) / (after - t)
-                time = t - pace / bend
-                there_, then_ = _ahead_after(case, work, flight, time)
-                if not side * there_ >= play:
+            if side * there < play:
+                if not (side * pace > 0.0 and side * then < 0.0):
                     continue
-            elif side * there < play:
-                continue
+                # between two looks the pin may have gone to the wall and back: the tangents
+                # there meet above any height that it reaches
+                meet = (side * (there - place) - side * then * (after - t)) / (side * (pace - then))
+                if side * (place + pace * meet) < play:
+                    continue
+                time = _summit(work, case, flight, side, t, after)
+                if side * _ahead_after(case, work, flight, time)[0] < play:
+                    continue
             time = _touching(work, case, flight, side, t, time)
             if time < found:
                 found, struck = time, side
@@ -253,6 +254,18 @@ def arrival(work, case, flight, wall):
         t, place, pace = after, there, then
         step = min(stride, 1.7 * step)
     return length, 0.0
+
+
+@inner_jit
+def _summit(work, case, flight, side, low, high):
+    """Time between two looks at which D is greatest on a side, by halving."""
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if side * _ahead_after(case, work, flight, middle)[1] > 0.0:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 @inner_jit

@@ -33,7 +33,7 @@ def workspace():
 @inner_jit
 def tail_for(rtol):
     """The tail that a panel may have; integrals over it are as exact as the square of that."""
-    return min(3.0 * np.sqrt(rtol), 1e-3)
+    return min(0.3 * np.sqrt(rtol), 1e-4)
 
 
 @inner_jit(allocates=True)

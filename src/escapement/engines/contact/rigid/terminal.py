@@ -27,7 +27,7 @@ from escapement.status import Status
 LONGEST_TRANSIENT = 10_000
 """Engagements of a transient that is followed."""
 _STEPS, _ROUNDS = 12, 40
-_MANY, _KEPT = 3000, 1000
+_MANY, _KEPT = 1000, 500
 _ALIKE = 1e-5
 """Spread of the period, over the period, up to which engagements are said to repeat."""
 
