@@ -20,7 +20,7 @@ from escapement.status import MESSAGES, Status
 
 LONGEST = 2000
 """Engagements of one motion: each takes up to a megabyte."""
-MOST_STEPS = 3_000_000
+MOST_STEPS = 6_000_000
 """Steps of one motion; they take some seconds."""
 SLIP = 1e-4
 """Slip speed where none is given, in crank radii over sqrt(I_f/torque)."""
