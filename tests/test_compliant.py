@@ -245,6 +245,7 @@ def test_stiffness_of_a_line_contact_is_that_of_its_stresses():
 @pytest.mark.parametrize(
     ("other", "match"),
     [
+        ({"stiffness": 100.0}, "stiffness must be at least 1e"),
         ({"restitution": 0.3}, "restitution must be 0 with linear walls"),
         ({"contact_law": "hunt-crossley", "damping": 0.0}, "damping must be greater than 0"),
     ],

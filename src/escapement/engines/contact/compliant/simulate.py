@@ -22,6 +22,8 @@ LONGEST = 2000
 """Engagements of one motion: each takes up to a megabyte."""
 MOST_STEPS = 6_000_000
 """Steps of one motion; they take some seconds."""
+SOFTEST = 1e3
+"""Least stiffness [torque/r^2]."""
 SLIP = 1e-4
 """Slip speed where none is given, in crank radii over sqrt(I_f/torque)."""
 _BLOCK = 32_768
@@ -35,6 +37,12 @@ _STIFF = (
 def joint_of(escapement: Escapement) -> Joint:
     """The joint of an escapement, with a slip speed."""
     joint = escapement.joint
+    if joint.stiffness < SOFTEST:
+        least = SOFTEST * escapement.stiffness / joint.stiffness
+        raise InvalidValue(
+            f"stiffness must be at least {least:.6g} N/m here, got {escapement.stiffness!r}; a pin "
+            "would sink into a softer wall by more than a thousandth of the crank radius"
+        )
     if escapement.restitution > 0.0 and not joint.hertz:
         raise InvalidValue(
             f"restitution must be 0 with linear walls, got {escapement.restitution!r}; "

@@ -34,7 +34,7 @@ from escapement.status import MESSAGES, Status
 SETTLE = 60
 """Engagements after which a motion that does not repeat itself is taken for one that never does."""
 SAMPLE = 120
-"""Engagements over which means are taken then."""
+"""Engagements over which means are taken then; fewer where their steps are used up."""
 BATCHES = 10
 """Batches of them whose means give the intervals."""
 _STUDENT = 2.262
@@ -146,30 +146,35 @@ def _repeated(
 
 def _spread(cycle: _Cycle, base: Figures) -> Figures:
     """Means of engagements that do not repeat themselves."""
-    found: list[dict[str, float]] = []
-    for _ in range(SAMPLE):
-        passed = cycle.engage()
-        if passed.motion.status is not Status.OK:
-            return replace(base, status=passed.motion.status, message=passed.motion.message)
-        found.append(passed.numbers)
-    columns = {name: np.array([row[name] for row in found]) for name in found[0]}
+    passed: list[_Passed] = []
+    while len(passed) < SAMPLE:
+        one = cycle.engage()
+        if one.motion.status is not Status.OK:
+            if one.motion.status is Status.NOT_CONVERGED and len(passed) >= 2 * BATCHES:
+                # the steps are used up, and these engagements are enough
+                break
+            return replace(base, status=one.motion.status, message=one.motion.message)
+        passed.append(one)
+    count, last = len(passed) // BATCHES * BATCHES, passed[-1].motion
+    rows = [one.numbers for one in passed[:count]]
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     means: dict[str, Any] = {name: float(column.mean()) for name, column in columns.items()}
     deviation = {name: float(column.std(ddof=1)) for name, column in columns.items()}
     interval = {}
     for name, column in columns.items():
         batches = column.reshape(BATCHES, -1).mean(axis=1)
         interval[name] = float(_STUDENT * batches.std(ddof=1) / math.sqrt(BATCHES))
-    spread = Spread(SAMPLE, deviation, interval)
+    spread = Spread(count, deviation, interval)
     share = interval["period"] / means["period"]
     message = (
-        f"the engagements do not repeat themselves: the figures are means over {SAMPLE} of them, "
+        f"the engagements do not repeat themselves: the figures are means over {count} of them, "
         f"of the period within {share:.2g} of it (95 %), and the rest are those of the last one"
     )
-    cell = passed.motion.escapement.mechanism.cell_angle
-    if note := _jam_note(passed.motion):
+    cell = last.escapement.mechanism.cell_angle
+    if note := _jam_note(last):
         message = f"{message}; {note}"
     means["velocity_mean"] = cell / means["period"]
-    return replace(base, **means, motion=passed.motion, spread=spread, message=message)
+    return replace(base, **means, motion=last, spread=spread, message=message)
 
 
 def _jam_note(motion: Motion) -> str:
