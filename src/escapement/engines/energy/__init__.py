@@ -26,7 +26,7 @@ J theta_ddot = 1 - p (g' w + load) is `dynamics.net_torque`, and dt/dx = theta'/
 
 Files, in the order in which they are best read:
 
-    gauss      sixteen Gauss points: integrals, interpolation, tails, roots
+    gauss      (escapement.gauss) sixteen Gauss points: integrals, interpolation, tails, roots
     panels     a panel, the chain of panels of an engagement, and how one is halved
     cells      g, |u| and g' on the first halvings of each interval, tabulated once
     sampling   E, w, X, J theta_ddot and dt/dx at the points, and the signs they have there

@@ -7,8 +7,8 @@ of cell k.
 
 import numpy as np
 
-from escapement.gauss import POINTS, N
 from escapement.engines.energy.panels import END, ROW, WORKSPACE, fill_end, record_dtype
+from escapement.gauss import POINTS, N
 from escapement.jit import jit
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.slotted import transmission_on

@@ -11,7 +11,6 @@ import numpy as np
 from escapement.drive import torque_at
 from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.engines.energy import panels
-from escapement.gauss import POINTS, N, cumulate, dot
 from escapement.engines.energy.locate import locate, weights_to
 from escapement.engines.energy.panels import (
     FLAG,
@@ -24,6 +23,7 @@ from escapement.engines.energy.panels import (
 )
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
+from escapement.gauss import POINTS, N, cumulate, dot
 from escapement.jit import inner_jit
 
 

@@ -19,6 +19,15 @@ from escapement.dynamics import (
     root_of,
 )
 from escapement.engines.energy import sampling
+from escapement.engines.energy.panels import points_of, solution_of
+from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, NEGLIGIBLE
+from escapement.engines.energy.solve import (
+    MOST_STEPS,
+    fill_bend,
+    refresh_roots,
+    solve_linear,
+    solve_side,
+)
 from escapement.gauss import (
     BARYCENTRIC,
     FROM_LEFT,
@@ -28,15 +37,6 @@ from escapement.gauss import (
     dot,
     root_between,
     to_powers,
-)
-from escapement.engines.energy.panels import points_of, solution_of
-from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, NEGLIGIBLE
-from escapement.engines.energy.solve import (
-    MOST_STEPS,
-    fill_bend,
-    refresh_roots,
-    solve_linear,
-    solve_side,
 )
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at

@@ -21,7 +21,6 @@ from escapement.engines.energy.events import (
     note,
     note_extremum,
 )
-from escapement.gauss import N
 from escapement.engines.energy.passage import (
     NOWHERE,
     Detail,
@@ -33,6 +32,7 @@ from escapement.engines.energy.passage import (
 )
 from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, FIRST_POINT, NEGLIGIBLE
 from escapement.engines.energy.solve import slope_of_w, solve_side, solve_start
+from escapement.gauss import N
 from escapement.jit import inner_jit
 from escapement.status import Status
 

@@ -14,9 +14,9 @@ from escapement.dynamics import (
     reduced_inertia,
     root_of,
 )
-from escapement.gauss import POINTS, N, dot
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.panels import points_of
+from escapement.gauss import POINTS, N, dot
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
 

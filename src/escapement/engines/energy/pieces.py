@@ -14,7 +14,6 @@ from escapement.dynamics import LOSSES, losses_per_angle, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
-from escapement.gauss import WEIGHTS, N, cumulate, dot
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
@@ -22,6 +21,7 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import slope_of_w, solve_side
+from escapement.gauss import WEIGHTS, N, cumulate, dot
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.roots import newton_in_bracket

@@ -8,6 +8,7 @@ which of these it asks of which panel.
 import numpy as np
 
 from escapement.dynamics import bend, contact, is_viscous, net_torque, root_of
+from escapement.engines.energy.panels import points_of
 from escapement.gauss import (
     LAST_BUT_ONE_COEFFICIENT,
     LAST_COEFFICIENT,
@@ -15,7 +16,6 @@ from escapement.gauss import (
     WEIGHTS,
     N,
 )
-from escapement.engines.energy.panels import points_of
 from escapement.jit import inner_jit
 
 # These are the distances in x of an end of the panel from the two points next to it.

@@ -20,7 +20,6 @@ from escapement.dynamics import (
     reduced_inertia,
     signed_loss,
 )
-from escapement.gauss import POINTS, N, cumulate, integral, tail_of
 from escapement.engines.energy.panels import (
     UNSOLVED,
     copy_end,
@@ -30,6 +29,7 @@ from escapement.engines.energy.panels import (
     solution_of,
 )
 from escapement.engines.energy.sampling import bend_at, net_torque_at
+from escapement.gauss import POINTS, N, cumulate, integral, tail_of
 from escapement.jit import inner_jit
 
 # The error of b is judged against at least the decay that this value in place of

@@ -113,8 +113,6 @@ def strike(case, side, theta, speed, turning):
             turning = np.copysign(TINY, b) if body == 2 else turning
         if event == _STICK or stuck:
             sliding = 0.0
-            hold = _sticking(
-                scene, side, g, radius, slide, by_speed, by_turning, speed, turning
-            )
+            hold = _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turning)
             stuck, f = abs(hold) <= mu, hold if abs(hold) <= mu else mu * np.sign(hold)
     return Blow(speed, turning, approach, impulse, False, False)

@@ -21,7 +21,6 @@ from escapement.engines.contact.rigid.panel import (
     PLACES,
     SMALLEST,
     STOPS,
-    X,
     law_at,
     next_panel,
 )

@@ -11,7 +11,7 @@ import numpy as np
 
 from escapement.drive import is_constant, torque_at
 from escapement.dynamics import is_drag_free
-from escapement.engines.contact.rigid.panel import B, BEND, G, PLACES, U, W, X
+from escapement.engines.contact.rigid.panel import BEND, PLACES, B, G, U, W, X
 from escapement.gauss import BARYCENTRIC, POINTS, N, cumulate, tail_of
 from escapement.jit import inner_jit
 from escapement.roots import newton_in_bracket
@@ -32,8 +32,8 @@ class Flight(NamedTuple):
 
     theta, speed, rate, phi, turning, slowing : driver and follower where it begins, and their
         accelerations. length : how long it lasts.
-    rest : time at which the follower comes to rest. half : half of the time of a part with drag, 0 of constant
-        acceleration.
+    rest : time at which the follower comes to rest.
+    half : half of the length of a part with drag, 0 of constant acceleration.
     """
 
     theta: float

@@ -7,7 +7,6 @@ from escapement.dynamics import scene_of
 from escapement.engines.contact.rigid.engagement import (
     DONE,
     OVER,
-    ROW,
     Body,
     Notes,
     engage,
@@ -58,7 +57,7 @@ def _same(one, two):
     apart = 0.0
     for i in range(1, STATE):
         apart = max(apart, abs(one[i] - two[i]))
-    return apart <= 4e-16 * two[1]
+    return apart <= 4e-15 * two[1]
 
 
 @inner_jit
@@ -120,5 +119,11 @@ def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagemen
             return np.int64(OVER), k + 1, body.theta, end, trend
         if constant and not notes.wanted and _same(states[k], states[k + 1]):
             done = _repeat(states, k + 1, body.time, limit)
-            return np.int64(DONE if states[done, 0] < limit else OVER), done, 0.0, states[done, 0], trend
+            return (
+                np.int64(DONE if states[done, 0] < limit else OVER),
+                done,
+                0.0,
+                states[done, 0],
+                trend,
+            )
     return np.int64(DONE), len(states) - 1, 0.0, states[len(states) - 1, 0], trend

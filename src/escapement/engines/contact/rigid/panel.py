@@ -102,6 +102,9 @@ def solve_panel(work, scene, side, left, width, w, count):
         at_end = np.exp(-integral(work[DECAY], count)) * (energy + integral(work[GAIN], count))
         if not (viscous and change > 1e-14):
             break
+        # drag that is linear about no speed would grow without bound
+        if not change < 1e6:
+            return Panel(STOPS, left, width, 0.0, 0.0, 1.0)
     right = pose_at(scene.path, left + width)[0]
     at_end /= scene.rho + right * right
     slowest, greatest = at_end, energy
@@ -132,7 +135,8 @@ def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
     elif abs(width) > 0.5 * abs(span):
         width = 0.5 * span
     found = solve_panel(work, scene, side, theta, width, w, count)
-    while found.code != GOES_ON or found.tail > tail:
+    # a tail that is NaN is no small one
+    while found.code != GOES_ON or not found.tail <= tail:
         if abs(width) < SMALLEST:
             break
         width *= 0.5

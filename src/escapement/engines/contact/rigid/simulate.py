@@ -116,6 +116,4 @@ def motion_from(
         times = times[times <= duration]
     speeds = states[1 : times.size + 1, 1] / clock
     trajectory = RigidTrajectory(escapement, rtol, states, end_time)
-    return Motion(
-        escapement, "contact", rtol, trajectory, end_time, times, speeds, status, message
-    )
+    return Motion(escapement, "contact", rtol, trajectory, end_time, times, speeds, status, message)

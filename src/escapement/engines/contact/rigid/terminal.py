@@ -38,7 +38,7 @@ def terminal(
     """Figures of merit with clearance; see `escapement.terminal`."""
     state = first_state(escapement, initial_speed)
     for _ in range(_ROUNDS):
-        code, states, angle, _end = march_from(escapement, state, _STEPS, rtol)
+        code, states, _angle, _end = march_from(escapement, state, _STEPS, rtol)
         if code != DONE:
             # an extrapolated speed may be one that the motion itself never has
             return _followed(escapement, base, initial_speed, rtol)
@@ -58,7 +58,7 @@ def _extrapolated(states: FloatArray) -> FloatArray:
     """The state to which the last ones tend, as a geometric series."""
     speed, before, last = states[-3:, 1]
     one, two = before - speed, last - before
-    state = states[-1].copy()
+    state = np.array(states[-1])
     ratio = two / one if one != 0.0 else 0.0
     if abs(ratio) < 0.999 and abs(two) > 1e-15 * last:
         to = max(last + two * ratio / (1.0 - ratio), 0.5 * last)
@@ -68,9 +68,7 @@ def _extrapolated(states: FloatArray) -> FloatArray:
     return state
 
 
-def _followed(
-    escapement: Escapement, base: Figures, initial_speed: float, rtol: float
-) -> Figures:
+def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol: float) -> Figures:
     """The figures where no state repeats: of a motion that ends, or of many engagements."""
     start = first_state(escapement, initial_speed)
     code, states, angle, _end = march_from(escapement, start, _MANY, rtol)

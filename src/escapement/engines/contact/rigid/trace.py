@@ -3,9 +3,16 @@
 import numpy as np
 
 from escapement.drive import cell_of, torque_at
-from escapement.dynamics import bend, dragged_slope, losses_per_angle, root_of, scene_of
+from escapement.dynamics import (
+    bend,
+    dragged_slope,
+    losses_per_angle,
+    net_torque,
+    reduced_inertia,
+    root_of,
+    scene_of,
+)
 from escapement.dynamics import contact as contact_of
-from escapement.dynamics import net_torque, reduced_inertia
 from escapement.engines.contact.rigid.engagement import LOCKED, WALL, follower_on
 from escapement.engines.contact.rigid.flight import (
     driver_rate,

@@ -75,13 +75,14 @@ class RigidTrajectory:
         kept = rows["time"][: used[0]] <= end
         return rows[: used[0]][kept], engagement[: used[0]][kept]
 
-    def _events(self, kind: int) -> tuple[Any, ...]:
-        """Columns of `Events` for the rows of a kind, and the rows."""
+    def _events(self, kind: int) -> tuple[dict[str, Any], np.ndarray]:
+        """Columns of `Events` by name for the rows of a kind, and the rows."""
         rows, engagement = self._happened
         chosen = rows["kind"] == kind
         rows, engagement, clock = rows[chosen], engagement[chosen], self.escapement.time_unit
         theta = rows["theta"] + engagement * self.escapement.mechanism.cell_angle
-        return (engagement, rows["time"] * clock, theta, rows["speed"] / clock), rows
+        columns = {"engagement": engagement, "time": rows["time"] * clock, "theta": theta}
+        return columns | {"theta_dot": rows["speed"] / clock}, rows
 
     @cached_property
     def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
@@ -108,18 +109,18 @@ class RigidTrajectory:
     @cached_property
     def reversals(self) -> Events:
         """Every instant at which the pin lifts off a wall, because the force becomes zero."""
-        return Events(*self._events(LIFT)[0])
+        return Events(**self._events(LIFT)[0])
 
     @cached_property
     def slide_changes(self) -> Events:
         """Every instant at which the contact point changes its sense of sliding on a wall."""
-        return Events(*self._events(SLIDE)[0])
+        return Events(**self._events(SLIDE)[0])
 
     @cached_property
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed."""
         columns, rows = self._events(EXTREMUM)
-        return Extrema(*columns, maximum=rows["before"] > 0.0)
+        return Extrema(**columns, maximum=rows["before"] > 0.0)
 
     @cached_property
     def impacts(self) -> Impacts:
@@ -128,7 +129,7 @@ class RigidTrajectory:
         own, wheel = self.escapement, self.escapement.mechanism
         length, clock, torque = wheel.crank_radius, own.time_unit, own.torque_unit  # type: ignore[attr-defined]
         return Impacts(
-            *columns,
+            **columns,
             wall=rows["wall"],
             speed_before=rows["before"] / clock,
             approach_speed=rows["approach"] * length / clock,
@@ -159,6 +160,12 @@ class RigidTrajectory:
     def load_work(self) -> FloatArray:
         """Work that the load takes over each piece [J]."""
         return np.asarray(self._work[:, -1])
+
+    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
+        found = self.states_at(np.full(t.shape, piece), t)
+        cell = self.escapement.mechanism.cell_angle
+        return found.theta - self.engagement[piece] * cell, found.theta_dot
 
     def states_at(self, pieces: np.ndarray, t: FloatArray) -> State:
         """State at times [s] within pieces of these indices."""

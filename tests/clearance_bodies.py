@@ -1,0 +1,141 @@
+"""Driver and follower with clearance, integrated in time as two bodies by solve_ivp.
+
+Nothing of the package's law is used: the equations are those of Newton and Euler, with the
+force of the contact as a third unknown and the distance from the wall as its constraint.
+"""
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+
+class TwoBodies:
+    """An external or internal wheel in natural units; lengths in crank radii."""
+
+    def __init__(self, timer, chatter):
+        wheel, clock = timer.mechanism, timer.time_unit
+        self.sense = 1.0 if wheel.internal else -1.0
+        self.centre, self.exit = wheel.centre_distance, wheel.engagement_angle / 2.0
+        self.play = 0.5 * wheel.clearance / wheel.crank_radius
+        self.pin = wheel.pin_radius / wheel.crank_radius
+        self.inertia = np.array([timer.inertia.driver / timer.inertia.follower, 1.0])
+        self.drive, self.load = 1.0, timer.load_torque / timer.torque
+        self.friction, self.bounce = timer.friction, timer.restitution
+        self.step, self.clock, self.chatter = wheel.follower_step, clock, chatter
+
+    def directions(self, side, q, v):
+        """Generalised directions of the normal force and of friction, D, and the sliding speed."""
+        theta, phi = q
+        pin = self.centre + self.sense * np.exp(1j * self.sense * theta)
+        rate = 1j * np.exp(1j * self.sense * theta)
+        if self.sense < 0:
+            rate = 1j * np.exp(-1j * theta)
+        along, across = np.exp(1j * phi), 1j * np.exp(1j * phi)
+        dot = lambda a, b: (a.conjugate() * b).real  # noqa: E731
+        touch = side * self.pin
+        ahead = dot(across, pin)
+        normal = side * np.array([-dot(across, rate), dot(along, pin)])
+        # the pin's body turns by `sense` per driver radian; friction acts where it touches
+        driver = dot(along, rate) - self.sense * touch
+        tangent = np.array([-driver, -(ahead + touch)])
+        return normal, tangent, ahead, -tangent @ v
+
+    def accelerations(self, side, q, v, sense=0.0):
+        """theta_ddot, phi_ddot and the normal force on a wall; of no wall without force.
+
+        `sense` is the sign of the sliding speed, 0 where it is to be found.
+        """
+        force = np.array([self.drive, -self.load * np.sign(v[1])])
+        if side == 0.0:
+            return force / self.inertia, 0.0
+        normal, tangent, _ahead, sliding = self.directions(side, q, v)
+        way = sense or np.sign(sliding)
+        by_force = (normal + self.friction * way * tangent) / self.inertia
+        # the derivative of the normal speed at constant speeds, by a central difference
+        h = 1e-6
+        ends = [self.directions(side, q + s * h * v, v)[0] @ v for s in (1, -1, 2, -2)]
+        bend = (8.0 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12.0 * h)
+        push = -(bend + normal @ (force / self.inertia)) / (normal @ by_force)
+        return force / self.inertia + by_force * push, push
+
+    def piece(self, side, sense, t, q, v):
+        """Integrate to the first of the `ends` of a flight, or of a contact that slides one way."""
+        ends = self.ends(side, sense, v)
+
+        def rates(_t, y):
+            return [*y[2:], *self.accelerations(side, y[:2], y[2:], sense)[0]]
+
+        events = [lambda t, y, f=f: f(y[:2], y[2:]) for f in ends]
+        for event in events:
+            event.terminal, event.direction = True, -1
+        settings = {"rtol": 1e-12, "atol": 1e-14, "method": "DOP853", "max_step": 0.05}
+        y = np.array([*q, *v])
+        # what is zero at the start counts only once it has become positive
+        for step in (2e-4, 2e-5, 2e-6, 2e-7):
+            short = solve_ivp(rates, (t, t + step), y, **settings).y[:, -1]
+            if min(f(short[:2], short[2:]) for f in ends) > 0.0:
+                t, y = t + step, short
+                break
+        found = solve_ivp(rates, (t, t + 20.0), y, events=events, **settings)
+        which = int(np.flatnonzero([times.size for times in found.t_events])[0])
+        return which, found.t[-1], found.y[:2, -1], found.y[2:, -1]
+
+    def ends(self, side, sense, v):
+        """Functions that fall to zero where a flight (`side` 0) or a contact ends."""
+        way = np.sign(v[1])
+
+        def gap(wall):
+            return lambda q, v: self.play - wall * self.directions(wall, q, v)[2]
+
+        out = lambda q, v: self.exit - q[0]  # noqa: E731
+        if side == 0.0:
+            rests = [lambda q, v: way * v[1]] if way and self.load > 0.0 else []
+            return [out, gap(1.0), gap(-1.0), *rests]
+        force = lambda q, v: self.accelerations(side, q, v, sense)[1]  # noqa: E731
+        return [out, force, lambda q, v: sense * self.directions(side, q, v)[3]]
+
+    def blow(self, side, q, v):
+        """Speeds behind a blow: impulse in the direction of the normal, with Coulomb friction."""
+        normal, tangent, _ahead, _sliding = self.directions(side, q, v)
+        total, goal, held = 0.0, np.inf, None
+        while True:
+            sliding = -tangent @ v
+            share = self.friction * np.sign(sliding) if held is None else held
+            change = (normal + share * tangent) / self.inertia
+            to_end = goal - total if goal < np.inf else -(normal @ v) / (normal @ change)
+            to_stick = np.inf if held is not None else sliding / (tangent @ change)
+            if 1e-15 < to_stick < to_end:
+                v, total = v + change * to_stick, total + to_stick
+                own = tangent / self.inertia
+                hold = -(normal @ own) / (tangent @ own)
+                if abs(hold) <= self.friction:
+                    held = hold
+                continue
+            v, total = v + change * to_end, total + to_end
+            if goal < np.inf:
+                return v, True
+            if self.bounce * (normal @ change) * total <= self.chatter:
+                return v, False
+            goal = (1.0 + self.bounce) * total
+
+    def run(self, engagements, speed=0.0):
+        """Times [s] and driver speeds [rad/s] at handoffs of a continuous wheel."""
+        t, v, side = 0.0, np.array([speed * self.clock, 0.0]), 0.0
+        pin = self.centre + self.sense * np.exp(-1j * self.sense * self.exit)
+        q, found, sense = np.array([-self.exit, np.angle(pin)]), [], 0.0
+        while len(found) < engagements:
+            which, t, q, v = self.piece(side, sense, t, q, v)
+            sense = -sense if which == 2 else np.sign(self.directions(side, q, v)[3])
+            if which == 0:
+                found.append((t * self.clock, v[0] / self.clock))
+                q, side = q - np.array([2.0 * self.exit, self.step]), 0.0
+            elif side == 0.0 and which == 3:
+                v[1] = 0.0
+            elif side == 0.0:
+                side = 1.0 if which == 1 else -1.0
+                v, bounces = self.blow(side, q, v)
+                sense = np.sign(self.directions(side, q, v)[3])
+                if bounces or self.accelerations(side, q, v)[1] <= 0.0:
+                    side = 0.0
+            elif which == 1:
+                side = 0.0
+        return np.array(found).T

@@ -1,0 +1,237 @@
+"""Clearance with rigid impact: PHYSICS_REAL's example, an independent time integration, laws."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import escapement as esc
+from clearance_bodies import TwoBodies
+from escapement.engines.contact.rigid.blow import CHATTER
+from escapement.errors import InvalidValue
+from escapement.painleve import friction_limits
+from escapement.status import Status
+from escapement.units import INCH_POUND
+
+RADIUS = 0.01
+
+
+def timer(play=5e-4, friction=0.3, slots=4, **given):
+    """Meyer's four slots at K = .10, with a play of so many crank radii on each side."""
+    own = {name: given.pop(name) for name in ("internal", "pins", "pin_radius") if name in given}
+    wheel = esc.Geneva(slots, crank_radius=RADIUS, clearance=2.0 * play * RADIUS, **own)
+    inertia = esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
+    return esc.Escapement(wheel, inertia, 0.1 * INCH_POUND, friction, **given)
+
+
+def random_timer(rng, effects=True):
+    """An escapement with clearance below its limit of friction."""
+    slots, inside = int(rng.integers(3, 9)), bool(rng.random() < 0.25)
+    own, torque = 5e-6, 0.01
+    clock, model, pin = (
+        math.sqrt(own / torque),
+        {"restitution": rng.choice([0, 0.6]) * rng.random()},
+        0,
+    )
+    if effects and rng.random() < 0.7:
+        pin = rng.uniform(0.02, 0.1) * RADIUS
+        model |= {
+            "load_torque": rng.uniform(0.0, 0.1) * torque,
+            "driver_bearing_torque": rng.uniform(0.0, 0.1) * torque,
+            "follower_bearing_friction": 0.1,
+            "follower_bearing_radius": 0.05 * RADIUS,
+            "driver_bearing_friction": 0.1,
+            "driver_bearing_radius": 0.05 * RADIUS,
+        }
+        if rng.random() < 0.4:
+            model |= {"driver_drag": 0.02 * own, "follower_viscous": 0.02 * own / clock}
+        if rng.random() < 0.2:
+            model["spring_rate"] = 0.005 * torque
+    wheel = esc.Geneva(
+        slots, 1 if inside else None, inside, RADIUS, pin_radius=pin,
+        clearance=2.0 * RADIUS * 10.0 ** rng.uniform(-5.0, -2.0),
+    )  # fmt: skip
+    inertia = esc.Inertia(own * 10.0 ** rng.uniform(-1.5, 0.5), own)
+    limit = friction_limits(esc.Escapement(wheel, inertia, torque, **model))[0]
+    return esc.Escapement(wheel, inertia, torque, rng.random() * min(limit, 1.2), **model)
+
+
+def ahead(drive, motion, state, pieces):
+    """D, the place of the pin beside the slot's line, from the angles alone [crank radii]."""
+    wheel, engagement = drive.mechanism, motion.trajectory.engagement[pieces]
+    theta = state.theta - engagement * wheel.cell_angle
+    phi = state.phi - engagement * wheel.follower_step
+    crank = 1.0 if wheel.internal else -1.0
+    x = wheel.centre_distance + crank * np.cos(theta)
+    return np.sin(theta) * np.cos(phi) - x * np.sin(phi), theta
+
+
+def test_the_worked_example():
+    drive = timer()
+    cycle = esc.terminal(drive)
+    assert cycle.status is Status.OK
+    assert_allclose(cycle.period, 0.0416654823, rtol=0, atol=6e-11)
+    assert_allclose(cycle.velocity_max, 130.121920, rtol=0, atol=6e-7)
+    assert_allclose(cycle.velocity_min, 18.4160227, rtol=0, atol=6e-8)
+    assert_allclose(cycle.handoff_velocity, 85.9951334, rtol=0, atol=6e-8)
+    blows = cycle.motion.impacts
+    assert blows.wall.tolist() == [1.0, -1.0]
+    assert_allclose(np.degrees(blows.theta), [-42.4907, 28.5776], rtol=0, atol=6e-5)
+    assert_allclose(np.degrees(cycle.reversal_angles), [24.4721], rtol=0, atol=6e-5)
+    before = cycle.motion.within(
+        cycle.motion.trajectory.sign.tolist().index(-1.0) - 1, blows.time[1]
+    )
+    kinetic = 0.5 * (drive.inertia.driver * before.theta_dot**2)
+    kinetic += 0.5 * drive.inertia.follower * before.phi_dot**2
+    assert_allclose(blows.energy[1] / kinetic, 0.086, atol=6e-4)
+    assert cycle.blow_max == blows.energy.max()
+
+
+def test_clearance_to_zero_gives_the_engine_without():
+    wheel = esc.Geneva(4, crank_radius=RADIUS)
+    ideal = esc.terminal(esc.Escapement(wheel, timer().inertia, timer().torque, 0.3)).period
+    plays = np.array([1e-4, 1e-5, 1e-6, 1e-7])
+    error = np.array([esc.terminal(timer(play)).period for play in plays]) / ideal - 1.0
+    order = np.diff(np.log(error)) / np.diff(np.log(plays))
+    assert_allclose(order, 1.0, atol=0.02)
+    assert 7.0 < error[-1] / plays[-1] < 8.0
+
+
+@pytest.mark.parametrize(
+    ("given", "rtol"),
+    [
+        ({}, 1e-9),
+        ({"pin_radius": 0.08 * RADIUS, "friction": 0.2}, 1e-9),
+        ({"slots": 6, "load_torque": 0.05 * 0.1 * INCH_POUND, "play": 1e-3}, 1e-9),
+        # rounding decides whether a rebound as slow as the stated speed counts
+        ({"restitution": 0.05, "play": 5e-3}, 1e-6),
+    ],
+)
+def test_two_bodies_in_time_agree(given, rtol):
+    drive = timer(**given)
+    motion = esc.simulate(drive, 2, initial_speed=20.0)
+    times, speeds = TwoBodies(drive, CHATTER).run(2, 20.0)
+    assert_allclose(motion.handoff_times, times, rtol=rtol)
+    assert_allclose(motion.handoff_velocities, speeds, rtol=rtol)
+
+
+def test_energy_momentum_and_walls():
+    rng = np.random.default_rng(20)
+    for _ in range(60):
+        drive = random_timer(rng)
+        motion = esc.simulate(drive, 4)
+        assert abs(motion.ledger.residual) < 1e-10
+        trajectory = motion.trajectory
+        bounds = np.append(trajectory.start, motion.end_time)
+        pieces = np.arange(trajectory.start.size)
+        times = bounds[:-1] + np.linspace(0.0, 1.0, 7)[:, None] * np.diff(bounds)
+        state = motion.within(pieces, times)
+        place, theta = ahead(drive, motion, state, pieces)
+        free = theta <= drive.mechanism.breaks[-1]
+        assert np.abs(place[free]).max() <= drive.joint.play + 1e-13
+        blows = motion.impacts
+        assert (blows.energy >= -1e-15 * motion.ledger.work).all()
+        assert (np.array([blows.approach_speed, blows.impulse]) >= 0.0).all()
+
+
+def test_impulse_and_momentum_without_friction():
+    # a blow without friction: I_f d(phi_dot) = s R P and I_d d(theta_dot) = - s g R P
+    drive = timer(friction=0.0, restitution=0.3)
+    motion = esc.simulate(drive, 3)
+    blows, start = motion.impacts, motion.trajectory.start
+    piece = np.array([np.flatnonzero(start == t)[-1] for t in blows.time])
+    before, behind = (motion.within(piece - k, blows.time) for k in (1, 0))
+    gained = drive.inertia.follower * (behind.phi_dot - before.phi_dot)
+    lost = drive.inertia.driver * (blows.speed_before - blows.theta_dot)
+    theta = blows.theta - blows.engagement * drive.mechanism.cell_angle
+    offset, found = blows.wall * drive.joint.play, drive.mechanism.transmission(theta)
+    lever = np.sqrt(drive.mechanism.radius(theta) ** 2 - offset**2)
+    ratio = found.g + offset * found.u / lever
+    moment = blows.wall * RADIUS * lever
+    digits = {"rtol": 1e-12, "atol": 1e-12 * np.abs(gained).max()}
+    assert_allclose(gained, moment * blows.impulse, **digits)
+    assert_allclose(lost, ratio * moment * blows.impulse, **digits)
+    # Poisson's law is Newton's here: the rebound is e times the approach
+    speeds = (blows.speed_before, before), (blows.theta_dot, behind)
+    approach, rebound = (moment * (ratio * driver - state.phi_dot) for driver, state in speeds)
+    assert_allclose(approach, blows.approach_speed, rtol=0, atol=1e-12 * approach.max())
+    bounced = -rebound > 2e-5 * RADIUS / drive.time_unit
+    assert bounced.sum() > 5
+    assert_allclose(-rebound[bounced], 0.3 * approach[bounced], rtol=1e-7)
+
+
+def test_a_million_engagements_do_not_drift():
+    motion = esc.simulate(timer(0.001, 0.25), 1_000_000)
+    assert_allclose(motion.handoff_velocities[100:], motion.handoff_velocities[-1], rtol=1e-13)
+    cycle = esc.terminal(timer(0.001, 0.25))
+    assert_allclose(
+        np.diff(motion.handoff_times[[1000, -1]])[0] / 998_999, cycle.period, rtol=1e-12
+    )
+
+
+def test_every_case_has_an_answer_or_says_why():
+    rng, statuses = np.random.default_rng(5), set()
+    for _ in range(60):
+        found = esc.terminal(random_timer(rng))
+        statuses.add(found.status)
+        assert (found.period > 0.0) == (found.status is Status.OK)
+    assert Status.OK in statuses
+    bounces = esc.terminal(timer(restitution=0.9))
+    assert bounces.status is Status.NOT_CONVERGED
+    assert "do not repeat" in bounces.message
+    beyond = esc.terminal(timer(friction=0.5))
+    assert beyond.status is Status.PAINLEVE
+    assert esc.simulate(timer(friction=0.5), 3).status is Status.PAINLEVE
+    load = esc.simulate(timer(load_torque=0.9 * 0.1 * INCH_POUND), 3)
+    assert load.status is Status.STALL
+
+
+def test_blows_give_a_frictionless_wheel_a_terminal_speed():
+    cycle = esc.terminal(timer(0.001, 0.0))
+    assert cycle.status is Status.OK
+    ledger = cycle.motion.ledger
+    assert_allclose(ledger.blows, ledger.work, rtol=1e-9)
+
+
+def test_the_scene_chooses_the_engine():
+    drive = timer()
+    assert esc.simulate(drive, 1).engine == "contact"
+    for engine in ("energy", "ivp"):
+        with pytest.raises(InvalidValue, match="engine must be 'contact' with clearance"):
+            esc.simulate(drive, 1, engine=engine)
+        with pytest.raises(InvalidValue, match="engine must be 'contact' with clearance"):
+            esc.sweep(drive, friction=[0.2], engine=engine)
+    plain = esc.Escapement(esc.Geneva(4), drive.inertia, drive.torque)
+    with pytest.raises(InvalidValue, match="leave it out, or give one of the two"):
+        esc.terminal(plain, engine="contact")
+    with pytest.raises(InvalidValue, match="clearance must be left out for a mechanism without"):
+        esc.Geneva(4, clearance=1e-5)
+    wheel = esc.Geneva(4, crank_radius=1.0, clearance=1e-3, pin_angle_errors=(1e-4, 0, 0, 0))
+    with pytest.raises(InvalidValue, match="clearance must be 0 with errors of the parts"):
+        esc.Escapement(wheel, drive.inertia, drive.torque)
+
+
+def test_a_study_solves_each_case_by_the_engine_that_it_needs():
+    drive = timer()
+    study = esc.sweep(drive, clearance=[0.0, 1e-5], friction=[0.2, 0.3])
+    plain = esc.Escapement(esc.Geneva(4, crank_radius=RADIUS), drive.inertia, drive.torque, 0.3)
+    periods = study.results["period"]
+    assert_allclose(periods[0, 1], esc.terminal(plain).period, rtol=1e-12)
+    assert_allclose(periods[1, 1], 0.0416654823, rtol=2e-9)
+    assert (study.results["status"] == Status.OK).all()
+
+
+def test_a_motion_is_written_and_read(tmp_path):
+    motion = esc.simulate(timer(restitution=0.2), 3)
+    path = tmp_path / "motion.h5"
+    esc.write_motion(motion, path)
+    again = esc.read_motion(path)
+    for name in ("theta", "theta_dot", "phi", "phi_dot", "contact_moment"):
+        assert_allclose(
+            getattr(again.samples, name), getattr(motion.samples, name), rtol=1e-9, atol=1e-9
+        )
+    assert_allclose(again.impacts.energy, motion.impacts.energy, rtol=1e-9, atol=1e-15)
+    dataset = motion.to_xarray()
+    assert_allclose(dataset["impact_energy"], motion.impacts.energy)
+    assert dataset["impact_impulse"].attrs["units"] == "N s"
