@@ -83,7 +83,7 @@ def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
     known = settings_of(build, build.meshed)
     assert {*declared(build)} <= {*known}
     for name, entry in known.items():
-        assert entry.axis or entry.section == "mechanism"
+        assert entry.axis or entry.section == "mechanism" or name == "contact_law"
         assert entry.name == name
     lost = {"friction", "efficiency"} - {*known}
     assert lost == {"friction" if build.meshed else "efficiency"}
@@ -112,5 +112,5 @@ def test_every_number_of_the_model_decides_of_a_scene():
         | {"inertia": {"follower": 1.0}}
     )
     model = {name for owner in (esc.Escapement, esc.Inertia) for name in quantities(owner)}
-    wheel = {"slots", "pins", "pin_radius", "roller_radius", "centre_distance_error"}
+    wheel = {"slots", "pins", "pin_radius", "roller_radius", "clearance", "centre_distance_error"}
     assert {*plan.parameters} == model - {"efficiency"} | wheel | {"initial_speed"}

@@ -183,7 +183,7 @@ class Escapement(Declared):
     ))  # fmt: skip
     contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
         long_name=f"force of a compliant contact: {', '.join(CONTACT_LAWS)}",
-        allowed=CONTACT_LAWS, metavar="NAME"
+        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME"
     )))  # fmt: skip
     slip_speed: float = field(default=0.0, metadata=quantity(
         "sliding speed below which friction fades", "slip", slotted=True,

@@ -145,7 +145,9 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     if len(figures.beats) > 1:
         found["beats"] = figures.beats
     else:
-        del found["beat_error"], found["blow_max"]
+        del found["beat_error"]
+        if not motion.escapement.contact:
+            del found["blow_max"]
     outcome = motion if motion.status is not Status.OK else figures
     meshed = motion.escapement.mechanism.path.table
     may_lack = {"critical_friction"} if meshed else set()
