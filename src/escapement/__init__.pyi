@@ -4,6 +4,8 @@ from escapement import plots as plots
 from escapement import sources as sources
 from escapement import synthesis as synthesis
 from escapement import units as units
+from escapement.blows import contact_summary as contact_summary
+from escapement.blows import jams as jams
 from escapement.constant_speed import drive_torque as drive_torque
 from escapement.constant_speed import fewest_slots as fewest_slots
 from escapement.constant_speed import greatest_follower_inertia as greatest_follower_inertia
@@ -11,6 +13,7 @@ from escapement.constant_speed import greatest_speed as greatest_speed
 from escapement.constant_speed import least_load_torque as least_load_torque
 from escapement.constant_speed import reversal_study as reversal_study
 from escapement.constant_speed import transmission_extrema as transmission_extrema
+from escapement.jam_rule import jam_rule as jam_rule
 from escapement.measurement import Encoder as Encoder
 from escapement.measurement import Readings as Readings
 from escapement.measurement import beat_spectrum as beat_spectrum
@@ -35,6 +38,7 @@ from escapement.run_down import rundown as rundown
 from escapement.simulation import simulate as simulate
 from escapement.simulation import terminal as terminal
 from escapement.solver import Solver as Solver
+from escapement.stiffness import contact_stiffness as contact_stiffness
 from escapement.study.parse import load_plan as load_plan
 from escapement.study.reader import read_study as read_study
 from escapement.study.result import Study as Study

@@ -18,12 +18,13 @@ class Ledger(Shown):
     """Where the work of the drive went over a motion [J].
 
     work is that of the drive, which a spring gives of the energy that it holds. It is
-    kinetic + load + all that is lost, up to `residual`, which is a share of the work or
+    kinetic + load + elastic + all that is lost, up to `residual`, which is a share of the work or
     of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
-    the slot or the mesh, into either bearing, into drag on either body and into blows.
+    the slot or the mesh, into either bearing, into drag on either body and into blows. elastic is
+    what walls that yield hold at the end more than at the start.
     """
 
-    _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES, "blows"), "J")
+    _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES, "blows", "elastic"), "J")
 
     work: float
     kinetic: float
@@ -35,6 +36,7 @@ class Ledger(Shown):
     follower_drag: float
     blows: float
     residual: float
+    elastic: float = 0.0
 
 
 def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = None) -> Ledger:
@@ -65,6 +67,8 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     losses = dict(zip(LOSSES, lost.tolist(), strict=True))
     kinetic = float(energies[1] - energies[0])
     scale = max(work, float(energies[0]))
-    missing = work - kinetic - load - sum(losses.values()) - blows
+    elastic = float(getattr(motion.trajectory, "elastic", 0.0))
+    missing = work - kinetic - elastic - load - sum(losses.values()) - blows
     residual = float(missing / scale) if scale > 0.0 else 0.0
-    return Ledger(float(work), kinetic, float(load), **losses, blows=blows, residual=residual)
+    parts = {**losses, "blows": blows, "elastic": elastic}
+    return Ledger(float(work), kinetic, float(load), **parts, residual=residual)

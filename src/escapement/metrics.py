@@ -46,6 +46,20 @@ def _peak(place: int, meaning: str) -> cached_property[float]:
     return peak
 
 
+@dataclass(frozen=True)
+class Spread:
+    """How engagements differ that do not repeat themselves.
+
+    engagements : how many the means are taken over.
+    deviation, interval : standard deviation of a figure from one engagement to the next, and
+        half the interval that holds its mean with 95 %, by name, in the unit of the figure.
+    """
+
+    engagements: int
+    deviation: dict[str, float]
+    interval: dict[str, float]
+
+
 # NaN is not equal to itself, so two would never compare equal
 @dataclass(frozen=True, eq=False, repr=False)
 class Figures(Shown):
@@ -84,6 +98,8 @@ class Figures(Shown):
     beats, beat_error : times of these engagements, and the greatest less the least [s].
     blow_max : greatest energy that is lost in a blow [J].
     motion : the terminal cycle, one engagement or all of these, None where there is none.
+    spread : how the engagements differ where they never repeat themselves, else None. The
+        velocities and the period are then means.
     status, message : outcome, and its reason in a sentence.
     """
 
@@ -103,6 +119,7 @@ class Figures(Shown):
     uniqueness_friction: float = _NAN
     jam_margin: float = _NAN
     motion: Motion | None = field(default=None, repr=False)
+    spread: Spread | None = None
     status: Status = Status.OK
     message: str = MESSAGES[Status.OK]
 

@@ -291,12 +291,25 @@ def painleve_message(escapement: Escapement) -> str | None:
     return (
         f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
         f"{np.degrees(angle):.3f} degrees from dead centre{where}: no unique rigid motion exists"
+        f"{_remedy(escapement)}"
     )
+
+
+def _remedy(escapement: Escapement) -> str:
+    """Which option gives an answer beyond the limit, if one does."""
+    if len(escapement.scenes) > 1 or escapement.curve is not None:
+        return ""
+    if not hasattr(escapement.mechanism, "clearance"):
+        return "; jam_rule gives an approximation"
+    return "; give stiffness and damping for compliant contact, or see jam_rule"
 
 
 def uniqueness_note(escapement: Escapement) -> str | None:
     """What to say of a motion beside which another one exists; None of all others."""
     if all(as_python(is_ideal)(scene) for scene in escapement.scenes):
+        return None
+    if escapement.contact == "compliant":
+        # between walls that yield there is one motion
         return None
     limit = friction_limits(escapement)[1]
     if escapement.friction < limit:

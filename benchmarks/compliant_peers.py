@@ -1,0 +1,151 @@
+"""One engagement between walls that yield: this package, solve_ivp and Exudyn.
+
+    pip install -e ".[bench]"
+    python benchmarks/compliant_peers.py
+
+Four slots, friction 0.3, pins of 0.05 r, a play of 5e-4 r, walls of 1e6 torque/r^2 with more than
+critical damping; the driver enters at 86 rad/s, the pin in the middle of its slot. Errors are those
+of the handoff's time and speed, the greater one. Exudyn has a friction that is proportional to the
+speed where it is slow, and its dashpot pulls, so that it solves another problem by a little: its
+error is measured against its own finest run, and how far that lies from ours is printed apart.
+"""
+
+import csv
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numba
+import numpy as np
+from peers import with_exudyn
+from scipy.integrate import solve_ivp
+
+import escapement as esc
+
+RESULT = Path(__file__).parent / "results" / "compliant_peers.csv"
+RADIUS, TORQUE, DRIVER, FOLLOWER = 0.01, 0.1, 3e-6, 50e-6
+CLOCK, UNIT = math.sqrt(FOLLOWER / TORQUE), TORQUE / RADIUS**2
+SPEED, TURNS = 86.0, 5
+
+
+def problem() -> esc.Escapement:
+    """The escapement of the comparison."""
+    return esc.Escapement(
+        esc.Geneva(4, crank_radius=RADIUS, pin_radius=0.05 * RADIUS, clearance=1e-3 * RADIUS),
+        esc.Inertia(DRIVER, FOLLOWER),
+        torque=TORQUE,
+        friction=0.3,
+        stiffness=1e6 * UNIT,
+        damping=1e3 * UNIT * CLOCK,
+        slip_speed=1e-4 * RADIUS / CLOCK,
+    )
+
+
+@numba.njit(error_model="numpy")
+def slope(_t, y, centre, rho, play, pin, stiffness, damping, friction, slip):  # type: ignore[no-untyped-def]
+    """The law in natural units, as solve_ivp wants it."""
+    theta, phi, driver, follower = y
+    angle = -theta - phi
+    sine, cosine = math.sin(angle), math.cos(angle)
+    across = -sine - centre * math.sin(phi)
+    radius = -cosine + centre * math.cos(phi)
+    out = np.empty(4)
+    out[0], out[1] = driver, follower
+    side = 1.0 if across > 0.0 else -1.0
+    depth, rate = side * across - play, side * (cosine * driver - radius * follower)
+    on_driver = on_follower = 0.0
+    if depth > 0.0:
+        force = max(stiffness * depth + damping * rate, 0.0)
+        arm = side * pin
+        slide = (across + arm) * follower - (sine - arm) * driver
+        drag = friction * force * slide / math.sqrt(slide * slide + slip * slip)
+        on_driver = drag * (sine - arm) - side * force * cosine
+        on_follower = side * force * radius - (across + arm) * drag
+    out[2], out[3] = (1.0 + on_driver) / rho, on_follower
+    return out
+
+
+def by_solve_ivp(
+    own: esc.Escapement, method: str, rtol: float
+) -> Callable[[], tuple[float, float]]:
+    """Handoff time and speed by a method of solve_ivp with the compiled law."""
+    scene, joint = own.scene, own.joint
+    numbers = (own.mechanism.centre_distance, scene.rho, joint.play, scene.pin, joint.stiffness)
+    numbers += (joint.damping, scene.mu_plus, joint.slip)
+    start = float(scene.edges[0])
+    phi = float(own.mechanism.follower_angle(np.array([start]))[0])
+
+    def arrives(_t: float, y: np.ndarray, *_rest: float) -> float:
+        return float(y[0] + start)
+
+    arrives.terminal = True  # type: ignore[attr-defined]
+    atol = rtol * np.array([1e-3, 1e-3, 1.0, 1.0])
+
+    def run() -> tuple[float, float]:
+        found = solve_ivp(
+            slope, (0.0, 10.0), [start, phi, SPEED * CLOCK, 0.0], method,
+            events=arrives, args=numbers, rtol=rtol, atol=atol,
+        )  # fmt: skip
+        return float(found.t[-1] * CLOCK), float(found.y[2, -1] / CLOCK)
+
+    return run
+
+
+def by_package(own: esc.Escapement, rtol: float) -> Callable[[], tuple[float, float]]:
+    """The same by `simulate`."""
+
+    def run() -> tuple[float, float]:
+        motion = esc.simulate(own, 1, initial_speed=SPEED, rtol=rtol)
+        return float(motion.handoff_times[0]), float(motion.handoff_velocities[0])
+
+    return run
+
+
+def measure(
+    run: Callable[[], tuple[float, float]], turns: int
+) -> tuple[tuple[float, float], float]:
+    """What a run gives, and the least processor time of some turns [s]."""
+    found, least = run(), math.inf
+    for _ in range(turns):
+        start = time.process_time()
+        found = run()
+        least = min(least, time.process_time() - start)
+    return found, least
+
+
+def error_of(found: tuple[float, float], exact: tuple[float, float]) -> float:
+    return max(abs(a / b - 1.0) for a, b in zip(found, exact, strict=True))
+
+
+def main() -> None:
+    """Print and write one row a solver."""
+    own = problem()
+    exact = by_package(own, 1e-12)()
+    runs = [("escapement", rtol, by_package(own, rtol)) for rtol in (1e-4, 1e-6, 1e-8)]
+    for method, rtols in (("Radau", (1e-4, 1e-6, 1e-7, 1e-8)), ("LSODA", (1e-6, 1e-8, 1e-9))):
+        runs += [(method, rtol, by_solve_ivp(own, method, rtol)) for rtol in rtols]
+    rows = []
+    for name, rtol, run in runs:
+        found, spent = measure(run, TURNS if name == "escapement" else 1)
+        rows.append((name, rtol, f"{error_of(found, exact):.1e}", f"{1e3 * spent:.4g}"))
+        print(*rows[-1], flush=True)
+    finest = with_exudyn.run(own, SPEED, 1_600_000, "RK44")()
+    print("Exudyn's finest run differs from ours by", f"{error_of(finest, exact):.1e}")
+    for method, counts in (
+        ("RK44", (20_000, 100_000, 400_000)),
+        ("GeneralizedAlpha", (20_000, 100_000)),
+    ):
+        for count in counts:
+            found, spent = measure(with_exudyn.run(own, SPEED, count, method), 1)
+            error = error_of(found, finest)
+            rows.append((f"Exudyn {method}", count, f"{error:.1e}", f"{1e3 * spent:.4g}"))
+            print(*rows[-1], flush=True)
+    with RESULT.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["solver", "rtol or steps", "error", "milliseconds"])
+        writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+"""`simulate` of walls that yield: a march from handoff to handoff, and what it hands over."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from escapement.drive import is_spent
+from escapement.engines.contact.compliant import march as marching
+from escapement.engines.contact.compliant.law import STATE
+from escapement.engines.contact.compliant.trajectory import CompliantTrajectory, Rows
+from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
+from escapement.motion import Motion, stall_message
+from escapement.scene import Joint
+from escapement.status import MESSAGES, Status
+
+LONGEST = 2000
+"""Engagements of one motion: each takes up to a megabyte."""
+MOST_STEPS = 6_000_000
+"""Steps of one motion; they take some seconds."""
+SOFTEST = 1e3
+"""Least stiffness [torque/r^2]."""
+SLIP = 1e-4
+"""Slip speed where none is given, in crank radii over sqrt(I_f/torque)."""
+_BLOCK = 32_768
+"""Rows of one call, some hundredths of a second."""
+_STIFF = (
+    f"the contact needs more than {MOST_STEPS} steps: give a lower stiffness or damping, "
+    "a higher slip_speed or a larger rtol"
+)
+
+
+def joint_of(escapement: Escapement) -> Joint:
+    """The joint of an escapement, with a slip speed."""
+    joint = escapement.joint
+    if joint.stiffness < SOFTEST:
+        least = SOFTEST * escapement.stiffness / joint.stiffness
+        raise InvalidValue(
+            f"stiffness must be at least {least:.6g} N/m here, got {escapement.stiffness!r}; a pin "
+            "would sink into a softer wall by more than a thousandth of the crank radius"
+        )
+    if escapement.restitution > 0.0 and not joint.hertz:
+        raise InvalidValue(
+            f"restitution must be 0 with linear walls, got {escapement.restitution!r}; "
+            "give damping, or contact_law='hunt-crossley'"
+        )
+    if joint.hertz and joint.damping == 0.0 and joint.restitution == 0.0:
+        raise InvalidValue(
+            "damping must be greater than 0 with contact_law='hunt-crossley' and no restitution, "
+            "got 0.0; give one of the two"
+        )
+    return joint if joint.slip > 0.0 else joint._replace(slip=SLIP)
+
+
+class March:
+    """A motion in natural units that goes on engagement by engagement.
+
+    state, clock : as `march.march` moves them on.
+    """
+
+    def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
+        self.escapement, self.rtol = escapement, rtol
+        self.joint, scene = joint_of(escapement), escapement.scene
+        self.state = np.zeros(STATE)
+        turned = escapement.meetings[0].turned(scene.edges[:1])[0]
+        # the follower rests with the pin in the middle of its slot
+        self.state[:3] = scene.edges[0], turned, speed * escapement.time_unit
+        self.clock = np.zeros(1, marching.CLOCK)
+        self.clock["step"] = 0.1 / math.sqrt(self.joint.stiffness / scene.rho)
+
+    def go(self, engagements: int, end: float = math.inf) -> tuple[FloatArray, int]:
+        """Rows up to a number of engagements or a time, and why they end."""
+        own, blocks, why = self.escapement, [], marching.RUNNING
+        buffer = np.empty((_BLOCK, marching.ROW))
+        while why == marching.RUNNING:
+            count, why = marching.march(
+                self.state, self.clock, own.scene, self.joint, own.mechanism.follower_step,
+                self.rtol, engagements, end, MOST_STEPS, buffer,
+            )  # fmt: skip
+            blocks.append(buffer[:count].copy())
+        return np.concatenate(blocks), why
+
+    def motion(self, rows: FloatArray, why: int, asked: float) -> Motion:
+        """A motion of these rows, with the tolerance that was asked for."""
+        own, clock = self.escapement, self.escapement.time_unit
+        cells = np.flatnonzero(np.diff(rows[:, marching.CELL])) + 1
+        speeds = rows[cells, marching.FIRST + 2] / clock
+        status, message = self._outcome(why)
+        times, end = rows[cells, marching.TIME] * clock, float(rows[-1, marching.TIME] * clock)
+        trajectory: Any = CompliantTrajectory(Rows(rows, own, self.joint))
+        return Motion(own, "contact", asked, trajectory, end, times, speeds, status, message)
+
+    def _outcome(self, why: int) -> tuple[Status, str]:
+        if why == marching.TOO_LONG:
+            return Status.NOT_CONVERGED, _STIFF
+        if why != marching.STANDS:
+            return Status.OK, MESSAGES[Status.OK]
+        scene, engagement = self.escapement.scene, int(self.clock["engagement"][0])
+        turned = engagement * self.escapement.mechanism.cell_angle
+        spent = is_spent(self.state[0], scene._replace(turned=turned))
+        status = Status.SPENT if spent else Status.STALL
+        return status, stall_message(self.state[0], engagement, status)
+
+
+def simulate(
+    escapement: Escapement,
+    *,
+    engagements: int | None,
+    duration: float | None,
+    initial_speed: float,
+    rtol: float,
+) -> Motion:
+    """Motion between walls that yield; arguments are validated by `escapement.simulate`."""
+    if engagements is not None and engagements > LONGEST:
+        raise InvalidValue(
+            f"engagements must be at most {LONGEST} with stiffness, got {engagements!r}; "
+            "the figures of merit need no long motion"
+        )
+    march = March(escapement, initial_speed, rtol)
+    end = math.inf if duration is None else duration / escapement.time_unit
+    rows, why = march.go(LONGEST if engagements is None else engagements, end)
+    motion = march.motion(rows, why, rtol)
+    if duration is not None and motion.status is Status.OK:
+        if march.clock["time"][0] < end:
+            raise InvalidValue(
+                f"duration must be of at most {LONGEST} engagements with stiffness, got "
+                f"{duration!r}; the figures of merit need no long motion"
+            )
+        motion.end_time = duration
+    return motion

@@ -1,0 +1,193 @@
+"""`terminal` of walls that yield: the cycle that repeats itself, or means over many engagements.
+
+Where the walls damp little, the pin bounces, and how often depends on the last digits of the
+speed before: the engagements then differ for good. Means over many of them, with intervals, take
+the place of a terminal cycle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.blows import jams
+from escapement.dynamics import is_lossless
+from escapement.engines.contact.compliant.law import STATE
+from escapement.engines.contact.compliant.simulate import MOST_STEPS, March, simulate
+from escapement.merits import TRANSIENT
+from escapement.metrics import (
+    Figures,
+    Spread,
+    fall_times,
+    read_cycle,
+    read_transient,
+    transient_length,
+)
+from escapement.model import Escapement
+from escapement.motion import Motion
+from escapement.painleve import friction_limits
+from escapement.status import MESSAGES, Status
+
+SETTLE = 60
+"""Engagements after which a motion that does not repeat itself is taken for one that never does."""
+SAMPLE = 120
+"""Engagements over which means are taken then; fewer where their steps are used up."""
+BATCHES = 10
+"""Batches of them whose means give the intervals."""
+_STUDENT = 2.262
+"""Of Student's distribution with BATCHES - 1 degrees of freedom, 2.5 % lie above this."""
+_NOISE = 1e-9
+_LONGEST_TRANSIENT = 200
+_TAIL = 20
+
+
+class _Passed(NamedTuple):
+    """One engagement: its motion, and the numbers by which engagements are compared."""
+
+    motion: Motion
+    numbers: dict[str, float]
+
+
+class _Cycle:
+    """Engagements one after the other."""
+
+    def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
+        self.march, self.asked = March(escapement, speed, rtol), rtol
+
+    def engage(self) -> _Passed:
+        """Pass one engagement."""
+        march = self.march
+        march.state[4:], march.clock["time"], march.clock["moved"] = 0.0, 0.0, 0.0
+        march.clock["engagement"] = 0
+        motion = march.motion(*march.go(1), self.asked)
+        if motion.status is not Status.OK:
+            return _Passed(motion, {})
+        figures = read_cycle(motion, Figures())
+        names = ("period", "velocity_max", "velocity_min", "handoff_velocity")
+        return _Passed(motion, {name: getattr(figures, name) for name in names})
+
+    def hurry(self, factor: float) -> None:
+        """Multiply both speeds."""
+        self.march.state[2:4] *= factor
+
+
+def terminal(
+    escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
+) -> Figures:
+    """Figures of merit between walls that yield; see `escapement.terminal`."""
+    cycle = _Cycle(escapement, initial_speed, rtol)
+    lossless = is_lossless(escapement.scene) and escapement.scene.dwell == 0.0
+    joint = cycle.march.joint
+    if lossless and joint.damping == 0.0 and not joint.hertz:
+        status = Status.NO_TERMINAL
+        return replace(base, status=status, message=MESSAGES[status])
+    tolerance = max(10.0 * rtol, _NOISE)
+    speeds: list[float] = []
+    last: dict[str, float] = {}
+    for count in range(SETTLE):
+        passed = cycle.engage()
+        if passed.motion.status is not Status.OK:
+            return replace(base, status=passed.motion.status, message=passed.motion.message)
+        numbers = passed.numbers
+        # where it jams the least speed is next to nothing, and says little by itself
+        scales = {"velocity_min": numbers["velocity_max"]}
+        changes = [abs(numbers[n] - last[n]) / scales.get(n, last[n]) for n in last]
+        if last and max(changes) <= tolerance:
+            return _repeated(escapement, cycle, base, initial_speed, rtol)
+        last = numbers
+        speeds.append(numbers["handoff_velocity"])
+        if count % 4 == 3 and (ahead := _limit(speeds[-3:])) > 0.0:
+            cycle.hurry(ahead / speeds[-1])
+        if cycle.march.clock["steps"][0] > 0.4 * MOST_STEPS:
+            break
+    return _spread(cycle, base)
+
+
+def _limit(speeds: list[float]) -> float:
+    """Where three handoff speeds tend to if they do so slowly and evenly; 0 if not so."""
+    one, two, three = (speed * speed for speed in speeds)
+    ratio = (three - two) / (two - one) if two != one else 0.0
+    if not 0.3 < abs(ratio) < 0.999:
+        return 0.0
+    return math.sqrt(max(three + (three - two) * ratio / (1.0 - ratio), 0.0))
+
+
+def _repeated(
+    escapement: Escapement, cycle: _Cycle, base: Figures, initial_speed: float, rtol: float
+) -> Figures:
+    """Figures of a cycle that repeats itself, and of the way there."""
+    passed = cycle.engage()
+    end = cycle.march.state[:STATE].copy()
+    speed = passed.numbers["handoff_velocity"]
+    nudge = 1e-3
+    cycle.hurry(1.0 + nudge)
+    moved = cycle.engage().numbers.get("handoff_velocity", speed)
+    cycle.march.state[:] = end
+    contraction = ((moved / speed) ** 2 - 1.0) / ((1.0 + nudge) ** 2 - 1.0)
+    figures = replace(read_cycle(passed.motion, base), contraction=contraction)
+    if note := _jam_note(passed.motion):
+        figures = replace(figures, message=note)
+    count = transient_length(abs(contraction), initial_speed / speed)
+    if count > _LONGEST_TRANSIENT:
+        why = f"the motion needs {count} engagements to get there"
+        message = f"{', '.join(TRANSIENT)} not given: {why}"
+        return replace(figures, message=f"{message}; {note}" if note else message)
+    motion = simulate(
+        escapement, engagements=count, duration=None, initial_speed=initial_speed, rtol=rtol
+    )
+    rise, settled = read_transient(motion, figures)
+    falls = fall_times(motion, initial_speed, speed)
+    times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
+    return replace(figures, **times)
+
+
+def _spread(cycle: _Cycle, base: Figures) -> Figures:
+    """Means of engagements that do not repeat themselves."""
+    passed: list[_Passed] = []
+    while len(passed) < SAMPLE:
+        one = cycle.engage()
+        if one.motion.status is not Status.OK:
+            if one.motion.status is Status.NOT_CONVERGED and len(passed) >= 2 * BATCHES:
+                # the steps are used up, and these engagements are enough
+                break
+            return replace(base, status=one.motion.status, message=one.motion.message)
+        passed.append(one)
+    count, last = len(passed) // BATCHES * BATCHES, passed[-1].motion
+    rows = [one.numbers for one in passed[:count]]
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    means: dict[str, Any] = {name: float(column.mean()) for name, column in columns.items()}
+    deviation = {name: float(column.std(ddof=1)) for name, column in columns.items()}
+    interval = {}
+    for name, column in columns.items():
+        batches = column.reshape(BATCHES, -1).mean(axis=1)
+        interval[name] = float(_STUDENT * batches.std(ddof=1) / math.sqrt(BATCHES))
+    spread = Spread(count, deviation, interval)
+    share = interval["period"] / means["period"]
+    message = (
+        f"the engagements do not repeat themselves: the figures are means over {count} of them, "
+        f"of the period within {share:.2g} of it (95 %), and the rest are those of the last one"
+    )
+    cell = last.escapement.mechanism.cell_angle
+    if note := _jam_note(last):
+        message = f"{message}; {note}"
+    means["velocity_mean"] = cell / means["period"]
+    return replace(base, **means, motion=last, spread=spread, message=message)
+
+
+def _jam_note(motion: Motion) -> str:
+    """Where, and for how long, an engagement beyond the Painleve limit jams; "" below it."""
+    own, limit = motion.escapement, friction_limits(motion.escapement)[0]
+    if own.friction < limit:
+        return ""
+    above = f"friction {own.friction:g} is above the Painleve limit {limit:.6g}"
+    found = jams(motion)
+    places = [f"{angle:.2f}" for angle in np.degrees(found.angle)]
+    if not places:
+        return f"{above}, but it does not jam"
+    return (
+        f"{above}: the mechanism jams {', '.join(places)} degrees from dead centre for "
+        f"{found.duration.sum():.2g} s in all"
+    )

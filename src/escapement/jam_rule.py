@@ -1,0 +1,202 @@
+"""Rigid bodies beyond the Painleve limit: a jam stops the driver, which starts again from rest.
+
+Where the force would change to the wall behind the pin and J_- is not positive there, or where
+J_- falls to zero while that wall carries the force, no rigid motion exists. The rule is what walls
+that yield do in the limit of great stiffness: the pin wedges, all kinetic energy is lost at once,
+and the driver starts from rest with the front wall.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from escapement import validate
+from escapement.dynamics import tabulate
+from escapement.model import Escapement
+from escapement.painleve import friction_limits, margin
+from escapement.text import Shown
+
+_MOST = 200
+_RTOL = 1e-11
+_GRID = 2001
+_BEFORE = 1e-7
+_CLOSE, _NEAR, _FAR = 1.2, 0.05, 0.03
+"""Below this multiple of the limit the first error is to be expected, above it the second [-]."""
+_SAME = 1e-9
+"""Cycles whose handoff speeds agree to this share are taken for one [-]."""
+
+
+@dataclass(frozen=True, repr=False)
+class JamCycle(Shown):
+    """The terminal cycle by the rule.
+
+    period [s]; handoff_velocity, velocity_max [rad/s].
+    jam_angles : driver angles from dead centre at which it jams [rad].
+    error : relative error of the period that is to be expected [-].
+    message : what that rests on.
+    """
+
+    _units: ClassVar[dict[str, str]] = {
+        **{"period": "s", "handoff_velocity": "rad/s", "velocity_max": "rad/s"},
+        "jam_angles": "rad",
+    }
+
+    period: float
+    handoff_velocity: float
+    velocity_max: float
+    jam_angles: tuple[float, ...]
+    error: float
+    message: str
+
+
+class _Passed(NamedTuple):
+    """An engagement in natural units."""
+
+    time: float
+    speed: float
+    top: float
+    jams: list[float]
+
+
+def jam_rule(escapement: Escapement) -> JamCycle:
+    """Terminal cycle of rigid bodies beyond the Painleve limit, by the rule for jams.
+
+    It is an approximation: walls that yield follow it in the limit of great stiffness, slowly, and
+    just above the limit the mechanism jams or does not by the least of causes. Compliant contact
+    (`stiffness`, `damping`) gives an answer without this rule.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        A slotted mechanism with perfect parts, without clearance and stiffness, whose friction is
+        at or above its limit, `critical_friction`.
+
+    Returns
+    -------
+    JamCycle
+        Its `error` is that of the period: the greatest that was found with four slots against
+        walls of 1e7 and 1e8 torque/r^2.
+
+    Raises
+    ------
+    InvalidValue
+        Below the limit, for other mechanisms, with a torque that changes, and where the motion
+        finds no cycle.
+    """
+    limit = friction_limits(escapement)[0]
+    if escapement.friction < limit:
+        rule, remedy = f"at least the limit {limit:.6g}", "below it terminal gives the exact answer"
+        raise validate.fail("friction", rule, escapement.friction, remedy)
+    if len(escapement.scenes) > 1 or escapement.curve is not None or escapement.contact:
+        remedy = "leave out errors of parts, springs, clearance and stiffness"
+        raise validate.fail("escapement", "a plain one", escapement.mechanism, remedy)
+    speed, clock = 0.0, escapement.time_unit
+    for _ in range(_MOST):
+        passed = _engage(escapement.scene, speed)
+        if abs(passed.speed - speed) <= _SAME * passed.speed:
+            break
+        speed = passed.speed
+    else:
+        remedy = "use compliant contact"
+        raise validate.fail("friction", "such that cycles repeat", escapement.friction, remedy)
+    close = escapement.friction < _CLOSE * limit
+    error = _NEAR if close else _FAR
+    near = "just above" if close else "well above"
+    message = (
+        f"friction is {near} the limit {limit:.6g}: the period is good to some {error:g} of it"
+    )
+    top = passed.top / clock
+    return JamCycle(
+        passed.time * clock, passed.speed / clock, top, tuple(passed.jams), error, message
+    )
+
+
+def _at(scene: Any, theta: float, speed: float, side: float) -> tuple[float, float]:
+    """Driver acceleration and X."""
+    found = np.empty((5, 1))
+    tabulate(scene, np.array([theta]), np.zeros(1), np.array([speed * speed]), side, found)
+    return float(found[2, 0]), float(found[4, 0])
+
+
+def _engage(scene: Any, speed: float) -> _Passed:
+    """One engagement from a driver speed at pin entry, and the dwell behind it."""
+    theta, end = float(scene.edges[0]), float(scene.edges[-1])
+    time, top, jams = 0.0, speed, []
+    while theta < end:
+        theta, speed, spent, most = _push(scene, theta, speed, end)
+        time, top = time + spent, max(top, most)
+        if theta >= end:
+            break
+        if margin(theta, scene) > 0.0:
+            theta, speed, spent, jammed = _hold(scene, theta, speed, end)
+            time, top = time + spent, max(top, speed)
+            if not jammed:
+                continue
+        jams.append(theta)
+        speed = 0.0
+    if scene.dwell > 0.0:
+        theta, speed, spent, most = _push(scene, end, speed, end + scene.dwell, 0.0)
+        time, top = time + spent, max(top, most)
+    return _Passed(time, speed, top, jams)
+
+
+def _push(
+    scene: Any, theta: float, speed: float, end: float, side: float = 1.0
+) -> tuple[float, float, float, float]:
+    """Angle, speed, time and top speed up to a reversal or the end, on the front wall."""
+    from scipy.integrate import solve_ivp
+
+    def slope(_t: float, y: Any) -> list[float]:
+        return [y[1], _at(scene, y[0], y[1], side)[0]]
+
+    def arrives(_t: float, y: Any) -> float:
+        return float(y[0] - end)
+
+    def reverses(_t: float, y: Any) -> float:
+        return _at(scene, y[0], y[1], 1.0)[1] if side else 1.0
+
+    arrives.terminal = reverses.terminal = True  # type: ignore[attr-defined]
+    reverses.direction = -1.0  # type: ignore[attr-defined]
+    found = solve_ivp(
+        slope, (0.0, 1e3), [theta, speed], "DOP853", events=[arrives, reverses], rtol=_RTOL,
+        atol=_RTOL,
+    )  # fmt: skip
+    if found.status != 1:
+        raise validate.fail(
+            "escapement", "one that moves", theta, "the drive cannot carry the load"
+        )
+    last = found.y[:, -1]
+    at = end if found.t_events[0].size else float(last[0])
+    return at, float(last[1]), float(found.t[-1]), float(found.y[1].max())
+
+
+def _hold(scene: Any, theta: float, speed: float, end: float) -> tuple[float, float, float, bool]:
+    """Angle, speed and time up to the front wall, a jam or the end, on the wall behind the pin."""
+    from scipy.integrate import solve_ivp
+    from scipy.optimize import brentq
+
+    places = np.linspace(theta, end, _GRID)
+    lost = np.flatnonzero([not margin(x, scene) > 0.0 for x in places])
+    goal = end
+    if lost.size:
+        goal = float(brentq(margin, places[lost[0] - 1], places[lost[0]], (scene,), xtol=1e-14))
+
+    def slope(x: float, y: Any) -> list[float]:
+        now = max(float(y[0]), 1e-12) ** 0.5
+        return [2.0 * _at(scene, x, now, -1.0)[0], 1.0 / now]
+
+    def turns(x: float, y: Any) -> float:
+        return _at(scene, x, max(float(y[0]), 0.0) ** 0.5, -1.0)[1]
+
+    turns.terminal, turns.direction = True, 1.0  # type: ignore[attr-defined]
+    # where J vanishes the acceleration has no limit, and the speed has one
+    last = goal - _BEFORE * (goal - theta) if lost.size else goal
+    found = solve_ivp(
+        slope, (theta, last), [speed**2, 0.0], "Radau", events=[turns], rtol=1e-9, atol=1e-12
+    )
+    jammed = found.status == 0 and lost.size > 0
+    at = float(found.t[-1]) if found.status == 1 else goal
+    return at, float(max(found.y[0, -1], 0.0) ** 0.5), float(found.y[1, -1]), jammed
