@@ -30,7 +30,7 @@ RESISTANCES = (
     *("driver_journal", "follower_journal"),
 )
 """Numbers of a `Scene` that resist the motion beside friction in the slot."""
-LENGTHS = ("crank_radius", "pin_radius", "roller_radius")
+LENGTHS = ("crank_radius", "pin_radius", "roller_radius", "clearance")
 """Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
 _ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")
 """Lengths of imperfect parts."""
@@ -50,7 +50,8 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
     plain_crank : bool
         Whether the driver's bearing carries the force of the contact and no other.
     """
-    radii = (*LENGTHS[1:], *_ERRORS, "driver_bearing_radius", "follower_bearing_radius")
+    radii: tuple[str, ...] = (*LENGTHS[1:], *_ERRORS, "stiffness")
+    radii += ("driver_bearing_radius", "follower_bearing_radius")
     for name in ("driver_bearing_friction", *radii):
         value = values.get(name)
         if not value:
@@ -62,6 +63,22 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
             rule = "left out for a mechanism without a length"
             remedy = "give the mechanism its crank_radius or fixed_radius"
             raise validate.fail(name, rule, value, remedy)
+
+
+def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
+    """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
+
+    contact : "", "rigid" or "compliant", as `Escapement.contact` says.
+    """
+    if not contact:
+        return
+    name = "stiffness" if contact == "compliant" else "clearance"
+    value = values[name] if contact == "compliant" else mechanism.clearance
+    if not hasattr(mechanism, "clearance"):
+        rule = "0 for a mechanism that is no Geneva wheel"
+        raise validate.fail(name, rule, value, "choose geneva, or leave it out")
+    if not mechanism.perfect:
+        raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
 
 
 @per_class

@@ -53,6 +53,8 @@ def blows_among(found: Handoffs) -> Handoffs:
 def slide_changes_of(motion: Any) -> Events:
     """Every instant at which the contact point crosses the line of centres."""
     trajectory, scenes = motion.trajectory, motion.escapement.scenes
+    if (own := getattr(trajectory, "slide_changes", None)) is not None:
+        return own  # type: ignore[no-any-return]
     pieces = np.flatnonzero(np.diff(trajectory.engagement) == 0) + 1
     if scenes[0].path.table or pieces.size == 0:
         return NoTrajectory.reversals

@@ -42,10 +42,13 @@ def ledger_of(motion: Any) -> Ledger:
     driver, follower = escapement.inertia.driver, escapement.inertia.follower
     energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
-    # at the end of the motion a handoff is still to come
-    passed = motion.handoffs.time < motion.end_time
-    load = escapement.load_work(ends.phi[1] - ends.phi[0] - motion.handoffs.jump[passed].sum())
-    blows = float(motion.handoffs.energy[passed].sum())
+    if (taken := getattr(motion.trajectory, "load_work", None)) is not None:
+        load, blows = float(taken.sum()), float(motion.impacts.energy.sum())
+    else:
+        # at the end of the motion a handoff is still to come
+        passed = motion.handoffs.time < motion.end_time
+        load = escapement.load_work(ends.phi[1] - ends.phi[0] - motion.handoffs.jump[passed].sum())
+        blows = float(motion.handoffs.energy[passed].sum())
     losses = dict(zip(LOSSES, motion.trajectory.losses.sum(axis=1).tolist(), strict=True))
     kinetic = float(energies[1] - energies[0])
     scale = max(work, float(energies[0]))

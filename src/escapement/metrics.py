@@ -82,7 +82,7 @@ class Figures(Shown):
     jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
     uniqueness_friction : friction from which on another motion exists beside this one [-].
     beats, beat_error : times of these engagements, and the greatest less the least [s].
-    blow_max : greatest energy that is lost in a blow where a pin takes over [J].
+    blow_max : greatest energy that is lost in a blow [J].
     motion : the terminal cycle, one engagement or all of these, None where there is none.
     status, message : outcome, and its reason in a sentence.
     """
@@ -138,7 +138,7 @@ class Figures(Shown):
     @property
     def blow_max(self) -> float:
         """Greatest energy that a blow of the cycle takes [J]."""
-        return _NAN if self.motion is None else float(self.motion.handoffs.energy.max())
+        return _NAN if self.motion is None else float(self.motion.impacts.energy.max(initial=0.0))
 
     @property
     def energy_residual(self) -> float:

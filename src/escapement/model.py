@@ -8,14 +8,22 @@ from functools import cached_property
 from typing import Any
 
 from escapement import validate
-from escapement.fitting import LENGTHS, MOST_UNEQUAL, RESISTANCES, check_lengths, check_losses
+from escapement.fitting import (
+    LENGTHS,
+    MOST_UNEQUAL,
+    RESISTANCES,
+    check_contact,
+    check_lengths,
+    check_losses,
+)
 from escapement.lazy import Lazy
 from escapement.mechanism import Mechanism, checked, meetings_of
 from escapement.natural import natural
-from escapement.quantity import Declared, quantity, setting
-from escapement.scene import Meeting, Path, Scene
+from escapement.quantity import Choice, Declared, quantity, setting
+from escapement.scene import Joint, Meeting, Path, Scene
 from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 
+CONTACT_LAWS = ("linear", "hunt-crossley")
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
 
@@ -109,6 +117,17 @@ class Escapement(Declared):
         Torque that a spring loses per driver angle turned since the start of the motion
         [N m/rad], >= 0, down to none: a spent spring pulls no more.
 
+    restitution : float
+        Rebound impulse of a blow over its impulse of compression [-], in [0, 1).
+    stiffness : float
+        Force of a wall of the slot over the penetration of the pin [N/m]; 0 for rigid bodies.
+    damping : float
+        Force of a wall over the speed of penetration [N s/m].
+    contact_law : str
+        "linear", or "hunt-crossley", whose force grows with the power 1.5 of the penetration.
+    slip_speed : float
+        Sliding speed below which the friction of a compliant contact fades [m/s].
+
     Lengths need the length of the mechanism, `crank_radius` or `fixed_radius`.
 
     Source: Meyer (1973), chapter I; all from the load torque on are extensions.
@@ -150,6 +169,27 @@ class Escapement(Declared):
         remedy="give the loss of torque over the angle, 0 for a constant torque"
     ))  # fmt: skip
 
+    restitution: float = field(default=0.0, metadata=quantity(
+        "rebound impulse of a blow over its impulse of compression", maximum=1.0, below=True,
+        slotted=True, instead="efficiency", metavar="E", remedy="give a restitution, 0 for none"
+    ))  # fmt: skip
+    stiffness: float = field(default=0.0, metadata=quantity(
+        "force of a slot's wall over the penetration", "stiffness", slotted=True,
+        instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies"
+    ))  # fmt: skip
+    damping: float = field(default=0.0, metadata=quantity(
+        "force of a slot's wall over the speed of penetration", "damping", slotted=True,
+        instead="efficiency", metavar="D", remedy="give the damping, 0 for none"
+    ))  # fmt: skip
+    contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
+        long_name=f"force of a compliant contact: {', '.join(CONTACT_LAWS)}",
+        allowed=CONTACT_LAWS, metavar="NAME"
+    )))  # fmt: skip
+    slip_speed: float = field(default=0.0, metadata=quantity(
+        "sliding speed below which friction fades", "slip", slotted=True,
+        instead="efficiency", metavar="V", remedy="give the speed, 0 to leave it to the engine"
+    ))  # fmt: skip
+
     def __post_init__(self) -> None:
         checked(self.mechanism, perfect=False)
         if not isinstance(self.inertia, Inertia):
@@ -167,6 +207,7 @@ class Escapement(Declared):
             raise validate.fail("torque", rule, self.torque, remedy)
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
+        check_contact(self.contact, self.mechanism, vars(self))
 
     def _check_curve(self) -> None:
         """Refuse a curve beside a spring rate, and one with too many points for a cell."""
@@ -191,6 +232,30 @@ class Escapement(Declared):
             spent = max(self.torque / self.spring_rate, 1.0 / MOST_UNEQUAL)
             return TorqueCurve((0.0, spent), (self.torque, 0.0))
         return None
+
+    @property
+    def contact(self) -> str:
+        """Which law of contact it needs: "rigid" where there is clearance, "compliant" where
+        there is stiffness, "" where the pins fit their slots exactly.
+        """
+        if self.stiffness > 0.0:
+            return "compliant"
+        return "rigid" if getattr(self.mechanism, "clearance", 0.0) > 0.0 else ""
+
+    @cached_property
+    def joint(self) -> Joint:
+        """The joint of pin and slot in natural units."""
+        wheel: Any = self.mechanism
+        length, clock = wheel.crank_radius, self.time_unit
+        unit = self.torque_unit / length**2
+        return Joint(
+            play=0.5 * wheel.clearance / length,
+            restitution=self.restitution,
+            stiffness=self.stiffness / unit,
+            damping=self.damping / (unit * clock),
+            hertz=self.contact_law != CONTACT_LAWS[0],
+            slip=self.slip_speed * clock / length,
+        )
 
     @property
     def held(self) -> Escapement:
@@ -246,7 +311,7 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process derives the scene and what hangs on it anew."""
-        derived = ("meetings", "scenes", "scene", "kept")
+        derived = ("meetings", "scenes", "scene", "joint", "kept")
         return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property

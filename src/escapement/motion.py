@@ -24,7 +24,7 @@ from escapement.model import Escapement
 from escapement.painleve import painleve_message
 from escapement.status import Status
 from escapement.text import Shown
-from escapement.trajectory import Events, Extrema, Handoffs, NoTrajectory, Trajectory
+from escapement.trajectory import Events, Extrema, Handoffs, Impacts, NoTrajectory, Trajectory
 from escapement.validate import fail
 from escapement.variables import as_dataframe, as_dataset
 
@@ -137,9 +137,10 @@ class Motion(Shown):
         return handoffs_of(self.escapement, self.handoff_times, self.handoff_velocities)
 
     @property
-    def impacts(self) -> Handoffs:
-        """The handoffs with a blow."""
-        return blows_among(self.handoffs)
+    def impacts(self) -> Handoffs | Impacts:
+        """Every blow: between pin and slot where there is clearance, else those of handoffs."""
+        own: Impacts | None = getattr(self.trajectory, "impacts", None)
+        return blows_among(self.handoffs) if own is None else own
 
     @cached_property
     def slide_changes(self) -> Events:
@@ -200,6 +201,8 @@ class Motion(Shown):
 
     def _state(self, pieces: np.ndarray, times: FloatArray) -> State:
         """State at `times`, each within the piece of that index."""
+        if whole := getattr(self.trajectory, "states", None):
+            return whole(pieces, times)  # type: ignore[no-any-return]
         escapement, clock = self.escapement, self.escapement.time_unit
         mechanism, owners = escapement.mechanism, pieces.reshape(-1)
         theta, speed = self._driver(owners, times.reshape(-1))

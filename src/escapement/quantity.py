@@ -99,7 +99,8 @@ class Setting:
     def idle(self, value: Any) -> bool:
         """Whether `value` is the zero of what need not be told: a bearing that does not rub."""
         told = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
-        return not told and value == self.default == 0.0
+        plain = isinstance(self.default, str) and not self.required and value == self.default
+        return plain or (not told and value == self.default == 0.0)
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as Python is to hold it; raises InvalidValue where it breaks the rule."""

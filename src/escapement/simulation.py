@@ -17,12 +17,15 @@ from escapement.model import Escapement, Run
 from escapement.motion import Motion, no_motion
 from escapement.painleve import friction_limits, painleve_message, uniqueness_note
 from escapement.quantity import check_number, quantities
-from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver
+from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver, solver_for
 from escapement.status import MESSAGES, Status
 
-LONGEST = {"energy": 10_000_000, "ivp": 10_000}
+LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000}
 """Engagements of one motion: they take up to a gigabyte, and seconds or, with "ivp", a minute."""
-_FOLDERS = {"energy": "energy", "ivp": "time"}
+_FOLDERS = {
+    **{("energy", ""): "energy", ("ivp", ""): "time"},
+    **{("contact", law): f"contact.{law}" for law in ("rigid", "compliant")},
+}
 _FULL = "the figures are those of the full spring, whose torque falls as it runs down"
 _AT_START = "the figures are those of the torque at the start of the motion"
 _NO_START = "the torque curve begins with no torque, which has no cycle"
@@ -52,18 +55,20 @@ def simulate(
     escapement : Escapement
         What to simulate.
     engagements : int, optional
-        Engagements to run, from 1 to ten million, with "ivp" to ten thousand.
+        Engagements to run, from 1 to ten million, with "ivp" to ten thousand and with
+        "contact" to a million.
         Default 20, unless a duration is given.
     duration : float, optional
         Time to run instead [s], > 0 and of no more engagements than that.
     engine : str, optional
-        "energy" (default: driver-angle domain, fast) or "ivp" (SciPy's solve_ivp in the
-        time domain, the reference).
+        "energy" (driver-angle domain, fast), "ivp" (SciPy's solve_ivp in the time domain, the
+        reference) or "contact" (clearance and compliant contact). By default the scene
+        chooses: "contact" where it has clearance or stiffness, else "energy".
     initial_speed : float
         Driver speed at pin entry [rad/s], >= 0.
     rtol : float, optional
         Relative error asked for in handoff times and speeds, in [1e-13, 1).
-        Default 1e-12 for "energy", 1e-10 for "ivp".
+        Default 1e-12 for "energy", 1e-10 for the others.
     atol, method, max_step : optional
         For "ivp" only, as in solve_ivp: absolute tolerance [rad, rad/s, J], method
         (default "DOP853") and longest step [s].
@@ -83,7 +88,7 @@ def simulate(
         When an argument breaks its rule.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
-    engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
+    engine, settings = _settings(escapement, solver, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
             "engagements and duration must not both be given, got "
@@ -98,13 +103,13 @@ def simulate(
     else:
         duration = check_number(Run, "duration", duration)
     if why := _impossible(escapement, settings["initial_speed"]):
-        return no_motion(escapement, engine, solver.tolerance, why)
-    if duration is not None and engine != DEFAULT_ENGINE:
+        return no_motion(escapement, engine, settings["rtol"], why)
+    if duration is not None and engine == "ivp":
         # the fast engine refuses too long a duration in a moment, the other after hours
         start = {"initial_speed": settings["initial_speed"], "rtol": 1e-6}
-        fast = _engine(DEFAULT_ENGINE, "simulate")
+        fast = _engine(DEFAULT_ENGINE, "", "simulate")
         fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
-    run = _engine(engine, "simulate")
+    run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     if motion.status is not Status.PAINLEVE and (note := uniqueness_note(escapement)):
         motion.message = _joined(motion.message, note)
@@ -116,17 +121,21 @@ def _joined(message: str, note: str) -> str:
 
 
 @cache
-def _engine(name: str, task: str) -> Any:
+def _engine(name: str, contact: str, task: str) -> Any:
     """Function "simulate" or "terminal" of an engine, which is imported on first use."""
-    module = import_module(f"escapement.engines.{_FOLDERS[name]}.{task}")
+    module = import_module(f"escapement.engines.{_FOLDERS[name, contact]}.{task}")
     return getattr(module, task)
 
 
-def _settings(escapement: Escapement, solver: Solver, initial_speed: float) -> dict[str, Any]:
-    """Keyword arguments that both functions of an engine take."""
+def _settings(
+    escapement: Escapement, solver: Solver, initial_speed: float
+) -> tuple[str, dict[str, Any]]:
+    """The engine, and keyword arguments that both of its functions take."""
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    return {**solver.arguments, "initial_speed": check_number(Run, "initial_speed", initial_speed)}
+    solver = solver_for(escapement.contact, solver)
+    speed = check_number(Run, "initial_speed", initial_speed)
+    return solver.engine or DEFAULT_ENGINE, {**solver.arguments, "initial_speed": speed}
 
 
 def _impossible(escapement: Escapement, speed: float) -> str:
@@ -168,7 +177,7 @@ def terminal(
         those of its first torque, as the message says.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
-    engine, settings = solver.engine, _settings(escapement, solver, initial_speed)
+    engine, settings = _settings(escapement, solver, initial_speed)
     if why := _impossible(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=why)
     base = limits(escapement)
@@ -180,13 +189,14 @@ def terminal(
         note = _FULL if escapement.spring_rate else _AT_START
         return replace(found, message=_joined(found.message, note))
     # the limit is decided before anything is integrated
-    if message := painleve_message(escapement):
+    contact = escapement.contact
+    if contact != "compliant" and (message := painleve_message(escapement)):
         return replace(base, status=Status.PAINLEVE, message=message)
     struck = any(meeting.kind == "strike" for meeting in escapement.meetings)
-    if is_lossless(escapement.scene) and _ends_alike(escapement) and not struck:
+    if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
-        one = _engine(engine, "simulate")(escapement, engagements=1, duration=None, **settings)
+        one = _engine(engine, "", "simulate")(escapement, engagements=1, duration=None, **settings)
         status, message = one.status, one.message
         if status is Status.OK:
             mechanism = escapement.mechanism
@@ -196,7 +206,7 @@ def terminal(
             status = Status.NO_TERMINAL if carries else Status.STALL
             message = MESSAGES[status]
         return replace(base, status=status, message=message)
-    figures: Figures = _engine(engine, "terminal")(escapement, base, **settings)
+    figures: Figures = _engine(engine, contact, "terminal")(escapement, base, **settings)
     if limit := uniqueness_note(escapement):
         figures = replace(figures, message=_joined(figures.message, limit))
     return figures

@@ -1,7 +1,7 @@
 """Settings of the engines, which are checked here without loading an engine."""
 
 import math
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -9,9 +9,9 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.quantity import Choice, Declared, quantity, setting
 
-ENGINES = ("energy", "ivp")
+ENGINES = ("energy", "ivp", "contact")
 DEFAULT_ENGINE = "energy"
-DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10}
+DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10, "contact": 1e-10}
 METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 
 
@@ -21,8 +21,9 @@ class Solver(Declared):
 
     Parameters
     ----------
-    engine : str
-        "energy" (fast) or "ivp" (the reference).
+    engine : str, optional
+        "energy" (fast), "ivp" (the reference) or "contact" (clearance and compliant contact).
+        By default the scene chooses: "contact" where it has clearance or stiffness, else "energy".
     rtol : float, optional
         Relative error asked for, in [1e-13, 1).
     atol, method, max_step : optional
@@ -37,13 +38,14 @@ class Solver(Declared):
 
     section = "solver"
 
-    engine: str = field(default=DEFAULT_ENGINE, metadata=setting(Choice(
-        long_name="energy, the fast one, or ivp, the reference", allowed=ENGINES, metavar="NAME"
+    engine: str | None = field(default=None, metadata=setting(Choice(
+        long_name="energy, the fast one, ivp, the reference, or contact, with clearance",
+        allowed=ENGINES, metavar="NAME", note=" (default: what the scene needs)"
     )))  # fmt: skip
     rtol: float | None = field(default=None, metadata=quantity(
         "relative error of handoff times and speeds", minimum=1e-13, maximum=1.0, below=True,
         axis=False, metavar="R", remedy="1e-10 is a good choice",
-        note=f" (default: {DEFAULT_RTOL['energy']:g}, with ivp {DEFAULT_RTOL['ivp']:g})"
+        note=f" (default: {DEFAULT_RTOL['energy']:g}, else {DEFAULT_RTOL['ivp']:g})"
     ))  # fmt: skip
     atol: float | None = field(default=None, metadata=quantity(
         "absolute tolerance as in SciPy's solve_ivp", axis=False, metavar="A", note=", with ivp",
@@ -63,7 +65,7 @@ class Solver(Declared):
         for name in ("atol", "method", "max_step"):
             value = getattr(self, name)
             if value is not None and self.engine != "ivp":
-                rule = f"left out with engine {self.engine!r}"
+                rule = f"left out with engine {self.engine or DEFAULT_ENGINE!r}"
                 raise validate.fail(name, rule, value, "or choose engine 'ivp'")
         if self.max_step is None and self.atol is not None and self.atol > 1.0:
             # 1 rad is most of an engagement: the error would no longer limit the steps
@@ -78,7 +80,8 @@ class Solver(Declared):
     @property
     def tolerance(self) -> float:
         """Relative error asked for, by default that of the engine [-]."""
-        return DEFAULT_RTOL[self.engine] if self.rtol is None else self.rtol
+        engine = self.engine or DEFAULT_ENGINE
+        return DEFAULT_RTOL[engine] if self.rtol is None else self.rtol
 
     @cached_property
     def arguments(self) -> dict[str, Any]:
@@ -91,6 +94,38 @@ class Solver(Declared):
             "method": self.method or METHODS[0],
             "max_step": math.inf if self.max_step is None else self.max_step,
         }
+
+
+def solver_for(contact: str, solver: Solver) -> Solver:
+    """The settings with the engine that a scene needs.
+
+    Parameters
+    ----------
+    contact : str
+        The law of contact of the scene, as `Escapement.contact` says; "" for none.
+    solver : Solver
+        Whose engine may be None.
+
+    Raises
+    ------
+    InvalidValue
+        When it names an engine that cannot do the scene.
+    """
+    engine = solver.engine
+    if engine is None:
+        return _with_engine(solver, "contact") if contact else solver
+    if contact and engine != "contact":
+        rule = "'contact' with clearance or stiffness"
+        raise validate.fail("engine", rule, engine, "leave it out, or set both to 0")
+    if not contact and engine == "contact":
+        rule = "'energy' or 'ivp' without clearance or stiffness"
+        raise validate.fail("engine", rule, engine, "leave it out, or give one of the two")
+    return solver
+
+
+@lru_cache
+def _with_engine(solver: Solver, engine: str) -> Solver:
+    return replace(solver, engine=engine)
 
 
 def choose_solver(solver: Solver | None, *separate: Any) -> Solver:

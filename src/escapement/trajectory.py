@@ -61,8 +61,38 @@ class Handoffs(Events):
     clearance_needed: FloatArray
 
 
+@dataclass(frozen=True, repr=False)
+class Impacts(Events):
+    """Blows between pin and slot; `theta_dot` is the driver speed behind each.
+
+    wall : +1 the wall that pushes the follower forward, -1 the one that holds it back; 0 where
+        the follower is stopped and locked behind the exit of the pin.
+    speed_before : driver speed before the blow [rad/s].
+    approach_speed : speed with which pin and wall approach each other [m/s].
+    impulse : of the normal force [N s].
+    energy : what the blow takes [J].
+    """
+
+    _units: ClassVar[dict[str, str]] = {
+        **Events._units,
+        **{"speed_before": "rad/s", "approach_speed": "m/s", "impulse": "N s", "energy": "J"},
+    }
+
+    wall: FloatArray
+    speed_before: FloatArray
+    approach_speed: FloatArray
+    impulse: FloatArray
+    energy: FloatArray
+
+
 class Trajectory(Protocol):
-    """The pieces of a motion, its events, and the driver's state within a piece."""
+    """The pieces of a motion, its events, and the driver's state within a piece.
+
+    Where the follower is free of the driver, a trajectory gives more: `states(pieces, t)`, the
+    whole `motion.State` at times within pieces of these indices, in place of `state`; and
+    `impacts`, `slide_changes` and `load_work`, what the load takes over each piece [J]. Its
+    `sign` is that of the wall that the pin touches, 0 in a flight.
+    """
 
     @property
     def start(self) -> FloatArray:

@@ -29,6 +29,7 @@ _NAMES = {
     "stiffness": ("N m-1", "lbf in-1"),
     "damping": ("N s m-1", "lbf s in-1"),
     "slip": ("m s-1", "in s-1"),
+    "impulse": ("N s", "lbf s"),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
@@ -129,7 +130,8 @@ def factor(quantity: str, system: str) -> float:
     ----------
     quantity : str
         "torque", "power", "inertia", "length", "force", "drag", "viscous", "rate", "stiffness",
-        "damping", "slip", "speed", "acceleration", "time", "angle", "degrees", "energy" or "ratio".
+        "damping", "slip", "impulse", "speed", "acceleration", "time", "angle", "degrees",
+        "energy" or "ratio".
     system : str
         "SI" or "in-lbf-s".
     """

@@ -58,8 +58,22 @@ GROUPS = (
     ("trajectory", "piece_", _PIECES),
 )
 """Everything else: an attribute of the motion or itself, prefix and columns of its datasets."""
+_IMPACTS: Columns = {
+    **_EVENTS,
+    "wall": ("ratio", "wall of the slot that is struck", "<f8"),
+    "speed_before": ("speed", "driver velocity before each blow", "<f8"),
+    "approach_speed": ("slip", "speed of approach", "<f8"),
+    "impulse": ("impulse", "impulse of the normal force", "<f8"),
+    "energy": ("energy", "energy that each blow takes", "<f8"),
+}
 ATTRIBUTES = {"engine": str, "rtol": float, "end_time": float, "message": str}
 """What is said of a motion as a whole, beside its status, and the types."""
+
+
+def groups_of(motion: Any) -> tuple[tuple[str, str, Columns], ...]:
+    """`GROUPS`, and of a motion with clearance the blows."""
+    own = getattr(motion.trajectory, "impacts", None) is not None
+    return (*GROUPS, ("impacts", "impact_", _IMPACTS)) if own else GROUPS
 
 
 def attributes_of(key: str, column: tuple[str, str, str], units: str) -> dict[str, Any]:
@@ -79,7 +93,7 @@ def values_of(source: Any, key: str) -> Any:
 def as_dataset(motion: Any) -> "Dataset":
     """A motion as an `xarray.Dataset` in SI; see `Motion.to_xarray`."""
     xarray, found = package("xarray", "to_xarray"), {}
-    for owner, prefix, columns in (("samples", "", SAMPLES), *GROUPS):
+    for owner, prefix, columns in (("samples", "", SAMPLES), *groups_of(motion)):
         source = getattr(motion, owner) if owner else motion
         scale = prefix + next(iter(columns))
         for key, column in columns.items():

@@ -12,7 +12,7 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.fitting import IMPERFECT, check_lengths
 from escapement.lazy import Lazy
-from escapement.mechanisms.kind import WHEEL, Arms, Wheel, pin_radius, roller_radius
+from escapement.mechanisms.kind import WHEEL, Arms, Wheel, clearance, pin_radius, roller_radius
 from escapement.quantity import Numbers, Truth, declared, quantity, setting
 from escapement.scene import Meeting
 
@@ -45,10 +45,13 @@ class Geneva(Wheel):
         Distance of the pins from the driver's axis [m]; contact forces and all other lengths
         need it.
     pin_radius : float
-        Radius of the pins [m]; they fit their slots exactly.
+        Radius of the pins [m].
     roller_radius : float
         Outer radius of rollers that turn on the pins and roll in the slots [m], 0 for none.
         Friction is then that between roller and pin.
+    clearance : float
+        Slot width less pin diameter [m]. With it the pin goes from wall to wall in flights and
+        blows, see `escapement.engines.contact`; without it pins fit their slots exactly.
     centre_distance_error : float
         By how much the axes are too far apart [m]; negative where they are too close.
     pin_angle_errors, slot_angle_errors : sequence of float
@@ -90,6 +93,7 @@ class Geneva(Wheel):
 
     pin_radius: float = field(default=0.0, metadata=pin_radius())
     roller_radius: float = field(default=0.0, metadata=roller_radius())
+    clearance: float = field(default=0.0, metadata=clearance())
     centre_distance_error: float = field(default=0.0, metadata=quantity(
         "error of the centre distance", "length", minimum=-math.inf,
         note=", positive where it is too long", remedy="give the error, 0 for none"

@@ -95,6 +95,14 @@ def roller_radius() -> dict[str, Any]:
     )  # fmt: skip
 
 
+def clearance() -> dict[str, Any]:
+    """Declaration of the clearance between pin and slot."""
+    return quantity(
+        "slot width less pin diameter", "length", metavar="C",
+        remedy="give how much wider the slot is, 0 for none",
+    )  # fmt: skip
+
+
 class Arms(NamedTuple):
     """Pin path C = first exp(i rate_1 theta) + second exp(i rate_2 theta).
 
@@ -147,7 +155,7 @@ class Wheel(Kind):
         if not outer:
             return
         check_lengths({name: outer}, self.crank_radius, self.plain_crank)
-        most = self.crank_radius * self.widest_pin
+        most = self.crank_radius * self.widest_pin - 0.5 * getattr(self, "clearance", 0.0)
         if not outer < most:
             rule = f"less than {most:.6g} m, where neighbouring slots meet"
             raise validate.fail(name, rule, outer, "choose a thinner pin or a larger wheel")

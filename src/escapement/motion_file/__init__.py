@@ -23,6 +23,7 @@ from escapement.mechanism import FloatArray
 from escapement.mechanisms import KINDS
 from escapement.motion import Motion
 from escapement.motion_file.sampled import SampledTrajectory
+from escapement.simulation import simulate
 from escapement.status import Status
 from escapement.study.hdf5 import FILTERS
 from escapement.study.parse import parse_plan, plan_from
@@ -39,6 +40,7 @@ from escapement.variables import (
     Columns,
     attributes,
     attributes_of,
+    groups_of,
     values_of,
 )
 
@@ -91,7 +93,7 @@ def write_motion(
     with pending_hdf5(path, force) as (hdf5, _):
         _write_root(hdf5, motion)
         _write_samples(hdf5, motion, blocks, units)
-        for owner, prefix, columns in GROUPS:
+        for owner, prefix, columns in groups_of(motion):
             source: Any = getattr(motion, owner) if owner else motion
             size = getattr(source, next(iter(columns))).size
             for key, dataset in _create(hdf5, prefix, columns, size, units).items():
@@ -176,7 +178,7 @@ def read_motion(path: str | PathLike[str]) -> Motion:
     """Read a motion.
 
     Handoffs and events are as written. The state at any time is computed anew from
-    the samples at reversals and handoffs.
+    the samples at reversals and handoffs. A motion with clearance is simulated again.
 
     Raises
     ------
@@ -201,8 +203,13 @@ def read_motion(path: str | PathLike[str]) -> Motion:
 
 
 def _read(hdf5: Any) -> Motion:
-    escapement = parse_plan(configuration_of(hdf5)).escapement(0)
+    plan = parse_plan(configuration_of(hdf5))
+    escapement = plan.escapement(0)
     attributes = {name: kind(hdf5.attrs[name]) for name, kind in ATTRIBUTES.items()}
+    if escapement.contact:
+        # what a free follower does between two samples only the engine knows
+        start = {"initial_speed": plan.values(0)["initial_speed"], "rtol": attributes["rtol"]}
+        return simulate(escapement, duration=attributes["end_time"], **start)
     samples = {name: hdf5[name][()] for name in ("t", "theta", "theta_dot")}
     groups = [
         # files of the first versions hold the loss in friction alone

@@ -20,8 +20,8 @@ from escapement.mechanism import Mechanism
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.merits import FIGURES
 from escapement.model import Escapement
-from escapement.quantity import Quantity, Setting, declared, quantities
-from escapement.solver import Solver
+from escapement.quantity import Quantity, Setting, declared
+from escapement.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.result import DEFAULT
@@ -32,7 +32,7 @@ from escapement.validate import known_keys
 MOST_CASES = 10**12
 
 _TOP = ("title", "units", "results", "mechanism", "inertia", "sweep", "sample", "solver")
-_NUMBERS = quantities(Escapement)
+_NUMBERS = declared(Escapement)
 _SOLVER = declared(Solver)
 # what else people write for a number, and what to tell them
 _HABITS = {
@@ -129,9 +129,12 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         curve = settings["torque"].to_si(curve)
     si = {name: settings[name].to_si(value) for name, value in fixed.items()}
     fixed_si = dict.fromkeys(settings) | si
-    plain |= forms | {"solver": solver.given}
+    plain |= forms
     drawn = varied, solver, fingerprint
     plan = StudyPlan(plain, build, meshed, parameters, fixed_si, *drawn, curve)
+    solver = solver_for("any" if plan.contact else "", solver)
+    solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
+    plain["solver"], plan = solver.given, replace(plan, solver=solver)
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
     greatest = {name: float(np.max(values[name])) for name in parameters if name in values}
     check_lengths(greatest, plan.lengths["crank_radius"], getattr(build, "plain_crank", True))

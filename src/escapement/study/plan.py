@@ -53,7 +53,8 @@ def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
     own = declared(build) if isinstance(build, type) else {}
     # what cannot be an axis stands first in the configuration
     ordered = dict(sorted(own.items(), key=lambda item: item[1].axis))
-    return ordered | {n: entry for n, entry in model_numbers().items() if entry.fits(meshed)}
+    words = {n: e for n, e in declared(Escapement).items() if not isinstance(e, Quantity)}
+    return ordered | {n: e for n, e in (words | model_numbers()).items() if e.fits(meshed)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +207,7 @@ class StudyPlan:
         return Escapement(
             mechanism=self.mechanism(case),
             inertia=Inertia(**inertias),
-            **{name: values[name] for name in quantities(Escapement) if name in values},
+            **{n: values[n] for n in declared(Escapement) if values.get(n) is not None},
         )
 
     @property
@@ -237,6 +238,14 @@ class StudyPlan:
             return bool(getattr(self.build, "perfect", True))
         errors = [name for name in self.fixed_si if name.startswith(IMPERFECT)]
         return not any(np.any(self.every(name)) for name in errors)
+
+    @property
+    def contact(self) -> bool:
+        """Whether a case has clearance or stiffness."""
+        if not isinstance(self.build, type) and getattr(self.build, "clearance", False):
+            return True
+        names = {"clearance", "stiffness"} & {*self.fixed_si}
+        return any(np.any(self.every(name)) for name in names)
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""

@@ -290,9 +290,12 @@ def _in_its_units(plan: StudyPlan, found: Columns) -> Columns:
 
 def _alone(plan: StudyPlan, case: int) -> Figures:
     """One case by an engine that solves them one by one."""
-    speed = plan.values(case)[SPEED]
+    speed, given = plan.values(case)[SPEED], plan.solver.given
+    if plan.solver.engine == "contact":
+        # of an axis that begins with no clearance, each case has the engine that it needs
+        del given["engine"]
     try:
-        return simulation.terminal(plan.escapement(case), initial_speed=speed, **plan.solver.given)
+        return simulation.terminal(plan.escapement(case), initial_speed=speed, **given)
     except InvalidValue:
         return Figures(status=Status.INVALID)
     except (ArithmeticError, ValueError, RuntimeError):
