@@ -60,8 +60,9 @@ def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]
     sense = np.where(ways.turn < 0.0, -1.0, 1.0)
     passed = np.angle(away * (ways.start - ways.centre).conj()) * sense % (2.0 * np.pi)
     nearer = np.where(np.abs(p - ways.start) <= np.abs(p - ways.end), ways.start, ways.end)
-    unit = away / np.where(off == 0.0, 1.0, off)
-    on_arc = np.where(passed <= np.abs(ways.turn), ways.centre + ways.radius * unit, nearer)
+    on_arc = ways.centre + ways.radius * away / np.where(off == 0.0, 1.0, off)
+    # of an arc's centre every point of the arc is as near as its ends
+    on_arc = np.where((passed <= np.abs(ways.turn)) & (off > 0.0), on_arc, nearer)
     nearest = np.where(line, on_line, on_arc)
     along = np.where(line, chord, 1j * sense * (nearest - ways.centre))
     distance = np.abs(p - nearest)
@@ -90,7 +91,10 @@ def gap(one: Ways, other: Ways) -> tuple[float, complex]:
 
 
 def near(ways: Ways, centre: complex, reach: float) -> Ways:
-    """The lines and arcs that may come within a distance of a point; all where none does."""
+    """The lines and arcs that may come within a distance of a point; all where none does.
+
+    Others may come nearer than those that come no nearer than this distance.
+    """
     middle = 0.5 * (ways.start + ways.end)
     # a point of a way is no further from the middle of its chord than this
     size = np.where(

@@ -7,30 +7,19 @@ clear of slots, and the driver's locking disc is cut by the envelope of the whee
 turns past it.
 """
 
+import cmath
 import math
 from functools import lru_cache
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
-from escapement.outlines import (
-    Body,
-    ComplexArray,
-    Disc,
-    arc,
-    closed,
-    locked_angle,
-    pins_and_rollers,
-    slotted_edge,
-)
+from escapement.outlines import Body, Disc, Land, locked_angle, pins_and_rollers, slotted_edge
+from escapement.outlines.curves import ComplexArray, Curve, chain
 
-# Rays of the locking disc; the number is twice a multiple of every possible number of pins.
-_RAYS = 720
-# Positions of the wheel; an internal one needs more, because its corners sweep further.
-_POSITIONS = {False: 361, True: 721}
-_MARCHES = 40
-_SETTLED = 1e-5
+_POSITIONS = 721  # of the wheel that turns past the locking disc
+_CHORD = math.radians(0.5)
+_HOLLOWS = 400  # centres of hollows that are tried
 
 
 class GenevaOutline:
@@ -59,8 +48,12 @@ class GenevaOutline:
         Play between the locking disc and the wheel.
     follower_radius, crank_disc_radius : float
         Outer radii of the follower and of the disc that carries the pins.
-    follower_edge : ndarray, shape (points,), complex
-        Closed edge of the follower that faces the driver.
+    driver_shaft, follower_shaft : float
+        Radii of the shafts; 0 for the follower of an internal wheel, which is a ring.
+    follower_edge : Curve
+        Edge of the follower that faces the driver.
+    plane : tuple
+        The follower, and the bodies that move in its plane.
     """
 
     def __init__(self, mechanism: Geneva) -> None:
@@ -69,18 +62,26 @@ class GenevaOutline:
         self.slot_end = centre + self.side
         chosen = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
         self.pin_radius = mechanism.contact_radius or chosen
-        self.half_slot = mechanism.contact_radius or 1.08 * chosen
+        play = mechanism.clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
+        given = mechanism.contact_radius
+        self.half_slot = given + 0.5 * play if given else 1.08 * chosen
         self.rim_radius = math.hypot(centre * math.cos(math.pi / mechanism.slots), self.half_slot)
         wall = 1.0 - self.half_slot
         self.lock_radius = wall - min(0.1, 0.5 * wall)
         room = self.lock_radius - abs(centre - self.rim_radius)
         self.locks = not mechanism.continuous and room > 0.0
-        self.gap = min(0.02, 0.2 * abs(centre - self.rim_radius))
+        self.gap = min(play or 0.02, 0.2 * abs(centre - self.rim_radius))
         ring = self.slot_end + self.half_slot + 0.18
         self.follower_radius = ring if internal else self.rim_radius
         self.crank_disc_radius = 1.0 + self.pin_radius + 0.07
+        narrow = 0.5 * (centre - self.rim_radius)
+        self.driver_shaft = 0.12 if internal else min(0.14, narrow)
+        self.follower_shaft = 0.0 if internal else min(0.12, 0.5 * (self.slot_end - self.half_slot))
+        # the driver's shaft ends behind an internal wheel
+        beside = ("pin", "roller", "locking-disc", *(() if internal else ("driver-shaft",)))
+        self.plane = "follower", beside
         edge = self.rim_radius, self.slot_end, self.half_slot
-        self.follower_edge = slotted_edge(*edge, 25, self._land(), mechanism.slots)
+        self.follower_edge = slotted_edge(*edge, self._land(), mechanism.slots)
 
     def bodies(self, theta: float) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
@@ -90,84 +91,82 @@ class GenevaOutline:
         external wheel, "roller-k" only where pins have rollers.
         """
         mechanism, centre = self.mechanism, self.mechanism.centre_distance
-        outside = (arc(self.follower_radius, 2.0 * np.pi, 0.0),) if mechanism.internal else ()
+        outside = (Curve.circle(self.follower_radius),) if mechanism.internal else ()
         follower = Body("follower", (self.follower_edge, *outside))
         found: list[Body | Disc] = [follower.turned(locked_angle(mechanism, theta))]
-        if self.locks and (edge := locking_disc(mechanism)).size:
+        if self.locks and (edge := locking_disc(mechanism)):
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
-        shaft = 0.12 if mechanism.internal else min(0.14, 0.5 * (centre - self.rim_radius))
-        discs: dict[str, tuple[complex, float]] = {}
-        discs |= {"crank-disc": (centre, self.crank_disc_radius), "driver-shaft": (centre, shaft)}
-        if not mechanism.internal:
-            discs["follower-shaft"] = 0.0, min(0.12, 0.5 * (self.slot_end - self.half_slot))
-        found += [Disc(name, *round_) for name, round_ in discs.items()]
+        found.append(Disc("crank-disc", centre, self.crank_disc_radius))
+        found.append(Disc("driver-shaft", centre, self.driver_shaft))
+        if self.follower_shaft:
+            found.append(Disc("follower-shaft", 0.0, self.follower_shaft))
         turned = theta - np.arange(mechanism.pins or 1) * mechanism.cell_angle
         places = centre + self.side * np.exp(1j * self.side * turned)
         return found + pins_and_rollers(mechanism, places.tolist(), self.pin_radius)
 
-    def _land(self) -> ComplexArray:
-        """From slot 0 to slot 1, the corners left out."""
+    def _land(self) -> Land:
+        """From slot 0 to slot 1: corners and turns, the corners at the mouths left out."""
         middle, rim = self.mechanism.follower_step / 2.0, self.rim_radius
         corner = math.asin(self.half_slot / rim)
         if not self.locks:
-            return arc(rim, corner, 2.0 * middle - corner, 61)[1:-1]
+            return [], [2.0 * (middle - corner)]
         axis = self.mechanism.centre_distance
         horn = math.acos((rim**2 + axis**2 - self.lock_radius**2) / (2.0 * rim * axis))
-        wide = self.side * abs(np.angle(self.side * (rim * np.exp(1j * horn) - axis)))
-        lock = axis + self.side * arc(self.lock_radius, -wide, wide, 61)
-        before = arc(rim, corner, middle - horn, 9)
-        after = arc(rim, middle + horn, 2.0 * middle - corner, 9)
-        return np.concatenate([before[1:], lock[1:-1] * np.exp(1j * middle), after[:-1]])
-
-    def clearance(self, points: ComplexArray) -> FloatArray:
-        """How far points of the follower's plane lie outside its body, at least.
-
-        Positive outside, negative inside; never more than the true distance.
-        """
-        step = self.mechanism.follower_step
-        folded = points * np.exp(-1j * step * np.round(np.angle(points) / step))
-        x, y = folded.real, np.abs(folded.imag)
-        nearest = np.minimum(x, self.slot_end) if self.side > 0 else np.maximum(x, self.slot_end)
-        slot = self.half_slot - np.hypot(x - nearest, y)
-        rim = -self.side * (np.abs(folded) - self.rim_radius)
-        outside: FloatArray = np.maximum(slot, rim)
-        if self.locks:
-            centre = self.mechanism.centre_distance * np.exp(1j * step / 2.0)
-            outside = np.maximum(outside, self.lock_radius - np.abs(x + 1j * y - centre))
-        return outside
+        tip = rim * cmath.exp(1j * horn)
+        wide = abs(cmath.phase(self.side * (tip - axis)))
+        along, before = cmath.exp(1j * middle), middle - horn - corner
+        return [tip.conjugate() * along, tip * along], [before, self.side * 2.0 * wide, before]
 
 
 @lru_cache(maxsize=32)
-def locking_disc(mechanism: Geneva) -> ComplexArray:
-    """Closed edge of the driver's locking disc about its axis, pin 0 at dead centre.
+def locking_disc(mechanism: Geneva) -> Curve | None:
+    """Edge of the driver's locking disc about its axis, pin 0 at dead centre.
 
-    An external wheel leaves a disc with a hollow for each pin, an internal one
-    a crescent opposite the pin, or nothing where wide slots leave no room for it. Every
-    ray from the driver's axis is followed until the turning wheel, in any of its
-    positions, comes within the gap.
+    An external wheel leaves a disc with a round hollow for each pin, an internal one a crescent
+    opposite the pin; None where no locking arc is left between the hollows. Of all hollows with
+    their centre on the line to the pin that clear the turning wheel, it is the one that leaves
+    most of the locking arc.
     """
-    outline, side = GenevaOutline(mechanism), 1.0 if mechanism.internal else -1.0
-    ends = mechanism.breaks[0], mechanism.breaks[-1]
-    theta = np.linspace(*ends, _POSITIONS[mechanism.internal])
-    to_follower = np.exp(-1j * mechanism.follower_angle(theta))
-    turned = np.exp(1j * side * theta) * to_follower
-    axis = mechanism.centre_distance * to_follower
-    rays = side * np.exp(1j * np.linspace(0.0, np.pi, _RAYS // 2 + 1))
-    edge = outline.lock_radius - 1.2 * outline.gap
-    radius = np.full(rays.size, edge if mechanism.internal else 0.0)
-    for _ in range(_MARCHES):
-        points = axis[:, None] + turned[:, None] * (radius * rays)
-        free = outline.clearance(points).min(axis=0) - outline.gap
-        before, radius = radius, np.clip(radius - side * free, 0.0, edge)
-        if np.abs(radius - before).max() < _SETTLED:
-            break
-    radius = np.concatenate([radius, radius[-2:0:-1]])
-    rays = np.concatenate([rays, rays[-2:0:-1].conj()])
-    if mechanism.internal:
-        solid = radius < edge - 1e-6
-        if not solid.any():
-            return rays[:0]
-        return closed(np.concatenate([edge * rays[solid], (radius * rays)[solid][::-1]]))
+    outline = GenevaOutline(mechanism)
+    edge = outline.lock_radius - outline.gap
+    swept = _swept(outline, edge + 0.5 * outline.gap)
+    hub = 0.0 if mechanism.internal else outline.driver_shaft + outline.gap
+    centres = np.geomspace(0.05, 20.0, _HOLLOWS)
+    radii = np.array([np.abs(swept - centre).max() for centre in centres]) + 0.5 * outline.gap
+    # a hollow meets the locking arc at this angle from the pin
+    cosine = (edge**2 + centres**2 - radii**2) / (2.0 * edge * centres)
+    allowed = (np.abs(cosine) < 1.0) & (mechanism.internal | (centres - radii > hub))
+    if not allowed.any():
+        return None
+    best = int(np.argmax(np.where(allowed, cosine, -2.0)))
+    centre, aside = float(centres[best]), math.acos(cosine[best])
     pins = mechanism.pins or 1
-    hollows = [np.roll(radius, k * _RAYS // pins) for k in range(pins)]
-    return closed(np.min(hollows, axis=0) * rays)
+    left = 2.0 * (math.pi / pins - aside)
+    if left <= 0.0:
+        return None
+    corner = edge * np.exp(1j * aside)
+    hollow = -2.0 * float(np.angle((centre - corner).conjugate()))
+    places = outline.side * np.exp(2j * np.pi * np.arange(pins) / pins)
+    corners = places[:, None] * np.array([corner.conjugate(), corner])
+    return chain(corners.ravel(), np.tile([hollow, left], pins))
+
+
+def _swept(outline: GenevaOutline, radius: float) -> ComplexArray:
+    """Points of the turning wheel within a radius about the driver's axis, the pin at 1.
+
+    They are those of its edge, and where their paths enter that circle.
+    """
+    mechanism, centre = outline.mechanism, outline.mechanism.centre_distance
+    edge = outline.follower_edge.drawn(_CHORD)
+    # the others never come so near
+    facing = np.abs(np.angle(edge)) < 1.5 * mechanism.follower_step
+    edge = edge[facing & (np.abs(np.abs(edge) - centre) < radius)]
+    theta = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], _POSITIONS)[:, None]
+    world = edge * np.exp(1j * mechanism.follower_angle(theta)) - centre
+    points = outline.side * world * np.exp(-1j * outline.side * theta)
+    off = np.abs(points) - radius
+    inside = off <= 0.0
+    row, column = np.nonzero(inside[1:] != inside[:-1])
+    share = off[row, column] / (off[row, column] - off[row + 1, column])
+    way = points[row + 1, column] - points[row, column]
+    return np.concatenate([points[inside], points[row, column] + share * way])
