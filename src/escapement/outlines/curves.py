@@ -85,9 +85,9 @@ class Curve(NamedTuple):
         start = self.corners[:, None]
         return np.asarray(start + (self.ends[:, None] - start) * np.where(straight, share, way))
 
-    def drawn(self, chord: float = _CHORD) -> ComplexArray:
-        """Points of a polygon that ends where it starts, with chords of so many radians."""
-        counts = np.maximum(1, np.ceil(np.abs(self.turns) / chord - 1e-9)).astype(int)
+    def drawn(self, chord: ArrayLike = _CHORD) -> ComplexArray:
+        """Points of a polygon that ends where it starts, its chords as long as `chord` [rad]."""
+        counts = np.maximum(1, np.ceil(np.abs(self.turns) / np.asarray(chord) - 1e-9)).astype(int)
         found = []
         for count in np.unique(counts):
             ways = np.flatnonzero(counts == count)
@@ -127,6 +127,8 @@ class Curve(NamedTuple):
         InvalidValue
             When an arc is too narrow for it, or a corner points into the body.
         """
+        if width == 0.0:
+            return self
         a, b, half = self.corners, self.ends, 0.5 * self.turns
         straight = (b - a) / np.abs(b - a)
         before, after = straight * np.exp(-1j * half), straight * np.exp(1j * half)

@@ -91,8 +91,7 @@ class GenevaOutline:
         external wheel, "roller-k" only where pins have rollers.
         """
         mechanism, centre = self.mechanism, self.mechanism.centre_distance
-        outside = (Curve.circle(self.follower_radius),) if mechanism.internal else ()
-        follower = Body("follower", (self.follower_edge, *outside))
+        follower = Body("follower", self.follower_edges)
         found: list[Body | Disc] = [follower.turned(locked_angle(mechanism, theta))]
         if self.locks and (edge := locking_disc(mechanism)):
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
@@ -100,9 +99,19 @@ class GenevaOutline:
         found.append(Disc("driver-shaft", centre, self.driver_shaft))
         if self.follower_shaft:
             found.append(Disc("follower-shaft", 0.0, self.follower_shaft))
-        turned = theta - np.arange(mechanism.pins or 1) * mechanism.cell_angle
-        places = centre + self.side * np.exp(1j * self.side * turned)
-        return found + pins_and_rollers(mechanism, places.tolist(), self.pin_radius)
+        return found + pins_and_rollers(mechanism, self.pin_places(theta), self.pin_radius)
+
+    def pin_places(self, theta: float) -> ComplexArray:
+        """Where the pins stand at a driver angle, shape (pins,)."""
+        turned = theta - np.arange(self.mechanism.pins or 1) * self.mechanism.cell_angle
+        circle = self.side * np.exp(1j * self.side * turned)
+        return np.asarray(self.mechanism.centre_distance + circle)
+
+    @property
+    def follower_edges(self) -> tuple[Curve, ...]:
+        """Edges of the follower: that which faces the driver, and the outer one of a ring."""
+        ring = (Curve.circle(self.follower_radius),) if self.mechanism.internal else ()
+        return self.follower_edge, *ring
 
     def _land(self) -> Land:
         """From slot 0 to slot 1: corners and turns, the corners at the mouths left out."""

@@ -1,0 +1,301 @@
+"""The flat parts of a mechanism, each about its own axis, in metres, and their inertia.
+
+A part has the size that it is to have: the kerf of a cutter is left to the export.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import singledispatch
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.mechanism import checked
+from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
+from escapement.model import Inertia
+from escapement.outlines.curves import Curve, Moments, stadium
+from escapement.outlines.gaps import outside, ways_of
+from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
+from escapement.outlines.geneva import GenevaOutline, locking_disc
+from escapement.quantity import Declared, quantity
+
+_WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
+_SHAFT = 0.12
+_OTHER = "choose another number of lobes"
+
+
+def _length(text: str, least: float = -math.inf, note: str = "") -> dict[str, Any]:
+    return quantity(text, "length", minimum=least, note=note, remedy="give the length, 0 for none")
+
+
+@dataclass(frozen=True, repr=False)
+class Fits(Declared):
+    """What a workshop needs to know beside the mechanism.
+
+    Parameters
+    ----------
+    pin_fit, shaft_fit : float
+        Diameter of the holes less that of pins and shafts [m]; negative for a press fit.
+    driver_shaft_radius, follower_shaft_radius : float
+        Radii of the shafts [m]; 0 for one that suits the wheel.
+    clearance : float
+        Slot width less pin diameter of a gear-driven wheel [m]; a `Geneva` has its own.
+    kerf : float
+        Width of the cut [m]: the cutter runs beside the edges by half of it.
+    """
+
+    pin_fit: float = field(default=0.0, metadata=_length("diameter of pin holes less pins'"))
+    shaft_fit: float = field(default=0.0, metadata=_length("diameter of shaft holes less shafts'"))
+    driver_shaft_radius: float = field(default=0.0, metadata=_length(
+        "radius of the driver's shaft", 0.0, ", 0 for one that suits the wheel"
+    ))  # fmt: skip
+    follower_shaft_radius: float = field(default=0.0, metadata=_length(
+        "radius of the follower's shaft", 0.0, ", 0 for one that suits the wheel"
+    ))  # fmt: skip
+    clearance: float = field(default=0.0, metadata=_length("slot width less pin diameter", 0.0))
+    kerf: float = field(default=0.0, metadata=_length("width of the cut", 0.0))
+
+    def __post_init__(self) -> None:
+        self.check_fields()
+
+    def hole(self, radius: float, at: complex, fit: float, what: str) -> Curve:
+        """A hole for what has this radius, clockwise."""
+        wide = radius + 0.5 * fit
+        if not wide > 0.0:
+            raise validate.fail(f"{what}_fit", f"greater than {-2.0 * radius:g} m", fit, "add to it")
+        return Curve.circle(wide, at).reversed()
+
+
+class Part(NamedTuple):
+    """A flat part about its own axis [m].
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    edge : Curve
+        Its edge; of a gear its pitch curve.
+    holes : tuple of Curve
+        What is cut out of it, clockwise.
+    marks : tuple of Curve
+        What is engraved: where the locking disc sits on the driver.
+    axes : tuple of complex
+        Centres of its holes and of what it turns about.
+    toothed : bool
+        Whether it is a gear, the teeth of which somebody else cuts about its pitch curve.
+    """
+
+    name: str
+    edge: Curve
+    holes: tuple[Curve, ...] = ()
+    marks: tuple[Curve, ...] = ()
+    axes: tuple[complex, ...] = (0.0,)
+    toothed: bool = False
+
+    @property
+    def moments(self) -> Moments:
+        """Area [m^2] and its moments [m^3, m^4] about the part's axis, holes taken off."""
+        rows = [curve.moments for curve in (self.edge, *self.holes)]
+        area, first, second = (sum(column) for column in zip(*rows, strict=True))
+        return Moments(area, first, second)
+
+    def mass(self, thickness: float, density: float) -> float:
+        """Mass [kg] at a thickness [m] and a density [kg/m^3]."""
+        return self.moments.area * thickness * density
+
+    def inertia(self, thickness: float, density: float) -> float:
+        """Moment of inertia about its axis [kg m^2]; arguments as of `mass`."""
+        return self.moments.second * thickness * density
+
+    def check(self) -> None:
+        """Raise InvalidValue where a hole leaves no wall to the edge or to another hole."""
+        for k, hole in enumerate(self.holes):
+            others = ways_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
+            centre = complex(hole.corners.mean())
+            deep, place = outside(others, np.array([centre]))
+            room, radius = -float(deep[0]), abs(complex(hole.corners[0]) - centre)
+            if len(hole.corners) == 2 and not radius < room:
+                x, y = 1e3 * place[0].real, 1e3 * place[0].imag
+                raise InvalidValue(
+                    f"a hole of the {self.name} must have a radius of less than {room:.6g} m, got "
+                    f"{radius:.6g}: it reaches what is cut at ({x:.4f}, {y:.4f}) mm; choose a "
+                    "thinner shaft or pin, or a larger wheel"
+                )
+
+
+@singledispatch
+def _parts(mechanism: Any, fits: Fits) -> list[Part]:
+    raise InvalidValue(
+        f"{getattr(mechanism, 'kind', type(mechanism).__name__)} has no parts that could be drawn; "
+        "choose geneva, gear-driven or elliptical-planetary"
+    )
+
+
+def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
+    """The flat parts of a mechanism, in metres, each about its own axis.
+
+    Parameters
+    ----------
+    mechanism : Geneva, GearDriven or EllipticalPlanetary
+        With its size and the radius of its pins. Errors of its parts are left out.
+    fits : Fits, optional
+        Default: holes as large as what goes through them.
+
+    Returns
+    -------
+    tuple of Part
+        Of a Geneva wheel "driver", "locking-disc", "follower" and "plate", of a gear-driven one
+        "follower", "pin-disc", "carrier", "planet" and "fixed-gear", of elliptical gears
+        "driven", "driving", "sun", "planet" and "carrier". Pins are round and need no drawing.
+
+    Raises
+    ------
+    InvalidValue
+        Where the size or the radius of the pins is missing, or a hole leaves no wall.
+    """
+    fits = fits or Fits()
+    found = _parts(checked(mechanism), fits)
+    for part in found:
+        part.check()
+    return tuple(found)
+
+
+def outline_of(mechanism: Any, fits: Fits) -> GenevaOutline | GearDrivenOutline | EllipticalOutline:
+    """The bodies of a mechanism, as they are to be made."""
+    if isinstance(mechanism, EllipticalPlanetary):
+        return EllipticalOutline(mechanism)
+    size, _ = _sized(mechanism)
+    if isinstance(mechanism, GearDriven):
+        return GearDrivenOutline(mechanism, fits.clearance)
+    outline = GenevaOutline(mechanism)
+    outline.driver_shaft = fits.driver_shaft_radius / size or outline.driver_shaft
+    outline.follower_shaft = fits.follower_shaft_radius / size or outline.follower_shaft
+    return outline
+
+
+@_parts.register
+def _(mechanism: Geneva, fits: Fits) -> list[Part]:
+    size, pin = _sized(mechanism)
+    outline: Any = outline_of(mechanism, fits)
+    axis = size * outline.driver_shaft
+    shaft = fits.hole(axis, 0.0, fits.shaft_fit, "shaft")
+    places = outline.pin_places(0.0) - mechanism.centre_distance
+    pins = [fits.hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    lock = locking_disc(mechanism) if outline.locks else None
+    marks = (lock.moved(size),) if lock else ()
+    edge = Curve.circle(size * outline.crank_disc_radius)
+    centres = (0.0, *(size * places).tolist())
+    found = [Part("driver", edge, (shaft, *pins), marks, centres)]
+    if lock:
+        # the crescent of an internal wheel does not reach the axis: it is fastened to the driver
+        found.append(Part("locking-disc", marks[0], () if mechanism.internal else (shaft,)))
+    wheel = [curve.moved(size) for curve in outline.follower_edges]
+    own = size * outline.follower_shaft
+    bore = () if mechanism.internal else (fits.hole(own, 0.0, fits.shaft_fit, "shaft"),)
+    # an internal wheel is a ring, whose edge that faces the driver is a hole of it
+    found.append(Part("follower", wheel[-1], (*wheel[:-1], *bore)))
+    apart = size * mechanism.centre_distance
+    return [*found, _link("plate", apart, own or axis, axis, fits)]
+
+
+@_parts.register
+def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
+    for name in ("unused_lobes", "through_centre"):
+        if value := getattr(mechanism, name):
+            raise validate.fail(name, f"{value and type(value)()} in drawings of parts", value, _OTHER)
+    size, pin = _sized(mechanism)
+    outline = GearDrivenOutline(mechanism, fits.clearance)
+    arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
+    axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
+    own = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)
+    places = arm * np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
+    pins = [fits.hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    shaft = fits.hole(axis, 0.0, fits.shaft_fit, "shaft")
+    centre = fits.hole(own, 0.0, fits.shaft_fit, "shaft")
+    wheel = [curve.moved(size) for curve in outline.wheel_edges()]
+    disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
+    return [
+        Part("follower", wheel[-1], (*wheel[:-1], *((centre,) if outline.inward else ()))),
+        Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *(size * places).tolist())),
+        _link("carrier", size * mechanism.carrier_over_fixed, own, axis, fits),
+        Part("planet", Curve.circle(size * outline.planet_radius), (shaft,), toothed=True),
+        Part("fixed-gear", Curve.circle(size), (centre,), toothed=True),
+    ]
+
+
+@_parts.register
+def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
+    least = _SHAFT * mechanism.planet_radius
+    radii = fits.follower_shaft_radius or least, fits.driver_shaft_radius or least
+    axis, shaft = (fits.hole(radius, 0.0, fits.shaft_fit, "shaft") for radius in radii)
+    driving, driven = (
+        pitch_curve(1e3 * oval.semi_major_axis, oval.eccentricity).moved(1e-3)
+        for oval in mechanism.pitch_ellipses
+    )
+    gears = [
+        ("driven", driven, axis),
+        ("driving", driving, shaft),
+        ("sun", Curve.circle(mechanism.sun_radius), axis),
+        ("planet", Curve.circle(mechanism.planet_radius), shaft),
+    ]
+    found = [Part(name, edge, (hole,), toothed=True) for name, edge, hole in gears]
+    return [*found, _link("carrier", mechanism.centre_distance, *radii, fits)]
+
+
+def _sized(mechanism: Geneva | GearDriven) -> tuple[float, float]:
+    """Unit of length and radius of the pins [m], both of which parts need."""
+    unit = "crank_radius" if isinstance(mechanism, Geneva) else "fixed_radius"
+    for name in (unit, "pin_radius"):
+        if not getattr(mechanism, name):
+            value = getattr(mechanism, name)
+            raise validate.fail(name, "given for drawings of parts", value, "give it in m")
+    return float(mechanism.crank_radius), float(mechanism.pin_radius)  # type: ignore[arg-type]
+
+
+def _link(name: str, apart: float, first: float, second: float, fits: Fits) -> Part:
+    """A plate that keeps two shafts at their distance."""
+    ends: Sequence[tuple[float, float]] = (first, 0.0), (second, apart)
+    holes = tuple(fits.hole(radius, place, fits.shaft_fit, "shaft") for radius, place in ends)
+    wide = 2.0 * max(first, second) + max(0.5 * fits.shaft_fit, 0.0)
+    return Part(name, stadium(wide, apart), holes, axes=(0.0, apart))
+
+
+def disc_inertia(
+    mechanism: Geneva, thickness: float, density: float, fits: Fits | None = None
+) -> Inertia:
+    """Inertia of driver and follower of a Geneva wheel, of one material and thickness.
+
+    Parameters
+    ----------
+    mechanism : Geneva
+        As for `parts_of`.
+    thickness : float
+        Of driver, locking disc and follower [m], > 0.
+    density : float
+        Of the material [kg/m^3], > 0.
+    fits : Fits, optional
+        As for `parts_of`.
+
+    Returns
+    -------
+    Inertia
+        The driver has its locking disc and its pins, which reach through it and the follower.
+        Rollers are solid. Shafts, and what else turns with them, are to be added.
+    """
+    if not isinstance(checked(mechanism), Geneva):
+        raise validate.fail("mechanism", "a Geneva", mechanism, "sum up `parts_of` of others")
+    thick = validate.positive("thickness", thickness, "give it in m")
+    dense = validate.positive("density", density, "give it in kg/m^3, 7850 for steel")
+    found = {part.name: part for part in parts_of(mechanism, fits)}
+    driver = sum(found[name].inertia(thick, dense) for name in found if name in _DRIVER)
+    inner, crank = mechanism.pin_radius, float(mechanism.crank_radius or 0.0)
+    for radius in (inner, mechanism.roller_radius or inner):
+        mass = math.pi * radius**2 * thick * dense * int(mechanism.pins or 1)
+        driver += mass * (crank**2 + 0.5 * radius**2)
+    return Inertia(driver, found["follower"].inertia(thick, dense))
+
+
+_DRIVER = ("driver", "locking-disc")
