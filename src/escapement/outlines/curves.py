@@ -51,7 +51,7 @@ class Curve(NamedTuple):
     @classmethod
     def circle(cls, radius: float, centre: complex = 0.0) -> Self:
         """A whole circle, counter-clockwise: two halves."""
-        return cls(centre + radius * np.array([1.0, -1.0 + 0.0j]), np.ones(2))
+        return cls(np.array([centre + radius, centre - radius], dtype=complex), np.ones(2))
 
     @property
     def ends(self) -> ComplexArray:
@@ -76,7 +76,7 @@ class Curve(NamedTuple):
         return Curve(self.corners.conj(), -self.bulges).reversed()
 
     def at(self, places: ArrayLike) -> ComplexArray:
-        """Points at shares from 0 to 1 of every way, shape (n, places)."""
+        """Points at shares from 0 to 1 of every way, or of each its own; shape (n, places)."""
         share, turn = np.asarray(places, dtype=float), self.turns[:, None]
         # a ratio of sines, which is the share itself for a line
         straight = np.abs(turn) < _STRAIGHT
@@ -97,6 +97,17 @@ class Curve(NamedTuple):
         order = np.argsort(np.concatenate([places for places, _ in found]))
         points = np.concatenate([points for _, points in found])[order]
         return np.append(points, points[0])
+
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Corners of the box that holds it: lower left, upper right."""
+        # a way is extreme at its ends, or where it runs along an axis
+        turn = np.where(np.abs(self.turns) < _STRAIGHT, 1.0, self.turns)[:, None]
+        chord = np.angle(self.ends - self.corners)[:, None]
+        shares = (0.5 * np.pi * np.arange(-6, 7) - chord) / turn + 0.5
+        points = self.at(np.clip(shares, 0.0, 1.0))
+        low = complex(points.real.min(), points.imag.min())
+        return low, complex(points.real.max(), points.imag.max())
 
     @property
     def length(self) -> float:
@@ -190,5 +201,6 @@ def biarcs(points: ComplexArray, tangents: ComplexArray) -> Curve:
     middle = 0.5 * (points + np.roll(points, -1) + reach * (tangents - ahead))
     first = 2.0 * np.angle((middle - points) / tangents)
     second = 2.0 * np.angle(ahead / (np.roll(points, -1) - middle))
-    return chain(np.column_stack([points, middle]).ravel(), np.column_stack([first, second]).ravel())
-
+    return chain(
+        np.column_stack([points, middle]).ravel(), np.column_stack([first, second]).ravel()
+    )

@@ -4,34 +4,20 @@ import math
 from collections.abc import Callable
 from importlib import import_module
 from io import StringIO
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from escapement.errors import InvalidValue, MissingPackage
 from escapement.files import CUTS, AnyPath, file_format, write_file
-from escapement.outlines.curves import ComplexArray, Curve
+from escapement.fits import Fits
+from escapement.outlines.curves import Curve
 from escapement.outlines.interference import Nearest, least_gaps
-from escapement.outlines.parts import Fits, Part, outline_of, parts_of
+from escapement.outlines.parts import outline_of, parts_of
+from escapement.outlines.sheet import LAYERS, Sheet, lay_out
 
-LAYERS = {"CUT_OUTER": 1, "CUT_INNER": 5, "ENGRAVE": 3, "CENTRE": 8}
-"""Layers of a drawing, and the colour that each has in the palette of DXF."""
-_COLOURS = {"CUT_OUTER": "#d00000", "CUT_INNER": "#0000d0", "ENGRAVE": "#008000", "CENTRE": "#808080"}
 _TOUCH = 1e-6  # bodies that overlap by less touch [m]
-_CHORDS = 5e-6  # distance of chords from the arcs in whose place they stand [m]
-_ROOM = 5e-3  # between parts, and around them [m]
-_HEIGHT = 2.5e-3  # of the names of parts [m]
-
-
-class Sheet(NamedTuple):
-    """What a file shows, in its unit: closed curves, lines and names by layer."""
-
-    curves: list[tuple[str, Curve]]
-    lines: list[tuple[complex, complex]]
-    names: list[tuple[complex, str]]
-    size: complex
-    height: float
+_INCH, _MILLIMETRE = 0.0254, 1e-3
 
 
 def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
@@ -115,59 +101,26 @@ def export(
                 f"({1e3 * pair.place.real:.3f}, {1e3 * pair.place.imag:.3f}) mm from the "
                 "follower's axis; choose another clearance, thinner pins or thinner shafts"
             )
-    sheet = lay_out(parts_of(mechanism, fits), fits.kerf, 1.0 / (0.0254 if inches else 1e-3), segments)
+    unit = _INCH if inches else _MILLIMETRE
+    sheet = lay_out(parts_of(mechanism, fits), fits.kerf, 1.0 / unit, segments)
     write_file(path, [write(sheet, inches, r12)], force)
     return gaps
-
-
-def lay_out(parts: tuple[Part, ...], kerf: float, scale: float, segments: bool) -> Sheet:
-    """Parts side by side; `scale` is how many of the file's units are a metre."""
-    curves: list[tuple[str, Curve]] = []
-    lines, names, corner, top = [], [], _ROOM * (1.0 + 1.0j), 0.0
-    for part in parts:
-        edge = "ENGRAVE" if part.toothed else "CUT_OUTER"
-        own = [(edge, part.edge if part.toothed else part.edge.grown(0.5 * kerf))]
-        own += [("CUT_INNER", hole.grown(0.5 * kerf)) for hole in part.holes]
-        own += [("ENGRAVE", mark) for mark in part.marks]
-        if segments:
-            own = [(layer, _polygon(curve)) for layer, curve in own]
-        points = np.concatenate([curve.drawn() for _, curve in own])
-        low = complex(points.real.min(), points.imag.min())
-        size = complex(points.real.max(), points.imag.max()) - low
-        shift = corner + 1j * (2.0 * _HEIGHT) - low
-        curves += [(layer, curve.moved(by=shift).moved(scale)) for layer, curve in own]
-        for axis in part.axes:
-            at, arm = axis + shift, 0.3 * _ROOM
-            lines += [((at - way * arm) * scale, (at + way * arm) * scale) for way in (1.0, 1.0j)]
-        names.append((corner * scale, part.name))
-        top = max(top, size.imag)
-        corner += max(size.real, 0.7 * _HEIGHT * len(part.name)) + _ROOM
-    whole = complex(corner.real, top + 2.0 * (_ROOM + _HEIGHT))
-    return Sheet(curves, lines, names, whole * scale, _HEIGHT * scale)
-
-
-def _polygon(curve: Curve) -> Curve:
-    """Chords in the place of arcs."""
-    half = np.maximum(np.abs(0.5 * curve.turns), 1e-12)
-    radius = np.abs(curve.ends - curve.corners) / (2.0 * np.sin(half))
-    points = curve.drawn(2.0 * np.arccos(1.0 - np.minimum(_CHORDS / radius, 0.3)))[:-1]
-    return Curve(points, np.zeros(points.size))
 
 
 def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
     """The sheet as DXF."""
     try:
-        ezdxf: Any = import_module("ezdxf")
+        document: Any = import_module("ezdxf.document")
     except ModuleNotFoundError:
         raise MissingPackage(
             "a DXF file needs ezdxf, which is not installed; install it with: "
             "pip install 'geneva-escapement[cad]', or write FILE.svg"
         ) from None
-    drawing = ezdxf.new("R12" if r12 else "R2010")
+    drawing = document.Drawing.new("AC1009" if r12 else "AC1024")
     if not r12:
         drawing.header["$MEASUREMENT"] = 0 if inches else 1
         drawing.units = 1 if inches else 4  # the codes of $INSUNITS
-    for name, colour in LAYERS.items():
+    for name, (colour, _) in LAYERS.items():
         drawing.layers.add(name, color=colour)
     space = drawing.modelspace()
     add: Callable[..., Any] = space.add_polyline2d if r12 else space.add_lwpolyline
@@ -206,7 +159,8 @@ def _svg(sheet: Sheet, inches: bool, _r12: bool) -> bytes:
 
     def path(curve: Curve) -> str:
         words = [f"M {at(complex(curve.corners[0]))}"]
-        radii = np.abs(curve.ends - curve.corners) / 2.0 / np.sin(np.abs(curve.turns) / 2.0 + 1e-300)
+        chords = np.abs(curve.ends - curve.corners)
+        radii = 0.5 * chords / np.sin(0.5 * np.abs(curve.turns) + 1e-300)
         for end, turn, radius in zip(curve.ends.tolist(), curve.turns, radii, strict=True):
             flags = f"{int(abs(turn) > math.pi)} {int(turn < 0.0)}"
             way = f"A {radius:.9f} {radius:.9f} 0 {flags}" if turn else "L"
@@ -219,7 +173,7 @@ def _svg(sheet: Sheet, inches: bool, _r12: bool) -> bytes:
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:.9f}{unit}" '
         f'height="{high:.9f}{unit}" viewBox="0 0 {wide:.9f} {high:.9f}">',
     ]
-    for layer, colour in _COLOURS.items():
+    for layer, (_, colour) in LAYERS.items():
         rows.append(f'<g id="{layer}" stroke="{colour}" {style}>')
         rows += [path(curve) for name, curve in sheet.curves if name == layer]
         if layer == "CENTRE":

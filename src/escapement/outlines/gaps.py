@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray
 
@@ -25,9 +26,9 @@ class Ways(NamedTuple):
         ends = self.start * turn + by, self.end * turn + by
         return Ways(*ends, self.turn, self.centre * turn + by, self.radius)
 
-    def only(self, chosen: FloatArray) -> "Ways":
+    def only(self, chosen: NDArray[np.bool_]) -> "Ways":
         """Those that are chosen."""
-        return Ways(*(column[chosen] for column in self))
+        return Ways._make(column[chosen] for column in self)
 
 
 def ways_of(edges: Sequence[Curve]) -> Ways:

@@ -65,9 +65,7 @@ class GenevaOutline:
         play = mechanism.clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
         given = mechanism.contact_radius
         self.half_slot = given + 0.5 * play if given else 1.08 * chosen
-        self.rim_radius = math.hypot(centre * math.cos(math.pi / mechanism.slots), self.half_slot)
-        wall = 1.0 - self.half_slot
-        self.lock_radius = wall - min(0.1, 0.5 * wall)
+        self.rim_radius, self.lock_radius = _radii(mechanism, self.half_slot)
         room = self.lock_radius - abs(centre - self.rim_radius)
         self.locks = not mechanism.continuous and room > 0.0
         self.gap = min(play or 0.02, 0.2 * abs(centre - self.rim_radius))
@@ -125,6 +123,31 @@ class GenevaOutline:
         wide = abs(cmath.phase(self.side * (tip - axis)))
         along, before = cmath.exp(1j * middle), middle - horn - corner
         return [tip.conjugate() * along, tip * along], [before, self.side * 2.0 * wide, before]
+
+
+def _radii(mechanism: Geneva, half_slot: float) -> tuple[float, float]:
+    """Radii of the rim and of the locking arcs."""
+    wall = 1.0 - half_slot
+    rim = math.hypot(mechanism.centre_distance * math.cos(math.pi / mechanism.slots), half_slot)
+    return rim, wall - min(0.1, 0.5 * wall)
+
+
+def sizes(mechanism: Geneva) -> dict[str, float]:
+    """Sizes of the follower by name, in crank radii; with thin pins where no radius is known.
+
+    "wheel_radius" of the rim, "slot_depth" from the rim to the round end's bottom, and, where it
+    has them, "closest_radius" of a slot from the axis, and "locking_radius" of the locking arcs.
+    """
+    play = mechanism.clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
+    half = mechanism.contact_radius + 0.5 * play
+    rim, lock = _radii(mechanism, half)
+    deepest = mechanism.centre_distance + (1.0 + half if mechanism.internal else -1.0 - half)
+    found = {"wheel_radius": rim, "slot_depth": abs(rim - deepest)}
+    if not mechanism.internal:
+        found["closest_radius"] = deepest
+    if not mechanism.continuous:
+        found["locking_radius"] = lock
+    return found
 
 
 @lru_cache(maxsize=32)

@@ -1,7 +1,8 @@
 """The motion check: how near bodies come to each other in a turn, and where."""
 
 import math
-from typing import NamedTuple, Protocol
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -12,15 +13,17 @@ _FLAT = 1e-9  # differences of gaps that are rounding, in the outline's unit of 
 
 
 class Outline(Protocol):
-    """What is checked: bodies in any position, and those of them that meet.
+    """What is checked: bodies in any position, and those of them that meet."""
 
-    plane : a body's name and those of the bodies that move in its plane, without numbers.
-    """
+    @property
+    def mechanism(self) -> Any:
+        """Whose they are."""
 
-    mechanism: object
-    plane: tuple[str, tuple[str, ...]]
+    @property
+    def plane(self) -> tuple[str, tuple[str, ...]]:
+        """A body's name, and those of the bodies that move in its plane, without numbers."""
 
-    def bodies(self, theta: float) -> "list[Body | Disc] | tuple[Body | Disc, ...]":
+    def bodies(self, theta: float) -> Sequence[Body | Disc]:
         """Everything where it stands at a driver angle."""
 
 
@@ -61,8 +64,8 @@ def least_gaps(outline: Outline, samples: int = 721) -> list[Nearest]:
     list of Nearest
         One for each pair, the smallest gap first.
     """
-    start, mechanism = outline.mechanism.breaks[0], outline.mechanism  # type: ignore[attr-defined]
-    whole = max(2.0 * math.pi, mechanism.cell_angle)  # type: ignore[attr-defined]
+    start, mechanism = outline.mechanism.breaks[0], outline.mechanism
+    whole = max(2.0 * math.pi, mechanism.cell_angle)
     angles = np.linspace(start, start + whole, samples)
     rows = [_gaps(outline, float(theta)) for theta in angles]
     found = []

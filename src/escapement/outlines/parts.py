@@ -4,8 +4,6 @@ A part has the size that it is to have: the kerf of a cutter is left to the expo
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 from functools import singledispatch
 from typing import Any, NamedTuple
 
@@ -13,6 +11,7 @@ import numpy as np
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.fits import Fits
 from escapement.mechanism import checked
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.model import Inertia
@@ -20,53 +19,17 @@ from escapement.outlines.curves import Curve, Moments, stadium
 from escapement.outlines.gaps import outside, ways_of
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline, locking_disc
-from escapement.quantity import Declared, quantity
 
 _WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
 _SHAFT = 0.12
-_OTHER = "choose another number of lobes"
 
 
-def _length(text: str, least: float = -math.inf, note: str = "") -> dict[str, Any]:
-    return quantity(text, "length", minimum=least, note=note, remedy="give the length, 0 for none")
-
-
-@dataclass(frozen=True, repr=False)
-class Fits(Declared):
-    """What a workshop needs to know beside the mechanism.
-
-    Parameters
-    ----------
-    pin_fit, shaft_fit : float
-        Diameter of the holes less that of pins and shafts [m]; negative for a press fit.
-    driver_shaft_radius, follower_shaft_radius : float
-        Radii of the shafts [m]; 0 for one that suits the wheel.
-    clearance : float
-        Slot width less pin diameter of a gear-driven wheel [m]; a `Geneva` has its own.
-    kerf : float
-        Width of the cut [m]: the cutter runs beside the edges by half of it.
-    """
-
-    pin_fit: float = field(default=0.0, metadata=_length("diameter of pin holes less pins'"))
-    shaft_fit: float = field(default=0.0, metadata=_length("diameter of shaft holes less shafts'"))
-    driver_shaft_radius: float = field(default=0.0, metadata=_length(
-        "radius of the driver's shaft", 0.0, ", 0 for one that suits the wheel"
-    ))  # fmt: skip
-    follower_shaft_radius: float = field(default=0.0, metadata=_length(
-        "radius of the follower's shaft", 0.0, ", 0 for one that suits the wheel"
-    ))  # fmt: skip
-    clearance: float = field(default=0.0, metadata=_length("slot width less pin diameter", 0.0))
-    kerf: float = field(default=0.0, metadata=_length("width of the cut", 0.0))
-
-    def __post_init__(self) -> None:
-        self.check_fields()
-
-    def hole(self, radius: float, at: complex, fit: float, what: str) -> Curve:
-        """A hole for what has this radius, clockwise."""
-        wide = radius + 0.5 * fit
-        if not wide > 0.0:
-            raise validate.fail(f"{what}_fit", f"greater than {-2.0 * radius:g} m", fit, "add to it")
-        return Curve.circle(wide, at).reversed()
+def _hole(radius: float, at: complex, fit: float, what: str) -> Curve:
+    """A hole for what has this radius, clockwise."""
+    wide = radius + 0.5 * fit
+    if not wide > 0.0:
+        raise validate.fail(f"{what}_fit", f"greater than {-2.0 * radius:g} m", fit, "add to it")
+    return Curve.circle(wide, at).reversed()
 
 
 class Part(NamedTuple):
@@ -99,8 +62,7 @@ class Part(NamedTuple):
     def moments(self) -> Moments:
         """Area [m^2] and its moments [m^3, m^4] about the part's axis, holes taken off."""
         rows = [curve.moments for curve in (self.edge, *self.holes)]
-        area, first, second = (sum(column) for column in zip(*rows, strict=True))
-        return Moments(area, first, second)
+        return Moments._make(sum(column) for column in zip(*rows, strict=True))
 
     def mass(self, thickness: float, density: float) -> float:
         """Mass [kg] at a thickness [m] and a density [kg/m^3]."""
@@ -181,11 +143,11 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     size, pin = _sized(mechanism)
     outline: Any = outline_of(mechanism, fits)
     axis = size * outline.driver_shaft
-    shaft = fits.hole(axis, 0.0, fits.shaft_fit, "shaft")
+    shaft = _hole(axis, 0.0, fits.shaft_fit, "shaft")
     places = outline.pin_places(0.0) - mechanism.centre_distance
-    pins = [fits.hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    pins = [_hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
     lock = locking_disc(mechanism) if outline.locks else None
-    marks = (lock.moved(size),) if lock else ()
+    marks: tuple[Curve, ...] = (lock.moved(size),) if lock else ()
     edge = Curve.circle(size * outline.crank_disc_radius)
     centres = (0.0, *(size * places).tolist())
     found = [Part("driver", edge, (shaft, *pins), marks, centres)]
@@ -194,7 +156,7 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
         found.append(Part("locking-disc", marks[0], () if mechanism.internal else (shaft,)))
     wheel = [curve.moved(size) for curve in outline.follower_edges]
     own = size * outline.follower_shaft
-    bore = () if mechanism.internal else (fits.hole(own, 0.0, fits.shaft_fit, "shaft"),)
+    bore = () if mechanism.internal else (_hole(own, 0.0, fits.shaft_fit, "shaft"),)
     # an internal wheel is a ring, whose edge that faces the driver is a hole of it
     found.append(Part("follower", wheel[-1], (*wheel[:-1], *bore)))
     apart = size * mechanism.centre_distance
@@ -205,16 +167,17 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
 def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
     for name in ("unused_lobes", "through_centre"):
         if value := getattr(mechanism, name):
-            raise validate.fail(name, f"{value and type(value)()} in drawings of parts", value, _OTHER)
+            rule = f"{type(value)()} in drawings of parts"
+            raise validate.fail(name, rule, value, "choose another number of lobes")
     size, pin = _sized(mechanism)
     outline = GearDrivenOutline(mechanism, fits.clearance)
     arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
     axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
     own = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)
     places = arm * np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
-    pins = [fits.hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
-    shaft = fits.hole(axis, 0.0, fits.shaft_fit, "shaft")
-    centre = fits.hole(own, 0.0, fits.shaft_fit, "shaft")
+    pins = [_hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    shaft = _hole(axis, 0.0, fits.shaft_fit, "shaft")
+    centre = _hole(own, 0.0, fits.shaft_fit, "shaft")
     wheel = [curve.moved(size) for curve in outline.wheel_edges()]
     disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
     return [
@@ -230,7 +193,7 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
 def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
     least = _SHAFT * mechanism.planet_radius
     radii = fits.follower_shaft_radius or least, fits.driver_shaft_radius or least
-    axis, shaft = (fits.hole(radius, 0.0, fits.shaft_fit, "shaft") for radius in radii)
+    axis, shaft = (_hole(radius, 0.0, fits.shaft_fit, "shaft") for radius in radii)
     driving, driven = (
         pitch_curve(1e3 * oval.semi_major_axis, oval.eccentricity).moved(1e-3)
         for oval in mechanism.pitch_ellipses
@@ -257,8 +220,8 @@ def _sized(mechanism: Geneva | GearDriven) -> tuple[float, float]:
 
 def _link(name: str, apart: float, first: float, second: float, fits: Fits) -> Part:
     """A plate that keeps two shafts at their distance."""
-    ends: Sequence[tuple[float, float]] = (first, 0.0), (second, apart)
-    holes = tuple(fits.hole(radius, place, fits.shaft_fit, "shaft") for radius, place in ends)
+    ends = (first, 0.0), (second, apart)
+    holes = tuple(_hole(radius, place, fits.shaft_fit, "shaft") for radius, place in ends)
     wide = 2.0 * max(first, second) + max(0.5 * fits.shaft_fit, 0.0)
     return Part(name, stadium(wide, apart), holes, axes=(0.0, apart))
 
