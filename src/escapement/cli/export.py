@@ -16,11 +16,11 @@ _FITS = {name: entry for name, entry in declared(Fits).items() if name != "clear
 _DISCS = {
     "thickness": Quantity(
         name="thickness", key="thickness", long_name="thickness of the parts", unit="length",
-        exclusive=True, metavar="T", remedy="give the thickness",
+        exclusive=True, required=True, metavar="T", remedy="give the thickness",
     ),
     "density": Quantity(
         name="density", key="density", long_name="density of their material", unit="density",
-        exclusive=True, metavar="RHO", remedy="give the density, 7850 kg/m3 for steel",
+        exclusive=True, required=True, metavar="RHO", remedy="give the density",
     ),
 }  # fmt: skip
 _KINDS = dict.fromkeys(("width", "height", "least_gap", "gap", "x", "y"), "length") | dict.fromkeys(

@@ -159,8 +159,11 @@ def _svg(sheet: Sheet, inches: bool, _r12: bool) -> bytes:
 
     def path(curve: Curve) -> str:
         words = [f"M {at(complex(curve.corners[0]))}"]
-        chords = np.abs(curve.ends - curve.corners)
-        radii = 0.5 * chords / np.sin(0.5 * np.abs(curve.turns) + 1e-300)
+        radii = (
+            0.5 * np.abs(curve.ends - curve.corners) / np.sin(0.5 * np.abs(curve.turns) + 1e-300)
+        )
+        # readers widen a radius that is too small for half a circle, and so find its centre
+        radii *= np.where(np.abs(curve.turns) > 3.14, 1.0 - 1e-9, 1.0)
         for end, turn, radius in zip(curve.ends.tolist(), curve.turns, radii, strict=True):
             flags = f"{int(abs(turn) > math.pi)} {int(turn < 0.0)}"
             way = f"A {radius:.9f} {radius:.9f} 0 {flags}" if turn else "L"

@@ -83,6 +83,7 @@ def gap(one: Ways, other: Ways) -> tuple[float, complex]:
     greatest depth of these points.
     """
     found = []
+    one, other = _closest(one, other)
     for body, ways in ((other, one), (one, other)):
         points = np.concatenate([ways.start, _facing(ways, body)])
         distance, _ = outside(body, points)
@@ -91,18 +92,22 @@ def gap(one: Ways, other: Ways) -> tuple[float, complex]:
     return min(found, key=lambda pair: pair[0])
 
 
-def near(ways: Ways, centre: complex, reach: float) -> Ways:
-    """The lines and arcs that may come within a distance of a point; all where none does.
+def _closest(one: Ways, other: Ways) -> tuple[Ways, Ways]:
+    """Those lines and arcs of two bodies that may be the nearest to each other."""
+    apart = np.abs(_middle(one)[:, None] - _middle(other))
+    sizes = _size(one)[:, None] + _size(other)
+    kept = apart - sizes <= np.min(apart + sizes)
+    return one.only(kept.any(axis=1)), other.only(kept.any(axis=0))
 
-    Others may come nearer than those that come no nearer than this distance.
-    """
-    middle = 0.5 * (ways.start + ways.end)
-    # a point of a way is no further from the middle of its chord than this
-    size = np.where(
-        np.abs(ways.turn) > np.pi, 2.0 * ways.radius, 0.5 * np.abs(ways.end - ways.start)
-    ) + np.where(ways.turn == 0.0, 0.0, ways.radius * (1.0 - np.cos(0.5 * ways.turn)))
-    chosen = np.abs(middle - centre) <= size + reach
-    return ways.only(chosen) if chosen.any() else ways
+
+def _middle(ways: Ways) -> ComplexArray:
+    return 0.5 * (ways.start + ways.end)
+
+
+def _size(ways: Ways) -> FloatArray:
+    """No point of a line or arc is further from the middle of its chord."""
+    chord = np.abs(ways.end - ways.start)
+    return np.where(np.abs(ways.turn) > np.pi, 2.0 * ways.radius, 0.5 * chord)
 
 
 def _facing(one: Ways, other: Ways) -> ComplexArray:

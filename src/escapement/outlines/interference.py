@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from escapement.outlines import Body, Disc
-from escapement.outlines.gaps import Ways, gap, near, outside, ways_of
+from escapement.outlines.gaps import Ways, gap, outside, ways_of
 
 _FLAT = 1e-9  # differences of gaps that are rounding, in the outline's unit of length
 
@@ -48,7 +48,7 @@ class Nearest(NamedTuple):
     place: complex
 
 
-def least_gaps(outline: Outline, samples: int = 721) -> list[Nearest]:
+def least_gaps(outline: Outline, samples: int = 361) -> list[Nearest]:
     """The least gap of each pair of bodies that move in one plane, over a turn of the driver.
 
     Parameters
@@ -114,9 +114,4 @@ def _gap(body: Body | Disc, wheel: Ways) -> tuple[float, complex]:
     if isinstance(body, Disc):
         distance, place = outside(wheel, np.array([body.centre]))
         return float(distance[0]) - body.radius, complex(place[0])
-    own = ways_of(body.edges)
-    centre = complex(own.start.mean())
-    size = float(np.abs(own.start - centre).max() + own.radius.max())
-    margin = 0.1 * size
-    found = gap(own, near(wheel, centre, size + margin))
-    return found if abs(found[0]) < margin else gap(own, wheel)
+    return gap(ways_of(body.edges), wheel)
