@@ -40,7 +40,7 @@ def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
         theta += 1e-9  # not left to rounding which engagement a handoff belongs to
     ax = plots.plot_mechanism(drive, theta, Figure().add_subplot())
     pin = complex(*by_id(ax, f"pin-{engagement % drive.pins}").center)
-    slot = by_id(ax, f"slot-{-engagement % drive.slots}")
+    slot = by_id(ax, f"slot-{engagement % drive.slots}")
     ends = slot.get_xdata() + 1j * slot.get_ydata()
     along = (ends[1] - ends[0]) / abs(ends[1] - ends[0])
     assert abs(((pin - ends[0]) * along.conjugate()).imag) < 1e-12
@@ -174,3 +174,40 @@ def test_bodies_have_names_of_their_own_and_lie_to_the_left_of_their_edges(outli
         areas = [edge.moments.area for edge in body.edges]
         assert sum(areas) > 0.0
         assert all(area < 0.0 for area in areas if area != max(areas))
+
+
+BAD = esc.Geneva(
+    5, 3, crank_radius=0.02, centre_distance_error=2e-5, pin_angle_errors=(1e-3, -1e-3, 0.0),
+    crank_radius_errors=(0.0, 2e-5, -1e-5), slot_angle_errors=(0.0, 2e-3, -1e-3, 0.0, 1e-3),
+    slot_offsets=(0.0, 0.0, 2e-5, -2e-5, 1e-5),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("factor", [1.0, 20.0])
+@pytest.mark.parametrize("k", range(-2, 8))
+def test_imperfect_pins_are_on_the_lines_of_their_slots(k, factor):
+    theta = k * BAD.cell_angle + 0.2
+    ax = plots.plot_mechanism(BAD, theta, Figure().add_subplot(), exaggerate=factor)
+    pins = [a for a in ax.get_children() if a.get_gid() == f"pin-{k % 3}"]
+    pin = complex(*pins[0].center)
+    axis = BAD.centre_distance + factor * 1e-3
+    assert abs(pin - axis) == pytest.approx(1.0 + factor * [0.0, 1e-3, -5e-4][k % 3], abs=1e-12)
+    ends = by_id(ax, f"slot-{k % 5}").get_xydata() @ [1.0, 1j]
+    along = (ends[1] - ends[0]) / abs(ends[1] - ends[0])
+    assert abs(((pin - ends[0]) * along.conjugate()).imag) < 1e-12
+    assert (ends[0] * along.conjugate()).imag == pytest.approx(
+        factor * [0.0, 0.0, 1e-3, -1e-3, 5e-4][k % 5], abs=1e-12
+    )
+
+
+def test_errors_of_no_size_leave_the_wheel_as_it_is():
+    none = plots.plot_mechanism(BAD, 0.3, exaggerate=0.0)
+    plain = plots.plot_mechanism(esc.Geneva(5, 3, crank_radius=0.02), 0.3)
+    drawn = [by_id(ax, "follower").get_path().vertices for ax in (none, plain)]
+    np.testing.assert_allclose(*drawn, atol=1e-12)
+
+
+@pytest.mark.parametrize(("factor", "words"), [(-1.0, "at least 0"), (1e3, "pins to meet slots")])
+def test_errors_cannot_be_drawn_so_large(factor, words):
+    with pytest.raises(InvalidValue, match=words):
+        plots.plot_mechanism(BAD, exaggerate=factor)

@@ -1,5 +1,10 @@
-"""Encoder readings against a mechanism's position function (Prikhodko 2020)."""
+"""What is measured against theory: readings of encoders (Prikhodko 2020), and beats."""
 
+from escapement.measurement.beat_spectrum import BeatLine as BeatLine
+from escapement.measurement.beat_spectrum import BeatSpectrum as BeatSpectrum
+from escapement.measurement.beat_spectrum import beat_spectrum as beat_spectrum
+from escapement.measurement.beats import BeatFit as BeatFit
+from escapement.measurement.beats import fit_beats as fit_beats
 from escapement.measurement.comparison import Measurement as Measurement
 from escapement.measurement.comparison import measure as measure
 from escapement.measurement.comparison import write_errors as write_errors
@@ -24,3 +29,5 @@ from escapement.measurement.periodic import ShaftError as ShaftError
 from escapement.measurement.readings import Readings as Readings
 from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
+from escapement.measurement.rounds import Rounds as Rounds
+from escapement.measurement.told import Combination as Combination

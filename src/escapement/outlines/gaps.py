@@ -97,7 +97,7 @@ def _closest(one: Ways, other: Ways) -> tuple[Ways, Ways]:
     apart = np.abs(_middle(one)[:, None] - _middle(other))
     sizes = _size(one)[:, None] + _size(other)
     kept = apart - sizes <= np.min(apart + sizes)
-    return one.only(kept.any(axis=1)), other.only(kept.any(axis=0))
+    return one.only(np.any(kept, axis=1)), other.only(np.any(kept, axis=0))
 
 
 def _middle(ways: Ways) -> ComplexArray:

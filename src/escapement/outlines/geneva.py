@@ -9,13 +9,19 @@ turns past it.
 
 import cmath
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.fitting import IMPERFECT
 from escapement.mechanisms import Geneva
 from escapement.outlines import Body, Disc, Land, locked_angle, pins_and_rollers, slotted_edge
-from escapement.outlines.curves import ComplexArray, Curve, chain
+from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
 
 _POSITIONS = 721  # of the wheel that turns past the locking disc
 _CHORD = math.radians(0.5)
@@ -28,12 +34,23 @@ class GenevaOutline:
     All lengths are in crank radii. The follower's axis is the origin, the driver's lies on
     the positive real axis, and so does slot 0 when the follower angle is zero.
 
+    Parameters
+    ----------
+    mechanism : Geneva
+        What to draw, with its errors.
+    exaggerate : float
+        By what its errors are multiplied.
+
     Attributes
     ----------
+    mechanism, perfect : Geneva
+        The wheel with these errors, and without any.
     side : float
         +1 where slots are entered outwards (internal), -1 inwards.
+    centre : float
+        Distance of the axes.
     slot_end : float
-        Distance of a pin from the follower's axis at dead centre.
+        Distance of a pin from the follower's axis at dead centre, the greatest way in of all.
     pin_radius, half_slot : float
         Radius of a pin, or of the roller on it, and half the slot width: the same where a
         radius was given, with a little play where it was not.
@@ -56,14 +73,17 @@ class GenevaOutline:
         The follower, and the bodies that move in its plane.
     """
 
-    def __init__(self, mechanism: Geneva) -> None:
-        self.mechanism, internal = mechanism, mechanism.internal
+    def __init__(self, mechanism: Geneva, exaggerate: float = 1.0) -> None:
+        self.mechanism = scaled_errors(mechanism, exaggerate)
+        self.perfect = scaled_errors(mechanism, 0.0)
+        unit, internal = mechanism.crank_radius or 1.0, mechanism.internal
         centre, self.side = mechanism.centre_distance, 1.0 if internal else -1.0
-        self.slot_end = centre + self.side
+        self.centre = centre + self.mechanism.centre_distance_error / unit
+        self.cranks = 1.0 + _each(self.mechanism.crank_radius_errors, mechanism.pins) / unit
+        self.slot_end = self.centre + self.side * self.cranks.max()
         chosen = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
         self.pin_radius = mechanism.contact_radius or chosen
-        play = mechanism.clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
-        given = mechanism.contact_radius
+        play, given = mechanism.clearance / unit, mechanism.contact_radius
         self.half_slot = given + 0.5 * play if given else 1.08 * chosen
         self.rim_radius, self.lock_radius = _radii(mechanism, self.half_slot)
         room = self.lock_radius - abs(centre - self.rim_radius)
@@ -79,7 +99,10 @@ class GenevaOutline:
         beside = ("pin", "roller", "locking-disc", *(() if internal else ("driver-shaft",)))
         self.plane = "follower", beside
         edge = self.rim_radius, self.slot_end, self.half_slot
-        self.follower_edge = slotted_edge(*edge, self._land(), mechanism.slots)
+        if self.mechanism.perfect:
+            self.follower_edge = slotted_edge(*edge, self._land(), mechanism.slots)
+        else:
+            self.follower_edge = self._imperfect_edge()
 
     def bodies(self, theta: float) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
@@ -88,28 +111,86 @@ class GenevaOutline:
         there; "locking-disc" only with a dwell and room for it, "follower-shaft" only of an
         external wheel, "roller-k" only where pins have rollers.
         """
-        mechanism, centre = self.mechanism, self.mechanism.centre_distance
-        follower = Body("follower", self.follower_edges)
-        found: list[Body | Disc] = [follower.turned(locked_angle(mechanism, theta))]
-        if self.locks and (edge := locking_disc(mechanism)):
+        centre, follower = self.centre, Body("follower", self.follower_edges)
+        found: list[Body | Disc] = [follower.turned(self.follower_at(theta))]
+        if self.locks and (edge := locking_disc(self.perfect)):
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
         found.append(Disc("crank-disc", centre, self.crank_disc_radius))
         found.append(Disc("driver-shaft", centre, self.driver_shaft))
         if self.follower_shaft:
             found.append(Disc("follower-shaft", 0.0, self.follower_shaft))
-        return found + pins_and_rollers(mechanism, self.pin_places(theta), self.pin_radius)
+        return found + pins_and_rollers(self.mechanism, self.pin_places(theta), self.pin_radius)
 
     def pin_places(self, theta: float) -> ComplexArray:
         """Where the pins stand at a driver angle, shape (pins,)."""
-        turned = theta - np.arange(self.mechanism.pins or 1) * self.mechanism.cell_angle
-        circle = self.side * np.exp(1j * self.side * turned)
-        return np.asarray(self.mechanism.centre_distance + circle)
+        late = _each(self.mechanism.pin_angle_errors, self.mechanism.pins)
+        turned = theta - late - np.arange(late.size) * self.mechanism.cell_angle
+        return np.asarray(self.centre + self.side * self.cranks * np.exp(1j * self.side * turned))
 
     @property
     def follower_edges(self) -> tuple[Curve, ...]:
         """Edges of the follower: that which faces the driver, and the outer one of a ring."""
         ring = (Curve.circle(self.follower_radius),) if self.mechanism.internal else ()
         return self.follower_edge, *ring
+
+    def follower_at(self, theta: float) -> float:
+        """Follower angle [rad] at any driver angle; it rests from a pin's exit to the next one."""
+        mechanism = self.mechanism
+        if mechanism.perfect:
+            return locked_angle(mechanism, theta)
+        rows, cell = mechanism.meetings, mechanism.cell_angle
+        near = math.floor((theta - mechanism.breaks[0]) / cell)
+        # the last engagement that has begun
+        begun = [
+            k for k in range(near - 1, near + 2)
+            if k * cell + rows[k % len(rows)].late + rows[k % len(rows)].edges[0] <= theta
+        ]  # fmt: skip
+        k = max(begun, default=near - 1)
+        row = rows[k % len(rows)]
+        local = min(theta - k * cell - row.late, float(row.edges[-1]))
+        return k * mechanism.follower_step + float(row.turned(np.array([local]))[0])
+
+    def slot_angles(self) -> FloatArray:
+        """Angles of the slots' centre lines while the follower is at zero, slot 0 first [rad].
+
+        The follower turns with growing angles, so that the next slot to be met stands behind.
+        """
+        ahead = _each(self.mechanism.slot_angle_errors, self.mechanism.slots)
+        return np.asarray(ahead - np.arange(ahead.size) * self.mechanism.follower_step)
+
+    def slot_offsets(self) -> FloatArray:
+        """How far each slot's centre line runs ahead of the axis."""
+        unit = self.mechanism.crank_radius or 1.0
+        return _each(self.mechanism.slot_offsets, self.mechanism.slots) / unit
+
+    def _imperfect_edge(self) -> Curve:
+        """Edge of the follower with each slot in its own place."""
+        half, rim, end = self.half_slot, self.rim_radius, self.slot_end
+        angles, offsets = self.slot_angles()[::-1], self.slot_offsets()[::-1]
+        land, between = self._land()
+        corner, pitch = math.asin(half / rim), self.mechanism.follower_step
+        away = math.copysign(math.pi, end - rim)
+        sides = offsets[:, None] + half * np.array([-1.0, -1.0, 1.0, 1.0])
+        along = np.sqrt(rim**2 - sides**2)
+        along[:, 1:3] = end
+        slots = (along + 1j * sides) * np.exp(1j * angles)[:, None]
+        corners, turns = list[complex](), list[float]()
+        for slot, following in zip(slots.tolist(), np.roll(slots, -1, 0).tolist(), strict=True):
+            # the land between two slots is drawn out to reach from one to the other
+            whole = cmath.phase(following[0] / slot[-1]) % (2.0 * math.pi)
+            shares = [(cmath.phase(z) - corner) / (pitch - 2.0 * corner) for z in land]
+            start = slot[-1] / abs(slot[-1])
+            bent = [
+                abs(z) * start * cmath.exp(1j * s * whole)
+                for z, s in zip(land, shares, strict=True)
+            ]
+            rims = (
+                [whole] if not land else [shares[0] * whole, between[1], (1.0 - shares[1]) * whole]
+            )
+            corners += [*slot, *bent]
+            turns += [0.0, away, 0.0, *rims]
+        edge = chain(corners, turns)
+        return edge.reversed() if away > 0.0 else edge
 
     def _land(self) -> Land:
         """From slot 0 to slot 1: corners and turns, the corners at the mouths left out."""
@@ -148,6 +229,31 @@ def sizes(mechanism: Geneva) -> dict[str, float]:
     if not mechanism.continuous:
         found["locking_radius"] = lock
     return found
+
+
+def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
+    """The wheel with all errors times a factor, or InvalidValue where it then could not turn."""
+    factor = validate.number("exaggerate", factor, remedy := "give a factor, 1 for true scale")
+    if factor < 0.0:
+        raise validate.fail("exaggerate", "at least 0", factor, remedy)
+    if factor == 1.0 and not mechanism.misfit:
+        return mechanism
+    given = {name: getattr(mechanism, name) for name in IMPERFECT}
+    larger: dict[str, Any] = {
+        name: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
+        for name, value in given.items()
+    }
+    found = replace(mechanism, **larger)
+    if found.misfit and factor != 1.0:
+        raise validate.fail("exaggerate", "small enough for pins to meet slots", factor, remedy)
+    if found.misfit:
+        raise InvalidValue(found.misfit)
+    return found
+
+
+def _each(errors: Sequence[float], count: int | None) -> FloatArray:
+    """Errors of pins or slots, zeros where there are none."""
+    return np.array(errors or (0.0,) * (count or 1), dtype=float)
 
 
 @lru_cache(maxsize=32)

@@ -132,7 +132,7 @@ def outline_of(mechanism: Any, fits: Fits) -> GenevaOutline | GearDrivenOutline 
     size, _ = _sized(mechanism)
     if isinstance(mechanism, GearDriven):
         return GearDrivenOutline(mechanism, fits.clearance)
-    outline = GenevaOutline(mechanism)
+    outline = GenevaOutline(mechanism, exaggerate=0.0)
     outline.driver_shaft = fits.driver_shaft_radius / size or outline.driver_shaft
     outline.follower_shaft = fits.follower_shaft_radius / size or outline.follower_shaft
     return outline
@@ -146,7 +146,7 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     shaft = _hole(axis, 0.0, fits.shaft_fit, "shaft")
     places = outline.pin_places(0.0) - mechanism.centre_distance
     pins = [_hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
-    lock = locking_disc(mechanism) if outline.locks else None
+    lock = locking_disc(outline.perfect) if outline.locks else None
     marks: tuple[Curve, ...] = (lock.moved(size),) if lock else ()
     edge = Curve.circle(size * outline.crank_disc_radius)
     centres = (0.0, *(size * places).tolist())

@@ -5,6 +5,8 @@ figure of their own; nothing is shown on a screen. `save` writes a figure.
 """
 
 from escapement.plots.animation import animate as animate
+from escapement.plots.beats import plot_beat_spectrum as plot_beat_spectrum
+from escapement.plots.beats import plot_beats as plot_beats
 from escapement.plots.drawing import plot_mechanism as plot_mechanism
 from escapement.plots.drawing import plot_table as plot_table
 from escapement.plots.drive_torque import plot_drive_torque as plot_drive_torque

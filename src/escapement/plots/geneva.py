@@ -30,8 +30,10 @@ _CONTINUOUS = (3, 4, 6)
 
 
 @drawing.plot_mechanism.register
-def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -> Axes:
-    """Geneva drive to scale, driver on the right.
+def plot_geneva(
+    mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None, *, exaggerate: float = 1.0
+) -> Axes:
+    """Geneva drive to scale, driver on the right, with the errors of its parts.
 
     Parameters
     ----------
@@ -44,6 +46,9 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     ax : Axes, optional
         Where to draw; its limits are set in crank radii, follower axis at the
         origin. Default: a new figure.
+    exaggerate : float
+        By what the errors of the parts are multiplied, >= 0. Unless it is 1 the perfect wheel
+        and its pins are there in broken lines.
 
     Returns
     -------
@@ -54,7 +59,8 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     Raises
     ------
     InvalidValue
-        For more than 200 slots, or an angle that is not finite.
+        For more than 200 slots, an angle that is not finite, or errors with which a pin would
+        miss its slot.
 
     Notes
     -----
@@ -64,8 +70,13 @@ def plot_geneva(mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None) -
     """
     angle = validate.number("theta", theta, "give the driver angle in rad")
     style.check_drawn("slots", mechanism.slots)
-    outline = GenevaOutline(mechanism)
+    outline = GenevaOutline(mechanism, exaggerate)
     ax = _draw(ax, outline, angle)
+    if exaggerate != 1.0:
+        ideal = GenevaOutline(outline.perfect).bodies(angle)
+        shown = dict.fromkeys(("follower", "pin"), _BROKEN | {"zorder": 3.2})
+        for patch in drawing.bodies(ax, ideal, shown).values():
+            patch.set_gid("perfect")
     _draw_scale(ax, outline)
     return ax
 
@@ -124,20 +135,20 @@ def _draw(ax: Axes | None, outline: GenevaOutline, theta: float) -> Axes:
     # what the follower hides of the crank disc is broken
     hidden = drawing.bodies(ax, bodies, {"crank-disc": _BROKEN})["crank-disc"]
     hidden.set(gid=None, clip_path=drawn["follower"])
-    _draw_lines(ax, outline, locked_angle(outline.mechanism, theta))
+    _draw_lines(ax, outline, outline.follower_at(theta))
     # arrows beside the outline tell which way they turn
     room = 0.4 * _MARGIN * _size(outline)
     driver = arc(outline.crank_disc_radius + room, 0.4, -0.4, 21)
     if outline.mechanism.internal:
         driver = arc(0.25, 0.7, 5.0, 41)
     drawing.arrow(ax, arc(outline.follower_radius + room, np.pi - 0.3, np.pi + 0.3, 21))
-    drawing.arrow(ax, outline.mechanism.centre_distance + driver)
+    drawing.arrow(ax, outline.centre + driver)
     return ax
 
 
 def _extent(outline: GenevaOutline) -> drawing.Box:
     """Left, right, bottom and top of the picture, room for arrows and scale included."""
-    c = outline.mechanism.centre_distance
+    c = outline.centre
     half = max(outline.follower_radius, outline.crank_disc_radius)
     right = max(outline.follower_radius, c + outline.crank_disc_radius)
     room = _MARGIN * _size(outline)
@@ -150,7 +161,7 @@ def _size(outline: GenevaOutline) -> float:
 
 def _draw_lines(ax: Axes, outline: GenevaOutline, phi: float) -> None:
     """Line of centres, axes, pin circle and the slots' centre lines."""
-    mechanism, c = outline.mechanism, outline.mechanism.centre_distance
+    mechanism, c = outline.mechanism, outline.centre
     thin: dict[str, Any] = {"lw": 0.5 / _size(outline), "linestyle": _CHAIN, "zorder": 2.8}
     left, right, _, _ = _extent(outline)
     lines = {"line-of-centres": np.array([left + 0.15, right - 0.15])}
@@ -158,8 +169,10 @@ def _draw_lines(ax: Axes, outline: GenevaOutline, phi: float) -> None:
     ends = np.array([0.3 * outline.slot_end, outline.rim_radius + 0.1])
     if mechanism.internal:
         ends = np.array([outline.rim_radius - 0.1, outline.follower_radius - 0.05])
-    for k in range(mechanism.slots):
-        lines[f"slot-{k}"] = ends * np.exp(1j * (phi + k * mechanism.follower_step))
+    for k, (angle, offset) in enumerate(
+        zip(outline.slot_angles(), outline.slot_offsets(), strict=True)
+    ):
+        lines[f"slot-{k}"] = (ends + 1j * offset) * np.exp(1j * (phi + angle))
     for name, line in lines.items():
         drawing.curve(ax, line, color=style.GREY, gid=name, **thin)
     ax.plot([0, c], [0, 0], "+", color=style.BLACK, ms=6, mew=0.8, zorder=4, gid="axes")

@@ -1,0 +1,31 @@
+"""The times of the engagements of a terminal cycle, and nothing else of it."""
+
+from typing import Any
+
+import numpy as np
+
+from escapement.engines.energy.calls import prepared
+from escapement.engines.energy.cells import NO_CELLS
+from escapement.engines.energy.pattern import pattern_cycle, pattern_handoffs
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
+from escapement.status import Status
+
+
+def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
+    """Beats of the terminal cycle of a Geneva wheel [s], None where there is no such cycle.
+
+    They are those of `escapement.terminal`, without its other figures: a fit asks for hundreds.
+    A wheel without errors has a pattern as well, of engagements that are all alike.
+    """
+    mechanism: Any = escapement.mechanism
+    if mechanism.misfit:
+        return None
+    addresses, plain, _ = prepared(escapement)
+    given = addresses, plain, NO_CELLS, mechanism.pattern
+    status, w, *_ = pattern_cycle(*given, 0.0, rtol)
+    if status != Status.OK:
+        return None
+    times, speeds = np.empty((2, mechanism.pattern.size))
+    status, *_ = pattern_handoffs(*given, w, np.inf, rtol, escapement.time_unit, times, speeds)
+    return np.diff(times, prepend=0.0) if status == Status.OK else None

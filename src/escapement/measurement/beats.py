@@ -1,0 +1,223 @@
+"""Measured beats back to parts: angle errors of pins and slots, by least squares."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.lazy import Lazy
+from escapement.measurement.parts import Parts, starts
+from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
+from escapement.measurement.told import (
+    Combination,
+    doubt_of,
+    remarks,
+    spanned,
+    told,
+    told_together,
+)
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
+
+optimize = Lazy("scipy.optimize")
+PARTS = ("both", "pins", "slots")
+_ROUGH = {"xtol": 1e-3, "ftol": 1e-2, "gtol": 1e-12, "max_nfev": 8}
+_NEAR = 1e3  # a rough fit that is worse by this factor is not made exact
+_SAME = 1e-6  # errors that differ by less are the same [rad]
+_EXACT = {"xtol": 1e-9, "ftol": 1e-10, "gtol": 1e-12, "max_nfev": 30}
+
+
+@dataclass(frozen=True, eq=False)
+class BeatFit:
+    """Angle errors of pins and slots that explain measured beats.
+
+    Only differences between pins, and between slots, act on a beat: errors are those about the
+    mean of all pins, or of all slots. An interval is the estimate -+ its half width.
+
+    Attributes
+    ----------
+    escapement : Escapement
+        What was given, with errors that explain the beats; they are the estimates where those
+        are told.
+    pin_angle_errors, slot_angle_errors : ndarray, shapes (m,) and (n,)
+        Estimates [rad]; NaN where pins and slots cannot be told apart. Of a slot that the beats
+        only confine, the middle of its interval.
+    pin_half_widths, slot_half_widths : ndarray, shapes (m,) and (n,)
+        Of the intervals [rad].
+    combinations : tuple of Combination
+        What is told besides; empty where all single errors are told.
+    rate, rate_half_width : float
+        Time measured over time computed, which takes up an inexact torque [-].
+    computed : ndarray, shape (pattern,)
+        Beats of one pattern with these errors, times `rate` [s].
+    rounds : Rounds
+        The measured beats, a pattern in each row of its `table`.
+    noise : float
+        Standard deviation of one beat, as given or found [s].
+    p_value : float
+        Probability that noise alone leaves as much between the mean beats and `computed`; NaN
+        where there is nothing to judge by.
+    confidence : float
+        Of the intervals.
+    message : str
+        What a reader of these figures must know, "" where there is nothing.
+    """
+
+    escapement: Escapement
+    pin_angle_errors: FloatArray
+    slot_angle_errors: FloatArray
+    pin_half_widths: FloatArray
+    slot_half_widths: FloatArray
+    combinations: tuple[Combination, ...]
+    rate: float
+    rate_half_width: float
+    computed: FloatArray = field(repr=False)
+    rounds: Rounds = field(repr=False)
+    noise: float
+    p_value: float
+    confidence: float
+    message: str
+
+    @property
+    def residuals(self) -> FloatArray:
+        """Beats measured less computed, in turn, NaN where there is none, shape (N,) [s]."""
+        return (self.rounds.table - self.computed).ravel()
+
+    @property
+    def residual(self) -> float:
+        """Root mean square of the residuals [s]."""
+        return float(np.sqrt(np.nanmean(self.residuals**2)))
+
+
+def fit_beats(
+    beats: ArrayLike,
+    escapement: Escapement,
+    *,
+    noise: float | None = None,
+    parts: str = "both",
+    confidence: float = 0.95,
+) -> BeatFit:
+    """Find the angle errors of pins and slots from measured beats.
+
+    Parameters
+    ----------
+    beats : array_like, shape (N,)
+        Times of the engagements in turn [s], from one change of pin to the next, in the terminal
+        cycle; NaN or masked where one is missing. The first is that of pin 0 in slot 0, which
+        gives the parts their numbers. Each pin must have met each of its slots once; more rounds
+        make the intervals narrower.
+    escapement : Escapement
+        The design, with a Geneva wheel. Known errors of lengths count; angle errors do not.
+    noise : float, optional
+        Standard deviation of one beat [s], > 0. Default: from what the fit leaves.
+    parts : str
+        Which of them may have errors: "both", "pins" or "slots".
+    confidence : float
+        Of the intervals, in (0, 1).
+
+    Returns
+    -------
+    BeatFit
+        Its `message` says what cannot be told, and where the model does not explain the beats.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule, or the beats are too few.
+
+    Notes
+    -----
+    The noise of a beat is taken to be normal and independent of the others. A step from slot to
+    slot is measured where the pin strikes; where the pin picks the follower up, it is known to be
+    less than the geometry leaves free, and no more. Axes that are too far apart leave all steps
+    2 tan(pi/n) times the relative error of their distance free: give the distance they have.
+    """
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    wheel: Any = checked_wheel(escapement.mechanism)
+    rounds = rounds_of(beats, wheel)
+    if noise is not None:
+        noise = validate.positive("noise", noise, "give the standard deviation of a beat in s")
+    validate.choice("parts", parts, PARTS)
+    share = validate.number("confidence", confidence, remedy := "give a share, as 0.95")
+    if not 0.0 < share < 1.0:
+        raise validate.fail("confidence", "between 0 and 1", confidence, remedy)
+    pins, slots = parts != "slots", parts != "pins"
+    unknown = Parts(escapement, pins, slots).size
+    if noise is None and rounds.samples <= unknown:
+        raise InvalidValue(
+            f"beats must be more than the {unknown} unknowns, got {rounds.samples}; "
+            "measure longer, or give their noise"
+        )
+    best, *others = _fitted(escapement, rounds, pins, slots)
+    doubt = doubt_of(best.parts, best.unknowns, rounds, noise, share)
+    if parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1:
+        known = told_together(best.parts, rounds, doubt)
+    else:
+        # what fits worse by no more than the edge of an interval may be true as well
+        edge = best.cost + 0.5 * (doubt.reach * doubt.noise / rounds.means.mean()) ** 2
+        solutions = [told(best.parts, best.unknowns, doubt.root)]
+        for trial in others:
+            if trial.cost <= edge and not _alike(trial, best):
+                root = doubt_of(trial.parts, trial.unknowns, rounds, noise, share).root
+                solutions.append(told(trial.parts, trial.unknowns, root))
+        known = spanned(solutions)
+    return BeatFit(
+        best.parts.built(best.unknowns), known.pins, known.slots, known.pin_widths,
+        known.slot_widths, known.combinations, float(best.unknowns[0]),
+        float(np.linalg.norm(doubt.root[0])), doubt.computed, rounds, doubt.noise, doubt.p_value,
+        share, "; ".join(remarks(known, doubt, rounds.samples)),
+    )  # fmt: skip
+
+
+class _Trial(NamedTuple):
+    """Unknowns with one of the slots as the last one, and what they leave."""
+
+    parts: Parts
+    unknowns: FloatArray
+    cost: float
+
+    def left(self) -> float:
+        """What to sort by."""
+        return self.cost
+
+
+def _fitted(escapement: Escapement, rounds: Rounds, pins: bool, slots: bool) -> list[_Trial]:
+    """The fits from all starts that come near the best, which is the first."""
+    some = starts(escapement, pins, slots, rounds.means)
+    rough = sorted((_improved(*one, rounds, _ROUGH) for one in some), key=_Trial.left)
+    # where there are as many unknowns as beats, any start may lead to errors that explain them
+    many = rough[0].unknowns.size < rounds.pattern
+    near = [one for one in rough if not many or one.cost <= _NEAR * rough[0].cost]
+    return sorted((_improved(*one[:2], rounds, _EXACT) for one in near), key=_Trial.left)
+
+
+def _alike(one: _Trial, other: _Trial) -> bool:
+    """Whether two fits have found the same errors."""
+    a, b = (trial.parts.errors(trial.unknowns) for trial in (one, other))
+    # steps that are not struck may differ
+    return bool(
+        np.abs(a.pins - b.pins).max() < _SAME
+        and np.abs(np.maximum(a.steps, 0.0) - np.maximum(b.steps, 0.0)).max() < _SAME
+    )
+
+
+def _improved(
+    parts: Parts, start: FloatArray, rounds: Rounds, tolerances: dict[str, float]
+) -> _Trial:
+    """The unknowns that leave the least squares."""
+    unit, weights = rounds.means.mean(), np.sqrt(rounds.counts)
+
+    def rest(unknowns: FloatArray) -> FloatArray:
+        computed = parts.beats(unknowns)
+        if computed is None:
+            # a wheel that cannot run explains no beats
+            return np.full(rounds.pattern, 1e3)
+        return np.asarray(weights * (computed - rounds.means) / unit)
+
+    found = optimize.least_squares(rest, start, bounds=parts.bounds(start[0]), **tolerances)
+    return _Trial(parts, found.x, float(found.cost))

@@ -1,0 +1,200 @@
+"""What a fit of beats tells of the parts: intervals, and what cannot be told."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.lazy import Lazy
+from escapement.measurement.parts import Parts
+from escapement.measurement.rounds import Rounds
+from escapement.mechanism import FloatArray
+
+special = Lazy("scipy.special")
+_STEP = 1e-6  # of differences that stand for slopes
+_SURE = 1e-3  # noise leaves more than this chance allows in one of a thousand fits
+_ALIKE = 0.1  # a smaller correlation of neighbours spoils no interval
+
+
+class Combination(NamedTuple):
+    """An angle that the beats tell where they do not tell single errors.
+
+    name : which one.
+    value, half_width : estimate, and of its confidence interval [rad].
+    """
+
+    name: str
+    value: float
+    half_width: float
+
+
+class Doubt(NamedTuple):
+    """How well the unknowns of a fit are known.
+
+    computed : beats of a pattern [s].
+    root : the half width of any a . unknowns is the length of a . root.
+    reach : half width of an interval, in standard deviations.
+    noise : standard deviation of a beat [s].
+    p_value : probability that noise leaves as much of the mean beats.
+    alike : correlation of neighbours in what is left of the beats [-].
+    """
+
+    computed: FloatArray
+    root: FloatArray
+    reach: float
+    noise: float
+    p_value: float
+    alike: float
+
+
+class Told(NamedTuple):
+    """Errors of pins and of slots, their half widths, combinations, and what is not told."""
+
+    pins: FloatArray
+    slots: FloatArray
+    pin_widths: FloatArray
+    slot_widths: FloatArray
+    combinations: tuple[Combination, ...] = ()
+    reason: str = ""
+
+
+def doubt_of(
+    parts: Parts, unknowns: FloatArray, rounds: Rounds, noise: float | None, confidence: float
+) -> Doubt:
+    """How well unknowns are known: by linear theory, with Student's law unless noise is given."""
+    computed = _computed(parts, unknowns)
+    left = float(rounds.counts @ (rounds.means - computed) ** 2)
+    # as many unknowns as mean beats ought to leave nothing
+    freedom, judged = rounds.samples - unknowns.size, max(rounds.pattern - unknowns.size, 1)
+    within, p_value = rounds.samples - rounds.pattern, math.nan
+    if noise is None:
+        sigma = math.sqrt((left + rounds.scatter) / freedom)
+        reach = float(special.stdtrit(freedom, 0.5 + 0.5 * confidence))
+        if within > 0 and rounds.scatter > 0.0:
+            share = (left / judged) / (rounds.scatter / within)
+            p_value = float(special.fdtrc(judged, within, share))
+    else:
+        sigma, reach = noise, float(special.ndtri(0.5 + 0.5 * confidence))
+        p_value = float(special.chdtrc(judged, left / noise**2))
+    beside = unknowns + _STEP * np.eye(unknowns.size)
+    slopes = np.column_stack([(_computed(parts, one) - computed) / _STEP for one in beside])
+    root = reach * sigma * np.linalg.pinv(slopes * np.sqrt(rounds.counts)[:, None])
+    rest = (rounds.table - computed).ravel()
+    pairs = rest[1:] * rest[:-1]
+    known = np.isfinite(pairs).any() and np.nanmax(np.abs(rest)) > 0.0
+    alike = float(np.nanmean(pairs) / np.nanmean(rest**2)) if known else 0.0
+    return Doubt(computed, root, reach, sigma, p_value, alike)
+
+
+def _computed(parts: Parts, unknowns: FloatArray) -> FloatArray:
+    beats = parts.beats(unknowns)
+    assert beats is not None, "a fit ends at a wheel that runs, and so does one just beside it"
+    return beats
+
+
+def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
+    """Errors of single parts, and steps of slots where those are not told.
+
+    Of the steps that are not struck only the sum is told, and that each is less than what is
+    free. A slot has its extremes where all these steps but one are as great as they can be.
+    """
+    slots, (pins, steps) = parts.wheel.slots, parts.errors(unknowns)
+    pin_widths = np.linalg.norm(parts.late_pins @ root[1 : parts.blows.start], axis=1)
+    if not parts.others.size:
+        return Told(pins, np.zeros(slots), pin_widths, np.zeros(slots))
+    limit, late, own = np.zeros(slots), np.zeros(slots), np.zeros((slots, root.shape[1]))
+    late[parts.others], limit[parts.others] = unknowns[parts.blows], _lengths(root[parts.blows])
+    own[parts.others] = parts.slope * late[parts.others, None] * root[parts.blows]
+    # the last slot is taken for one that is not struck
+    unseen, seen = np.flatnonzero(late <= limit), np.flatnonzero(late > limit)
+    most = np.where(late <= limit, parts.free + 0.5 * parts.slope * (late + limit) ** 2, steps)
+    gather = np.tril(np.ones((slots, slots)))
+    gather -= gather.mean(axis=0)
+    low, high = np.full(slots, math.inf), np.full(slots, -math.inf)
+    for slot in unseen:
+        # the step of this slot follows from all others
+        weights = gather - gather[:, [slot]]
+        width = _lengths(weights[:, seen] @ own[seen])
+        low = np.minimum(low, weights @ most - width)
+        high = np.maximum(high, weights @ most + width)
+    errors = pins, 0.5 * (low + high), pin_widths, 0.5 * (high - low)
+    if unseen.size == 1:
+        return Told(*errors)
+    names = (f"slot {i} less slot {(i - 1) % slots}" for i in seen)
+    rows = zip(names, steps[seen].tolist(), _lengths(own[seen]).tolist(), strict=True)
+    reason = (
+        f"no pin strikes slots {', '.join(map(str, unseen))}: how far each of them stands behind "
+        "the slot before it is not told, and intervals of slots are as wide as that leaves them"
+    )
+    return Told(*errors, tuple(Combination(*row) for row in rows), reason)
+
+
+def _lengths(rows: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(rows, axis=1))
+
+
+def spanned(solutions: list[Told]) -> Told:
+    """What all of some solutions that explain the beats alike have in common."""
+    if len(solutions) == 1:
+        return solutions[0]
+    pins, slots = (
+        _span([(getattr(one, f"{name}s"), getattr(one, f"{name}_widths")) for one in solutions])
+        for name in ("pin", "slot")
+    )
+    reason = (
+        f"{len(solutions)} sets of errors explain the beats alike: estimates and intervals span "
+        "them"
+    )
+    return Told(pins[0], slots[0], pins[1], slots[1], reason=reason)
+
+
+def _span(intervals: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
+    """Middles and half widths of what intervals cover together."""
+    low = np.min([middle - half for middle, half in intervals], axis=0)
+    high = np.max([middle + half for middle, half in intervals], axis=0)
+    return 0.5 * (low + high), 0.5 * (high - low)
+
+
+def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
+    """What is told where a pin meets some slots only, so that either may be at fault."""
+    pins, slots = parts.wheel.pins or 1, parts.wheel.slots
+    mean = rounds.means.mean()
+    speed = parts.wheel.cell_angle / mean
+    # of what is about the mean of all
+    weights = np.eye(rounds.pattern) - 1.0 / rounds.pattern
+    widths = doubt.reach * doubt.noise * _lengths(weights / np.sqrt(rounds.counts))
+    found = (
+        Combination(f"pin {k % pins} in slot {k % slots}", float(value), float(width))
+        for k, (value, width) in enumerate(
+            zip(speed * (rounds.means - mean), speed * widths, strict=True)
+        )
+    )
+    reason = (
+        f"each of {pins} pins meets {slots // math.gcd(pins, slots)} of {slots} slots only, so "
+        "that either may be at fault: what is told is how much longer than the mean each pair "
+        "drives, and with parts='slots' or 'pins' the errors of those if the others are good"
+    )
+    nothing = np.full(pins, math.nan), np.full(slots, math.nan)
+    return Told(*nothing, *nothing, tuple(found), reason)
+
+
+def remarks(known: Told, doubt: Doubt, samples: int) -> Iterator[str]:
+    """Sentences for the reader of a fit."""
+    if known.reason:
+        yield known.reason
+    if doubt.root.shape[1] <= doubt.root.shape[0] and np.isfinite(known.slots).all():
+        yield (
+            "there are as many unknowns as pairs of a pin and a slot, so that other errors may "
+            "explain the beats as well; intervals hold for those that were found"
+        )
+    if doubt.p_value < _SURE:
+        yield (
+            f"the fit leaves more than noise does (p {doubt.p_value:.1g}): the parts differ from "
+            "the design in something else, such as friction, lengths or centre distance"
+        )
+    if abs(doubt.alike) > max(_ALIKE, 4.0 / math.sqrt(samples)):
+        yield (
+            f"neighbouring residuals are alike (correlation {doubt.alike:.2f}), while intervals "
+            "take the noise of each beat for independent: do not trust their widths"
+        )
