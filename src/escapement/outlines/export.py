@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable
-from importlib import import_module
 from io import StringIO
 from typing import Any
 
 import numpy as np
 
-from escapement.errors import InvalidValue, MissingPackage
+from escapement import validate
+from escapement.errors import InvalidValue
 from escapement.files import CUTS, AnyPath, file_format, write_file
 from escapement.fits import Fits
 from escapement.outlines.curves import Curve
@@ -109,14 +109,8 @@ def export(
 
 def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
     """The sheet as DXF."""
-    try:
-        document: Any = import_module("ezdxf.document")
-    except ModuleNotFoundError:
-        raise MissingPackage(
-            "a DXF file needs ezdxf, which is not installed; install it with: "
-            "pip install 'geneva-escapement[cad]', or write FILE.svg"
-        ) from None
-    drawing = document.Drawing.new("AC1009" if r12 else "AC1024")
+    ezdxf = validate.package("ezdxf", "a DXF file", "cad")
+    drawing = ezdxf.document.Drawing.new("AC1009" if r12 else "AC1024")
     if not r12:
         drawing.header["$MEASUREMENT"] = 0 if inches else 1
         drawing.units = 1 if inches else 4  # the codes of $INSUNITS
