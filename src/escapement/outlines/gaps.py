@@ -80,7 +80,8 @@ def gap(one: Ways, other: Ways) -> tuple[float, complex]:
 
     Two lines or arcs are nearest at an end of one, or where the line through an arc's centre
     stands upright on the other one. Where bodies overlap it is by how much, negative: the
-    greatest depth of these points.
+    greatest depth of these points. Bodies that lie right across each other, like the bars of a
+    cross, may have none of these points inside: follow a motion from where they are apart.
     """
     found = []
     one, other = _closest(one, other)

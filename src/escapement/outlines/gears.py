@@ -22,6 +22,13 @@ class GearDrivenOutline:
     lies along the positive real axis when carrier and wheel are at zero. As for the ordinary
     wheel, widths are chosen so that nothing collides.
 
+    Parameters
+    ----------
+    mechanism : GearDriven
+        What to draw.
+    clearance : float
+        Slot width less pin diameter [m], where the pins have a radius.
+
     Attributes
     ----------
     planet_radius : float
@@ -35,6 +42,8 @@ class GearDrivenOutline:
         small that slots do not meet.
     rim_radius, reach : float
         Outer radius of the wheel, and radius of the whole drawing.
+    plane : tuple
+        The follower, and the bodies that move in its plane.
     """
 
     plane = "follower", ("pin", "roller")

@@ -1,27 +1,21 @@
 """Bodies of a Geneva drive in crank radii.
 
-The kinematics need little more than points and lines, while a picture needs bodies. A pin
-has the radius it was given, or one chosen here; other widths are chosen here so that no
+The kinematics need little more than points and lines, while pictures and parts need bodies. A
+pin has the radius it was given, or one chosen here; other widths are chosen here so that no
 two bodies collide in any position: slots end where the pin turns back, locking arcs stay
-clear of slots, and the driver's locking disc is cut by the envelope of the wheel that
-turns past it.
+clear of slots, and the driver's locking disc has round hollows, which the turning wheel clears.
 """
 
 import cmath
 import math
-from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.fitting import IMPERFECT
 from escapement.mechanisms import Geneva
 from escapement.outlines import Body, Disc, Land, locked_angle, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
+from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
 
 _POSITIONS = 721  # of the wheel that turns past the locking disc
 _CHORD = math.radians(0.5)
@@ -52,8 +46,8 @@ class GenevaOutline:
     slot_end : float
         Distance of a pin from the follower's axis at dead centre, the greatest way in of all.
     pin_radius, half_slot : float
-        Radius of a pin, or of the roller on it, and half the slot width: the same where a
-        radius was given, with a little play where it was not.
+        Radius of a pin, or of the roller on it, and half the slot width: larger by half the
+        clearance where a radius was given, by a little play where it was not.
     rim_radius : float
         Radius of the rim; a pin enters as its centre crosses the mouth.
     locks : bool
@@ -62,7 +56,8 @@ class GenevaOutline:
         Radius of the locking arcs; 0.1 of wheel is left beside each slot, or half of what
         there is.
     gap : float
-        Play between the locking disc and the wheel.
+        Play between the locking disc and the wheel: the clearance of the slots where they have
+        one, which the hollows halve.
     follower_radius, crank_disc_radius : float
         Outer radii of the follower and of the disc that carries the pins.
     driver_shaft, follower_shaft : float
@@ -79,7 +74,7 @@ class GenevaOutline:
         unit, internal = mechanism.crank_radius or 1.0, mechanism.internal
         centre, self.side = mechanism.centre_distance, 1.0 if internal else -1.0
         self.centre = centre + self.mechanism.centre_distance_error / unit
-        self.cranks = 1.0 + _each(self.mechanism.crank_radius_errors, mechanism.pins) / unit
+        self.cranks = 1.0 + each(self.mechanism.crank_radius_errors, mechanism.pins) / unit
         self.slot_end = self.centre + self.side * self.cranks.max()
         chosen = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
         self.pin_radius = mechanism.contact_radius or chosen
@@ -102,7 +97,9 @@ class GenevaOutline:
         if self.mechanism.perfect:
             self.follower_edge = slotted_edge(*edge, self._land(), mechanism.slots)
         else:
-            self.follower_edge = self._imperfect_edge()
+            self.follower_edge = imperfect_edge(
+                *edge, self._land(), self.slot_angles(), self.slot_offsets()
+            )
 
     def bodies(self, theta: float) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
@@ -123,7 +120,7 @@ class GenevaOutline:
 
     def pin_places(self, theta: float) -> ComplexArray:
         """Where the pins stand at a driver angle, shape (pins,)."""
-        late = _each(self.mechanism.pin_angle_errors, self.mechanism.pins)
+        late = each(self.mechanism.pin_angle_errors, self.mechanism.pins)
         turned = theta - late - np.arange(late.size) * self.mechanism.cell_angle
         return np.asarray(self.centre + self.side * self.cranks * np.exp(1j * self.side * turned))
 
@@ -155,42 +152,13 @@ class GenevaOutline:
 
         The follower turns with growing angles, so that the next slot to be met stands behind.
         """
-        ahead = _each(self.mechanism.slot_angle_errors, self.mechanism.slots)
+        ahead = each(self.mechanism.slot_angle_errors, self.mechanism.slots)
         return np.asarray(ahead - np.arange(ahead.size) * self.mechanism.follower_step)
 
     def slot_offsets(self) -> FloatArray:
         """How far each slot's centre line runs ahead of the axis."""
         unit = self.mechanism.crank_radius or 1.0
-        return _each(self.mechanism.slot_offsets, self.mechanism.slots) / unit
-
-    def _imperfect_edge(self) -> Curve:
-        """Edge of the follower with each slot in its own place."""
-        half, rim, end = self.half_slot, self.rim_radius, self.slot_end
-        angles, offsets = self.slot_angles()[::-1], self.slot_offsets()[::-1]
-        land, between = self._land()
-        corner, pitch = math.asin(half / rim), self.mechanism.follower_step
-        away = math.copysign(math.pi, end - rim)
-        sides = offsets[:, None] + half * np.array([-1.0, -1.0, 1.0, 1.0])
-        along = np.sqrt(rim**2 - sides**2)
-        along[:, 1:3] = end
-        slots = (along + 1j * sides) * np.exp(1j * angles)[:, None]
-        corners, turns = list[complex](), list[float]()
-        for slot, following in zip(slots.tolist(), np.roll(slots, -1, 0).tolist(), strict=True):
-            # the land between two slots is drawn out to reach from one to the other
-            whole = cmath.phase(following[0] / slot[-1]) % (2.0 * math.pi)
-            shares = [(cmath.phase(z) - corner) / (pitch - 2.0 * corner) for z in land]
-            start = slot[-1] / abs(slot[-1])
-            bent = [
-                abs(z) * start * cmath.exp(1j * s * whole)
-                for z, s in zip(land, shares, strict=True)
-            ]
-            rims = (
-                [whole] if not land else [shares[0] * whole, between[1], (1.0 - shares[1]) * whole]
-            )
-            corners += [*slot, *bent]
-            turns += [0.0, away, 0.0, *rims]
-        edge = chain(corners, turns)
-        return edge.reversed() if away > 0.0 else edge
+        return each(self.mechanism.slot_offsets, self.mechanism.slots) / unit
 
     def _land(self) -> Land:
         """From slot 0 to slot 1: corners and turns, the corners at the mouths left out."""
@@ -229,31 +197,6 @@ def sizes(mechanism: Geneva) -> dict[str, float]:
     if not mechanism.continuous:
         found["locking_radius"] = lock
     return found
-
-
-def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
-    """The wheel with all errors times a factor, or InvalidValue where it then could not turn."""
-    factor = validate.number("exaggerate", factor, remedy := "give a factor, 1 for true scale")
-    if factor < 0.0:
-        raise validate.fail("exaggerate", "at least 0", factor, remedy)
-    if factor == 1.0 and not mechanism.misfit:
-        return mechanism
-    given = {name: getattr(mechanism, name) for name in IMPERFECT}
-    larger: dict[str, Any] = {
-        name: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
-        for name, value in given.items()
-    }
-    found = replace(mechanism, **larger)
-    if found.misfit and factor != 1.0:
-        raise validate.fail("exaggerate", "small enough for pins to meet slots", factor, remedy)
-    if found.misfit:
-        raise InvalidValue(found.misfit)
-    return found
-
-
-def _each(errors: Sequence[float], count: int | None) -> FloatArray:
-    """Errors of pins or slots, zeros where there are none."""
-    return np.array(errors or (0.0,) * (count or 1), dtype=float)
 
 
 @lru_cache(maxsize=32)

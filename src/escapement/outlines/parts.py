@@ -5,7 +5,7 @@ A part has the size that it is to have: the kerf of a cutter is left to the expo
 
 import math
 from functools import singledispatch
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,77 +15,13 @@ from escapement.fits import Fits
 from escapement.mechanism import checked
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.model import Inertia
-from escapement.outlines.curves import Curve, Moments, stadium
-from escapement.outlines.gaps import outside, ways_of
+from escapement.outlines.curves import Curve
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline, locking_disc
+from escapement.outlines.part import Part, hole, link
 
 _WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
 _SHAFT = 0.12
-
-
-def _hole(radius: float, at: complex, fit: float, what: str) -> Curve:
-    """A hole for what has this radius, clockwise."""
-    wide = radius + 0.5 * fit
-    if not wide > 0.0:
-        raise validate.fail(f"{what}_fit", f"greater than {-2.0 * radius:g} m", fit, "add to it")
-    return Curve.circle(wide, at).reversed()
-
-
-class Part(NamedTuple):
-    """A flat part about its own axis [m].
-
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    edge : Curve
-        Its edge; of a gear its pitch curve.
-    holes : tuple of Curve
-        What is cut out of it, clockwise.
-    marks : tuple of Curve
-        What is engraved: where the locking disc sits on the driver.
-    axes : tuple of complex
-        Centres of its holes and of what it turns about.
-    toothed : bool
-        Whether it is a gear, the teeth of which somebody else cuts about its pitch curve.
-    """
-
-    name: str
-    edge: Curve
-    holes: tuple[Curve, ...] = ()
-    marks: tuple[Curve, ...] = ()
-    axes: tuple[complex, ...] = (0.0,)
-    toothed: bool = False
-
-    @property
-    def moments(self) -> Moments:
-        """Area [m^2] and its moments [m^3, m^4] about the part's axis, holes taken off."""
-        rows = [curve.moments for curve in (self.edge, *self.holes)]
-        return Moments._make(sum(column) for column in zip(*rows, strict=True))
-
-    def mass(self, thickness: float, density: float) -> float:
-        """Mass [kg] at a thickness [m] and a density [kg/m^3]."""
-        return self.moments.area * thickness * density
-
-    def inertia(self, thickness: float, density: float) -> float:
-        """Moment of inertia about its axis [kg m^2]; arguments as of `mass`."""
-        return self.moments.second * thickness * density
-
-    def check(self) -> None:
-        """Raise InvalidValue where a hole leaves no wall to the edge or to another hole."""
-        for k, hole in enumerate(self.holes):
-            others = ways_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
-            centre = complex(hole.corners.mean())
-            deep, place = outside(others, np.array([centre]))
-            room, radius = -float(deep[0]), abs(complex(hole.corners[0]) - centre)
-            if len(hole.corners) == 2 and not radius < room:
-                x, y = 1e3 * place[0].real, 1e3 * place[0].imag
-                raise InvalidValue(
-                    f"a hole of the {self.name} must have a radius of less than {room:.6g} m, got "
-                    f"{radius:.6g}: it reaches what is cut at ({x:.4f}, {y:.4f}) mm; choose a "
-                    "thinner shaft or pin, or a larger wheel"
-                )
 
 
 @singledispatch
@@ -143,9 +79,9 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     size, pin = _sized(mechanism)
     outline: Any = outline_of(mechanism, fits)
     axis = size * outline.driver_shaft
-    shaft = _hole(axis, 0.0, fits.shaft_fit, "shaft")
+    shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
     places = outline.pin_places(0.0) - mechanism.centre_distance
-    pins = [_hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    pins = [hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
     lock = locking_disc(outline.perfect) if outline.locks else None
     marks: tuple[Curve, ...] = (lock.moved(size),) if lock else ()
     edge = Curve.circle(size * outline.crank_disc_radius)
@@ -156,11 +92,11 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
         found.append(Part("locking-disc", marks[0], () if mechanism.internal else (shaft,)))
     wheel = [curve.moved(size) for curve in outline.follower_edges]
     own = size * outline.follower_shaft
-    bore = () if mechanism.internal else (_hole(own, 0.0, fits.shaft_fit, "shaft"),)
+    bore = () if mechanism.internal else (hole(own, 0.0, fits.shaft_fit, "shaft"),)
     # an internal wheel is a ring, whose edge that faces the driver is a hole of it
     found.append(Part("follower", wheel[-1], (*wheel[:-1], *bore)))
     apart = size * mechanism.centre_distance
-    return [*found, _link("plate", apart, own or axis, axis, fits)]
+    return [*found, link("plate", apart, own or axis, axis, fits)]
 
 
 @_parts.register
@@ -171,19 +107,23 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
             raise validate.fail(name, rule, value, "choose another number of lobes")
     size, pin = _sized(mechanism)
     outline = GearDrivenOutline(mechanism, fits.clearance)
+    if not outline.half_slot < mechanism.widest_pin:
+        most = 2.0 * size * (mechanism.widest_pin - mechanism.contact_radius)
+        rule = f"less than {most:.6g} m, where neighbouring slots meet"
+        raise validate.fail("clearance", rule, fits.clearance, "choose less, or thinner pins")
     arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
     axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
     own = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)
     places = arm * np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
-    pins = [_hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
-    shaft = _hole(axis, 0.0, fits.shaft_fit, "shaft")
-    centre = _hole(own, 0.0, fits.shaft_fit, "shaft")
+    pins = [hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
+    centre = hole(own, 0.0, fits.shaft_fit, "shaft")
     wheel = [curve.moved(size) for curve in outline.wheel_edges()]
     disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
     return [
         Part("follower", wheel[-1], (*wheel[:-1], *((centre,) if outline.inward else ()))),
         Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *(size * places).tolist())),
-        _link("carrier", size * mechanism.carrier_over_fixed, own, axis, fits),
+        link("carrier", size * mechanism.carrier_over_fixed, own, axis, fits),
         Part("planet", Curve.circle(size * outline.planet_radius), (shaft,), toothed=True),
         Part("fixed-gear", Curve.circle(size), (centre,), toothed=True),
     ]
@@ -193,7 +133,7 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
 def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
     least = _SHAFT * mechanism.planet_radius
     radii = fits.follower_shaft_radius or least, fits.driver_shaft_radius or least
-    axis, shaft = (_hole(radius, 0.0, fits.shaft_fit, "shaft") for radius in radii)
+    axis, shaft = (hole(radius, 0.0, fits.shaft_fit, "shaft") for radius in radii)
     driving, driven = (
         pitch_curve(1e3 * oval.semi_major_axis, oval.eccentricity).moved(1e-3)
         for oval in mechanism.pitch_ellipses
@@ -205,7 +145,7 @@ def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
         ("planet", Curve.circle(mechanism.planet_radius), shaft),
     ]
     found = [Part(name, edge, (hole,), toothed=True) for name, edge, hole in gears]
-    return [*found, _link("carrier", mechanism.centre_distance, *radii, fits)]
+    return [*found, link("carrier", mechanism.centre_distance, *radii, fits)]
 
 
 def _sized(mechanism: Geneva | GearDriven) -> tuple[float, float]:
@@ -216,14 +156,6 @@ def _sized(mechanism: Geneva | GearDriven) -> tuple[float, float]:
             value = getattr(mechanism, name)
             raise validate.fail(name, "given for drawings of parts", value, "give it in m")
     return float(mechanism.crank_radius), float(mechanism.pin_radius)  # type: ignore[arg-type]
-
-
-def _link(name: str, apart: float, first: float, second: float, fits: Fits) -> Part:
-    """A plate that keeps two shafts at their distance."""
-    ends = (first, 0.0), (second, apart)
-    holes = tuple(_hole(radius, place, fits.shaft_fit, "shaft") for radius, place in ends)
-    wide = 2.0 * max(first, second) + max(0.5 * fits.shaft_fit, 0.0)
-    return Part(name, stadium(wide, apart), holes, axes=(0.0, apart))
 
 
 def disc_inertia(

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.outlines.curves import Curve
-from escapement.outlines.parts import Part
+from escapement.outlines.part import Part
 
 LAYERS = {
     "CUT_OUTER": (1, "#d00000"),
