@@ -22,7 +22,10 @@ DPI = 200
 COLOURS = 192  # a palette keeps the files small; the eye sees no difference
 ACCURACY = ("work_precision", "tolerance", "order", "painleve", "long_run", "conditioning")
 
-_PAGES = ("motions", "studies", "drives", "gears", "effects", "imperfect", "rundown", "tolerances")
+_PAGES = (
+    *("motions", "studies", "drives", "gears", "effects", "imperfect", "rundown", "tolerances"),
+    "drawings",
+)
 for _page in _PAGES:
     import_module(f"pages.{_page}")  # enters its figures
 FIGURES |= {f"accuracy_{name}.png": getattr(figures, name) for name in ACCURACY}

@@ -124,17 +124,18 @@ def test_ellipses_touch_where_the_dot_is_and_nowhere_overlap(drive, theta):
         # the other focus lies opposite: distances to both make up 2a
         ends = edge[[0, (edge.size - 1) // 2]]
         other = ends.sum() - pivot
-        np.testing.assert_allclose(np.abs(edge - pivot) + np.abs(edge - other), 2 * semi)
+        # the arcs that are drawn leave the ellipse by less than a micrometre
+        np.testing.assert_allclose(np.abs(edge - pivot) + np.abs(edge - other), 2 * semi, atol=1e-3)
         assert abs(dot - pivot) + abs(dot - other) == pytest.approx(2 * semi, rel=1e-12)
     # outside of the driving ellipse is beyond 2a from its focuses
     apart = np.abs(edges[0] - pivot) + np.abs(edges[0] - other)
-    assert apart.min() >= 2.0 * semi * (1.0 - 1e-9)
+    assert apart.min() >= 2.0 * semi - 2e-3
 
 
 def test_output_turns_in_the_drawing_as_it_should():
     first, second = (EllipticalOutline(PAPER).bodies(at, carrier=0.0)[2] for at in (0.3, 1.4))
     # seen from the carrier; in space the carrier's turn is added
-    turned = np.angle(second.edges[0][0] / first.edges[0][0]) + (1.4 - 0.3)
+    turned = np.angle(second.edges[0].corners[0] / first.edges[0].corners[0]) + (1.4 - 0.3)
     expected = -np.diff(PAPER.follower_angle([0.3, 1.4]))[0]
     assert turned == pytest.approx(expected, abs=1e-9)
 

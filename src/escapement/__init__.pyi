@@ -13,6 +13,7 @@ from escapement.constant_speed import greatest_speed as greatest_speed
 from escapement.constant_speed import least_load_torque as least_load_torque
 from escapement.constant_speed import reversal_study as reversal_study
 from escapement.constant_speed import transmission_extrema as transmission_extrema
+from escapement.fits import Fits as Fits
 from escapement.jam_rule import jam_rule as jam_rule
 from escapement.measurement import Encoder as Encoder
 from escapement.measurement import Readings as Readings
@@ -32,6 +33,10 @@ from escapement.model import Inertia as Inertia
 from escapement.motion import Motion as Motion
 from escapement.motion_file import read_motion as read_motion
 from escapement.motion_file import write_motion as write_motion
+from escapement.outlines.export import export as export
+from escapement.outlines.export import motion_check as motion_check
+from escapement.outlines.parts import disc_inertia as disc_inertia
+from escapement.outlines.parts import parts_of as parts_of
 from escapement.painleve import critical_friction as critical_friction
 from escapement.run_down import Rundown as Rundown
 from escapement.run_down import rundown as rundown

@@ -23,6 +23,8 @@ FORMATS = (".png", ".pdf", ".svg")
 """Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
 FILMS = (".gif",)
 """Suffixes of films."""
+CUTS = (".dxf", ".svg")
+"""Suffixes of drawings to cut by."""
 HDF5 = (".h5", ".hdf5", ".nc")
 """Suffixes of HDF5 files."""
 STUDIES = (*HDF5, ".csv", ".parquet")

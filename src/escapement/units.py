@@ -29,6 +29,7 @@ _NAMES = {
     "stiffness": ("N m-1", "lbf in-1"),
     "damping": ("N s m-1", "lbf s in-1"),
     "slip": ("m s-1", "in s-1"),
+    "density": ("kg m-3", "lbf s2 in-4"),
     "impulse": ("N s", "lbf s"),
 }
 _COMMON = {

@@ -140,12 +140,12 @@ def known_keys(
             raise InvalidValue(f"unknown key {str(key)!r} {where}; {remedy}")
 
 
-def package(name: str, what: str) -> Any:
-    """The module `name` of the extra `data`, which `what` needs."""
+def package(name: str, what: str, extra: str = "data") -> Any:
+    """The module `name` of an extra, which `what` needs."""
     try:
         return import_module(name)
     except ModuleNotFoundError:
         raise MissingPackage(
             f"{what} needs {name}, which is not installed; "
-            "install it with: pip install 'geneva-escapement[data]'"
+            f"install it with: pip install 'geneva-escapement[{extra}]'"
         ) from None

@@ -27,6 +27,7 @@ COMMANDS = {
     "explore": "a page that computes a motion anew while one drags",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",
+    "export": "parts as DXF or SVG to cut by, and a check of the motion",
     "drive-torque": "torque and pin reversals at constant driver speed",
     "measure": "measured positions against theory, with statistics",
     "reproduce": "a source's printed numbers beside computed ones",

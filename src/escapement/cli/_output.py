@@ -73,7 +73,7 @@ def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> 
     A `message` is added, and shown on stderr too, where there is a warning, which is what the
     user should know of the numbers, or where a number is missing.
     """
-    shown = {key: in_units(record[key], kinds.get(key, "ratio"), args.units) for key in record}
+    shown = _shown(record, kinds, args.units)
     message = "; ".join([*filter(None, [warning]), *not_given(record)])
 
     def table() -> None:
@@ -101,6 +101,16 @@ def rows(record: Record, kinds: Kinds, system: str) -> list[tuple[str, Any, str]
         return printed(kind, system)
 
     return [(_LABELS.get(key, words(key)), value, unit(key)) for key, value in record.items()]
+
+
+def _shown(record: Record, kinds: Kinds, system: str) -> dict[str, Any]:
+    """Numbers in SI in the user's units, those of objects in a list too."""
+    return {
+        key: [_shown(line, kinds, system) for line in value]
+        if isinstance(value, list) and dict in map(type, value)
+        else in_units(value, kinds.get(key, "ratio"), system)
+        for key, value in record.items()
+    }
 
 
 def not_given(record: Mapping[str, Any]) -> list[str]:

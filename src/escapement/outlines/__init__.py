@@ -3,16 +3,17 @@
 Points are complex numbers x + iy, in the unit of length that each outline names.
 """
 
+import cmath
 import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from escapement.mechanisms.kind import Wheel
+from escapement.outlines.curves import ComplexArray, Curve, chain
 
-ComplexArray = NDArray[np.complex128]
+Land = tuple[list[complex], list[float]]
 
 
 class Disc(NamedTuple):
@@ -30,18 +31,17 @@ class Body(NamedTuple):
     ----------
     name : str
         What the body is called, for example "follower".
-    edges : tuple of arrays, each of shape (points,)
-        Curves that end where they start. A hole runs the other way round than what it is
-        cut out of.
+    edges : tuple of Curve
+        Curves with the body on their left: a hole runs the other way round.
     """
 
     name: str
-    edges: tuple[ComplexArray, ...]
+    edges: tuple[Curve, ...]
 
     def turned(self, angle: float, about: complex = 0.0) -> "Body":
         """The body after its own origin was put at `about` and it was turned by `angle` [rad]."""
-        turn = np.exp(1j * angle)
-        return Body(self.name, tuple(about + edge * turn for edge in self.edges))
+        turn = cmath.exp(1j * angle)
+        return Body(self.name, tuple(edge.moved(turn, about) for edge in self.edges))
 
 
 def arc(radius: float, start: float, stop: float, points: int = 361) -> ComplexArray:
@@ -50,33 +50,35 @@ def arc(radius: float, start: float, stop: float, points: int = 361) -> ComplexA
 
 
 def slotted_edge(
-    rim: float, slot_end: float, half_slot: float, points: int, land: ComplexArray, slots: int
-) -> ComplexArray:
-    """Closed edge of a wheel with radial slots, counter-clockwise; slot 0 on the real axis.
+    rim: float, slot_end: float, half_slot: float, land: Land | None, slots: int
+) -> Curve:
+    """Edge of a wheel with radial slots, slot 0 on the real axis.
 
     Parameters
     ----------
     rim : float
         Distance of the corners at the slots' mouths from the axis.
     slot_end : float
-        Distance at which the slots end: where their round ends have their centres.
+        Distance at which the slots end: where their round ends have their centres. Beyond the
+        rim it makes a ring, whose slots open inwards.
     half_slot : float
         Half the width of a slot.
-    points : int
-        Points of the round end of a slot.
-    land : ndarray
-        Points between slot 0 and slot 1, without the corners.
+    land : tuple of two lists, optional
+        Corners between slot 0 and slot 1 without those at the mouths, and the angles by which the
+        ways to, between and from them turn. Default: the mouths have their corners in common.
     slots : int
         Number of slots.
     """
-    corner = rim * np.exp(1j * math.asin(half_slot / rim))
-    turn = np.linspace(-0.5, 0.5, points) * np.pi
+    corner = rim * cmath.exp(1j * math.asin(half_slot / rim))
     # the round end is beyond the slot, seen from the mouth
     away = math.copysign(1.0, slot_end - rim)
-    end = slot_end + half_slot * (away * np.cos(turn) + 1j * np.sin(turn))
-    sector = np.concatenate([[corner.conjugate()], end, [corner], land])
-    turns = np.exp(2j * np.pi * np.arange(slots) / slots)
-    return closed((turns[:, None] * sector).ravel())
+    end = complex(slot_end, half_slot)
+    corners, turns = [corner.conjugate(), end.conjugate(), end], [0.0, away * math.pi, 0.0]
+    if land is not None:
+        corners, turns = [*corners, corner, *land[0]], [*turns, *land[1]]
+    places = np.exp(2j * np.pi * np.arange(slots) / slots)
+    edge = chain((places[:, None] * np.array(corners)).ravel(), np.tile(turns, slots))
+    return edge.reversed() if away > 0.0 else edge
 
 
 def pins_and_rollers(mechanism: Wheel, places: Iterable[complex], radius: float) -> list[Disc]:
@@ -92,11 +94,6 @@ def pins_and_rollers(mechanism: Wheel, places: Iterable[complex], radius: float)
             inner *= mechanism.pin_radius / mechanism.roller_radius
         found.append(Disc(f"pin-{k}", place, inner))
     return found
-
-
-def closed(edge: ComplexArray) -> ComplexArray:
-    """A curve that ends where it starts."""
-    return np.append(edge, edge[0])
 
 
 def locked_angle(mechanism: Wheel, theta: float) -> float:

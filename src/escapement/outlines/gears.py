@@ -2,22 +2,17 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import EllipticalPlanetary, GearDriven
-from escapement.outlines import (
-    Body,
-    ComplexArray,
-    Disc,
-    arc,
-    locked_angle,
-    pins_and_rollers,
-    slotted_edge,
-)
+from escapement.outlines import Body, Disc, arc, locked_angle, pins_and_rollers, slotted_edge
+from escapement.outlines.curves import ComplexArray, Curve, biarcs, chain
 
 _TURN = 2.0 * np.pi
+_FINE = 2e-4  # distance of arcs from the ellipse that they stand for [mm]
 
 
 class GearDrivenOutline:
@@ -26,6 +21,13 @@ class GearDrivenOutline:
     All lengths are in radii of the fixed gear. The common axis is the origin, and slot 0
     lies along the positive real axis when carrier and wheel are at zero. As for the ordinary
     wheel, widths are chosen so that nothing collides.
+
+    Parameters
+    ----------
+    mechanism : GearDriven
+        What to draw.
+    clearance : float
+        Slot width less pin diameter [m], where the pins have a radius.
 
     Attributes
     ----------
@@ -40,9 +42,13 @@ class GearDrivenOutline:
         small that slots do not meet.
     rim_radius, reach : float
         Outer radius of the wheel, and radius of the whole drawing.
+    plane : tuple
+        The follower, and the bodies that move in its plane.
     """
 
-    def __init__(self, mechanism: GearDriven) -> None:
+    plane = "follower", ("pin", "roller")
+
+    def __init__(self, mechanism: GearDriven, clearance: float = 0.0) -> None:
         self.mechanism = mechanism
         self.planet_radius = abs(1.0 / float(mechanism.gear_ratio))
         self.mouth = mechanism.entry_radius_over_fixed
@@ -51,7 +57,9 @@ class GearDrivenOutline:
         narrow = min(self.mouth or self.slot_end, self.slot_end)
         chosen = min(0.05, 0.35 * narrow * math.pi / max(mechanism.slots, 3))
         self.pin_radius = mechanism.contact_radius or chosen
-        self.half_slot = mechanism.contact_radius or 1.1 * chosen
+        play = clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
+        given = mechanism.contact_radius
+        self.half_slot = given + 0.5 * play if given else 1.1 * chosen
         ring = self.slot_end + 4.0 * self.half_slot
         self.rim_radius = math.hypot(self.mouth, self.half_slot) if self.inward else ring
         self.reach = max(self.rim_radius, mechanism.reach_over_fixed + self.pin_radius)
@@ -81,7 +89,7 @@ class GearDrivenOutline:
         lobe = along + (outside if deeper == self.inward else -outside)
         beyond = self.mouth * (1.1 if self.inward else 0.9)
         back = arc(beyond, float(np.angle(lobe[-1])), float(np.angle(lobe[0])), 31)
-        band = np.concatenate([lobe, back, lobe[:1]])
+        band = chain(points := np.concatenate([lobe, back]), np.zeros(points.size))
         # the wheel is locked half a step beyond dead centre while a lobe passes
         locked = 0.5 * mechanism.follower_step * (1.0 if mechanism.turns_with_driver else -1.0)
         lobe_turn = _TURN / (mechanism.pins * abs(float(mechanism.gear_ratio)))
@@ -90,20 +98,21 @@ class GearDrivenOutline:
         places = np.add.outer(passing, slots).ravel()
         return [Body("relief", (band,)).turned(turn + place) for place in places]
 
-    def wheel_edges(self) -> list[ComplexArray]:
-        """Closed edges of the wheel at zero: its body with the slots cut out."""
-        slots, half, whole = self.mechanism.slots, self.half_slot, arc(self.rim_radius, _TURN, 0.0)
+    def wheel_edges(self) -> list[Curve]:
+        """Edges of the wheel at zero: its body with the slots cut out."""
+        slots, half = self.mechanism.slots, self.half_slot
         if self.mouth == 0.0:
-            # the slots run right across the wheel, through its centre
-            cap = self.slot_end + arc(half, -0.5 * np.pi, 0.5 * np.pi, 19)
-            slot = np.concatenate([cap, -cap, cap[:1]])
-            turns = np.exp(1j * _TURN * np.arange(max(1, slots // 2)) / slots)
-            return [whole, *(slot * turn for turn in turns)]
-        edge = self.rim_radius if self.inward else math.sqrt(self.mouth**2 - half**2)
+            # the slots run right across the wheel, through its centre, where their walls meet
+            arms = slots if slots % 2 == 0 else 2 * slots
+            rim, land = half / math.sin(math.pi / arms), None
+            inner = slotted_edge(rim, self.slot_end, half, land, arms) if arms > 2 else None
+            cap = complex(self.slot_end, half)
+            slot = chain([-cap.conjugate(), cap, cap.conjugate(), -cap], [0, -math.pi] * 2)
+            return [inner or slot, Curve.circle(self.rim_radius)]
+        edge = math.hypot(self.mouth, half)
         aside = math.asin(half / edge)
-        land = arc(edge, aside, _TURN / slots - aside, 31)[1:-1]
-        body = slotted_edge(edge, self.slot_end, half, 19, land, slots)
-        return [body] if self.inward else [body, whole]
+        body = slotted_edge(edge, self.slot_end, half, ([], [_TURN / slots - 2.0 * aside]), slots)
+        return [body] if self.inward else [body, Curve.circle(self.rim_radius)]
 
     def path(self) -> ComplexArray:
         """The pin path until it closes."""
@@ -129,6 +138,7 @@ class EllipticalOutline:
     """Pitch curves of the planetary drive [mm]; the carrier's axis is the origin."""
 
     mechanism: EllipticalPlanetary
+    plane = "driven", ("driving",)
 
     def bodies(self, theta: float, carrier: float | None = None) -> tuple[Disc, Disc, Body, Body]:
         """The two spur gears and the two ellipses.
@@ -149,11 +159,12 @@ class EllipticalOutline:
         along = theta if carrier is None else carrier
         shaft = complex(self.line_of_centres(theta)[1] * np.exp(1j * along))
         driving, driven = self.mechanism.pitch_ellipses
-        sweep = np.linspace(0.0, _TURN, 241)
         # the ellipses about their own pivots while the carrier lies along the real axis
         turned = theta + float(self.mechanism.follower_angle(theta))
-        inner = 1e3 * driven.radius(sweep) * np.exp(1j * (sweep - turned))
-        outer = -1e3 * driving.radius(sweep) * np.exp(1j * (sweep + self.mechanism.ratio * theta))
+        inner = pitch_curve(1e3 * driven.semi_major_axis, driven.eccentricity)
+        outer = pitch_curve(1e3 * driving.semi_major_axis, driving.eccentricity)
+        inner = inner.moved(np.exp(-1j * turned))
+        outer = outer.moved(-np.exp(1j * self.mechanism.ratio * theta))
         return (
             Disc("sun", 0.0, 1e3 * self.mechanism.sun_radius),
             Disc("planet", shaft, 1e3 * self.mechanism.planet_radius),
@@ -170,3 +181,31 @@ class EllipticalOutline:
         turned = self.mechanism.ratio * theta
         rho = 1e3 * float(self.mechanism.pitch_ellipses[0].radius(turned))
         return sun, sun + planet, sun + planet - rho
+
+
+@lru_cache(maxsize=32)
+def pitch_curve(semi_major_axis: float, eccentricity: float) -> Curve:
+    """An ellipse about a focus as arcs that leave it by less than 0.2 um.
+
+    Parameters
+    ----------
+    semi_major_axis : float
+        a [mm].
+    eccentricity : float
+        As of a `PitchEllipse`: the vertex on the positive real axis is the far one if it is > 0.
+    """
+    a, count = semi_major_axis, 8
+    focus = 2.0 * eccentricity * a
+    while True:
+        turn = np.exp(2j * np.pi * np.arange(count) / count)
+        minor = a * math.sqrt(1.0 - eccentricity**2)
+        along = -a * turn.imag + 1j * minor * turn.real
+        points = 0.5 * focus + a * turn.real + 1j * minor * turn.imag
+        curve = biarcs(points, along / np.abs(along))
+        found = curve.at(np.linspace(0.0, 1.0, 9))
+        # the distances from the focuses make up 2a; a first-order step leads back to the ellipse
+        one, two = np.abs(found), np.abs(found - focus)
+        slope = np.abs(found / one + (found - focus) / two)
+        if np.abs((one + two - 2.0 * a) / slope).max() < _FINE:
+            return curve
+        count *= 2

@@ -1,42 +1,25 @@
 """Bodies of a Geneva drive in crank radii.
 
-The kinematics need little more than points and lines, while a picture needs bodies. A pin
-has the radius it was given, or one chosen here; other widths are chosen here so that no
+The kinematics need little more than points and lines, while pictures and parts need bodies. A
+pin has the radius it was given, or one chosen here; other widths are chosen here so that no
 two bodies collide in any position: slots end where the pin turns back, locking arcs stay
-clear of slots, and the driver's locking disc is cut by the envelope of the wheel that
-turns past it.
+clear of slots, and the driver's locking disc has round hollows, which the turning wheel clears.
 """
 
+import cmath
 import math
-from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.fitting import IMPERFECT
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
-from escapement.outlines import (
-    Body,
-    ComplexArray,
-    Disc,
-    arc,
-    closed,
-    locked_angle,
-    pins_and_rollers,
-    slotted_edge,
-)
+from escapement.outlines import Body, Disc, Land, locked_angle, pins_and_rollers, slotted_edge
+from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
+from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
 
-# Rays of the locking disc; the number is twice a multiple of every possible number of pins.
-_RAYS = 720
-# Positions of the wheel; an internal one needs more, because its corners sweep further.
-_POSITIONS = {False: 361, True: 721}
-_MARCHES = 40
-_SETTLED = 1e-5
+_POSITIONS = 721  # of the wheel that turns past the locking disc
+_CHORD = math.radians(0.5)
+_HOLLOWS = 400  # centres of hollows that are tried
 
 
 class GenevaOutline:
@@ -63,8 +46,8 @@ class GenevaOutline:
     slot_end : float
         Distance of a pin from the follower's axis at dead centre, the greatest way in of all.
     pin_radius, half_slot : float
-        Radius of a pin, or of the roller on it, and half the slot width: the same where a
-        radius was given, with a little play where it was not.
+        Radius of a pin, or of the roller on it, and half the slot width: larger by half the
+        clearance where a radius was given, by a little play where it was not.
     rim_radius : float
         Radius of the rim; a pin enters as its centre crosses the mouth.
     locks : bool
@@ -73,11 +56,16 @@ class GenevaOutline:
         Radius of the locking arcs; 0.1 of wheel is left beside each slot, or half of what
         there is.
     gap : float
-        Play between the locking disc and the wheel.
+        Play between the locking disc and the wheel: the clearance of the slots where they have
+        one, which the hollows halve.
     follower_radius, crank_disc_radius : float
         Outer radii of the follower and of the disc that carries the pins.
-    follower_edge : ndarray, shape (points,), complex
-        Closed edge of the follower that faces the driver.
+    driver_shaft, follower_shaft : float
+        Radii of the shafts; 0 for the follower of an internal wheel, which is a ring.
+    follower_edge : Curve
+        Edge of the follower that faces the driver.
+    plane : tuple
+        The follower, and the bodies that move in its plane.
     """
 
     def __init__(self, mechanism: Geneva, exaggerate: float = 1.0) -> None:
@@ -86,25 +74,32 @@ class GenevaOutline:
         unit, internal = mechanism.crank_radius or 1.0, mechanism.internal
         centre, self.side = mechanism.centre_distance, 1.0 if internal else -1.0
         self.centre = centre + self.mechanism.centre_distance_error / unit
-        self.cranks = 1.0 + _each(self.mechanism.crank_radius_errors, mechanism.pins) / unit
+        self.cranks = 1.0 + each(self.mechanism.crank_radius_errors, mechanism.pins) / unit
         self.slot_end = self.centre + self.side * self.cranks.max()
         chosen = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
         self.pin_radius = mechanism.contact_radius or chosen
-        self.half_slot = mechanism.contact_radius or 1.08 * chosen
-        self.rim_radius = math.hypot(centre * math.cos(math.pi / mechanism.slots), self.half_slot)
-        wall = 1.0 - self.half_slot
-        self.lock_radius = wall - min(0.1, 0.5 * wall)
+        play, given = mechanism.clearance / unit, mechanism.contact_radius
+        self.half_slot = given + 0.5 * play if given else 1.08 * chosen
+        self.rim_radius, self.lock_radius = _radii(mechanism, self.half_slot)
         room = self.lock_radius - abs(centre - self.rim_radius)
         self.locks = not mechanism.continuous and room > 0.0
-        self.gap = min(0.02, 0.2 * abs(centre - self.rim_radius))
+        self.gap = min(play or 0.02, 0.2 * abs(centre - self.rim_radius))
         ring = self.slot_end + self.half_slot + 0.18
         self.follower_radius = ring if internal else self.rim_radius
         self.crank_disc_radius = 1.0 + self.pin_radius + 0.07
+        narrow = 0.5 * (centre - self.rim_radius)
+        self.driver_shaft = 0.12 if internal else min(0.14, narrow)
+        self.follower_shaft = 0.0 if internal else min(0.12, 0.5 * (self.slot_end - self.half_slot))
+        # the driver's shaft ends behind an internal wheel
+        beside = ("pin", "roller", "locking-disc", *(() if internal else ("driver-shaft",)))
+        self.plane = "follower", beside
         edge = self.rim_radius, self.slot_end, self.half_slot
         if self.mechanism.perfect:
-            self.follower_edge = slotted_edge(*edge, 25, self._land(), mechanism.slots)
+            self.follower_edge = slotted_edge(*edge, self._land(), mechanism.slots)
         else:
-            self.follower_edge = self._imperfect_edge()
+            self.follower_edge = imperfect_edge(
+                *edge, self._land(), self.slot_angles(), self.slot_offsets()
+            )
 
     def bodies(self, theta: float) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
@@ -113,22 +108,27 @@ class GenevaOutline:
         there; "locking-disc" only with a dwell and room for it, "follower-shaft" only of an
         external wheel, "roller-k" only where pins have rollers.
         """
-        mechanism, centre = self.mechanism, self.centre
-        outside = (arc(self.follower_radius, 2.0 * np.pi, 0.0),) if mechanism.internal else ()
-        follower = Body("follower", (self.follower_edge, *outside))
+        centre, follower = self.centre, Body("follower", self.follower_edges)
         found: list[Body | Disc] = [follower.turned(self.follower_at(theta))]
-        if self.locks and (edge := locking_disc(self.perfect)).size:
+        if self.locks and (edge := locking_disc(self.perfect)):
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
-        shaft = 0.12 if mechanism.internal else min(0.14, 0.5 * (centre - self.rim_radius))
-        discs: dict[str, tuple[complex, float]] = {}
-        discs |= {"crank-disc": (centre, self.crank_disc_radius), "driver-shaft": (centre, shaft)}
-        if not mechanism.internal:
-            discs["follower-shaft"] = 0.0, min(0.12, 0.5 * (self.slot_end - self.half_slot))
-        found += [Disc(name, *round_) for name, round_ in discs.items()]
-        late = _each(mechanism.pin_angle_errors, mechanism.pins)
-        turned = theta - late - np.arange(late.size) * mechanism.cell_angle
-        places = centre + self.side * self.cranks * np.exp(1j * self.side * turned)
-        return found + pins_and_rollers(mechanism, places.tolist(), self.pin_radius)
+        found.append(Disc("crank-disc", centre, self.crank_disc_radius))
+        found.append(Disc("driver-shaft", centre, self.driver_shaft))
+        if self.follower_shaft:
+            found.append(Disc("follower-shaft", 0.0, self.follower_shaft))
+        return found + pins_and_rollers(self.mechanism, self.pin_places(theta), self.pin_radius)
+
+    def pin_places(self, theta: float) -> ComplexArray:
+        """Where the pins stand at a driver angle, shape (pins,)."""
+        late = each(self.mechanism.pin_angle_errors, self.mechanism.pins)
+        turned = theta - late - np.arange(late.size) * self.mechanism.cell_angle
+        return np.asarray(self.centre + self.side * self.cranks * np.exp(1j * self.side * turned))
+
+    @property
+    def follower_edges(self) -> tuple[Curve, ...]:
+        """Edges of the follower: that which faces the driver, and the outer one of a ring."""
+        ring = (Curve.circle(self.follower_radius),) if self.mechanism.internal else ()
+        return self.follower_edge, *ring
 
     def follower_at(self, theta: float) -> float:
         """Follower angle [rad] at any driver angle; it rests from a pin's exit to the next one."""
@@ -152,123 +152,102 @@ class GenevaOutline:
 
         The follower turns with growing angles, so that the next slot to be met stands behind.
         """
-        ahead = _each(self.mechanism.slot_angle_errors, self.mechanism.slots)
+        ahead = each(self.mechanism.slot_angle_errors, self.mechanism.slots)
         return np.asarray(ahead - np.arange(ahead.size) * self.mechanism.follower_step)
 
     def slot_offsets(self) -> FloatArray:
         """How far each slot's centre line runs ahead of the axis."""
         unit = self.mechanism.crank_radius or 1.0
-        return _each(self.mechanism.slot_offsets, self.mechanism.slots) / unit
+        return each(self.mechanism.slot_offsets, self.mechanism.slots) / unit
 
-    def _imperfect_edge(self) -> ComplexArray:
-        """Closed edge of the follower with each slot in its own place, counter-clockwise."""
-        half, rim, end = self.half_slot, self.rim_radius, self.slot_end
-        turn = np.linspace(-0.5, 0.5, 25) * np.pi
-        floor = end + half * (math.copysign(1.0, end - rim) * np.cos(turn) + 1j * np.sin(turn))
-        angles, offsets = self.slot_angles()[::-1], self.slot_offsets()[::-1]
-        slots, land, corner = [], self._land(), math.asin(half / rim)
-        for angle, offset in zip(angles, offsets, strict=True):
-            sides = np.array([offset - half, offset + half])
-            mouth = np.sqrt(rim**2 - sides**2) + 1j * sides
-            slots.append(np.concatenate([mouth[:1], floor + 1j * offset, mouth[1:]]))
-            slots[-1] = slots[-1] * np.exp(1j * angle)
-        pieces, turned = [], np.angle(land)
-        for slot, following in zip(slots, [*slots[1:], slots[0]], strict=True):
-            # the land between two slots is drawn out to reach from one to the other
-            start, stop = np.angle(slot[-1]), np.angle(following[0] / slot[-1])
-            share = (turned - corner) / (self.mechanism.follower_step - 2.0 * corner)
-            bent = start + share * np.mod(stop, 2.0 * np.pi)
-            pieces += [slot, np.abs(land) * np.exp(1j * bent)]
-        return closed(np.concatenate(pieces))
-
-    def _land(self) -> ComplexArray:
-        """From slot 0 to slot 1, the corners left out."""
+    def _land(self) -> Land:
+        """From slot 0 to slot 1: corners and turns, the corners at the mouths left out."""
         middle, rim = self.mechanism.follower_step / 2.0, self.rim_radius
         corner = math.asin(self.half_slot / rim)
         if not self.locks:
-            return arc(rim, corner, 2.0 * middle - corner, 61)[1:-1]
+            return [], [2.0 * (middle - corner)]
         axis = self.mechanism.centre_distance
         horn = math.acos((rim**2 + axis**2 - self.lock_radius**2) / (2.0 * rim * axis))
-        wide = self.side * abs(np.angle(self.side * (rim * np.exp(1j * horn) - axis)))
-        lock = axis + self.side * arc(self.lock_radius, -wide, wide, 61)
-        before = arc(rim, corner, middle - horn, 9)
-        after = arc(rim, middle + horn, 2.0 * middle - corner, 9)
-        return np.concatenate([before[1:], lock[1:-1] * np.exp(1j * middle), after[:-1]])
-
-    def clearance(self, points: ComplexArray) -> FloatArray:
-        """How far points of the follower's plane lie outside its body, at least.
-
-        Positive outside, negative inside; never more than the true distance.
-        """
-        step = self.mechanism.follower_step
-        folded = points * np.exp(-1j * step * np.round(np.angle(points) / step))
-        x, y = folded.real, np.abs(folded.imag)
-        nearest = np.minimum(x, self.slot_end) if self.side > 0 else np.maximum(x, self.slot_end)
-        slot = self.half_slot - np.hypot(x - nearest, y)
-        rim = -self.side * (np.abs(folded) - self.rim_radius)
-        outside: FloatArray = np.maximum(slot, rim)
-        if self.locks:
-            centre = self.mechanism.centre_distance * np.exp(1j * step / 2.0)
-            outside = np.maximum(outside, self.lock_radius - np.abs(x + 1j * y - centre))
-        return outside
+        tip = rim * cmath.exp(1j * horn)
+        wide = abs(cmath.phase(self.side * (tip - axis)))
+        along, before = cmath.exp(1j * middle), middle - horn - corner
+        return [tip.conjugate() * along, tip * along], [before, self.side * 2.0 * wide, before]
 
 
-def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
-    """The wheel with all errors times a factor, or InvalidValue where it then could not turn."""
-    factor = validate.number("exaggerate", factor, remedy := "give a factor, 1 for true scale")
-    if factor < 0.0:
-        raise validate.fail("exaggerate", "at least 0", factor, remedy)
-    if factor == 1.0 and not mechanism.misfit:
-        return mechanism
-    given = {name: getattr(mechanism, name) for name in IMPERFECT}
-    larger: dict[str, Any] = {
-        name: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
-        for name, value in given.items()
-    }
-    found = replace(mechanism, **larger)
-    if found.misfit and factor != 1.0:
-        raise validate.fail("exaggerate", "small enough for pins to meet slots", factor, remedy)
-    if found.misfit:
-        raise InvalidValue(found.misfit)
+def _radii(mechanism: Geneva, half_slot: float) -> tuple[float, float]:
+    """Radii of the rim and of the locking arcs."""
+    wall = 1.0 - half_slot
+    rim = math.hypot(mechanism.centre_distance * math.cos(math.pi / mechanism.slots), half_slot)
+    return rim, wall - min(0.1, 0.5 * wall)
+
+
+def sizes(mechanism: Geneva) -> dict[str, float]:
+    """Sizes of the follower by name, in crank radii; with thin pins where no radius is known.
+
+    "wheel_radius" of the rim, "slot_depth" from the rim to the round end's bottom, and, where it
+    has them, "closest_radius" of a slot from the axis, and "locking_radius" of the locking arcs.
+    """
+    play = mechanism.clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
+    half = mechanism.contact_radius + 0.5 * play
+    rim, lock = _radii(mechanism, half)
+    deepest = mechanism.centre_distance + (1.0 + half if mechanism.internal else -1.0 - half)
+    found = {"wheel_radius": rim, "slot_depth": abs(rim - deepest)}
+    if not mechanism.internal:
+        found["closest_radius"] = deepest
+    if not mechanism.continuous:
+        found["locking_radius"] = lock
     return found
 
 
-def _each(errors: Sequence[float], count: int | None) -> FloatArray:
-    """Errors of pins or slots, zeros where there are none."""
-    return np.array(errors or (0.0,) * (count or 1), dtype=float)
-
-
 @lru_cache(maxsize=32)
-def locking_disc(mechanism: Geneva) -> ComplexArray:
-    """Closed edge of the driver's locking disc about its axis, pin 0 at dead centre.
+def locking_disc(mechanism: Geneva) -> Curve | None:
+    """Edge of the driver's locking disc about its axis, pin 0 at dead centre.
 
-    An external wheel leaves a disc with a hollow for each pin, an internal one
-    a crescent opposite the pin, or nothing where wide slots leave no room for it. Every
-    ray from the driver's axis is followed until the turning wheel, in any of its
-    positions, comes within the gap.
+    An external wheel leaves a disc with a round hollow for each pin, an internal one a crescent
+    opposite the pin; None where no locking arc is left between the hollows. Of all hollows with
+    their centre on the line to the pin that clear the turning wheel, it is the one that leaves
+    most of the locking arc.
     """
-    outline, side = GenevaOutline(mechanism), 1.0 if mechanism.internal else -1.0
-    ends = mechanism.breaks[0], mechanism.breaks[-1]
-    theta = np.linspace(*ends, _POSITIONS[mechanism.internal])
-    to_follower = np.exp(-1j * mechanism.follower_angle(theta))
-    turned = np.exp(1j * side * theta) * to_follower
-    axis = mechanism.centre_distance * to_follower
-    rays = side * np.exp(1j * np.linspace(0.0, np.pi, _RAYS // 2 + 1))
-    edge = outline.lock_radius - 1.2 * outline.gap
-    radius = np.full(rays.size, edge if mechanism.internal else 0.0)
-    for _ in range(_MARCHES):
-        points = axis[:, None] + turned[:, None] * (radius * rays)
-        free = outline.clearance(points).min(axis=0) - outline.gap
-        before, radius = radius, np.clip(radius - side * free, 0.0, edge)
-        if np.abs(radius - before).max() < _SETTLED:
-            break
-    radius = np.concatenate([radius, radius[-2:0:-1]])
-    rays = np.concatenate([rays, rays[-2:0:-1].conj()])
-    if mechanism.internal:
-        solid = radius < edge - 1e-6
-        if not solid.any():
-            return rays[:0]
-        return closed(np.concatenate([edge * rays[solid], (radius * rays)[solid][::-1]]))
+    outline = GenevaOutline(mechanism)
+    edge = outline.lock_radius - outline.gap
+    swept = _swept(outline, edge + 0.5 * outline.gap)
+    hub = 0.0 if mechanism.internal else outline.driver_shaft + outline.gap
+    centres = np.geomspace(0.05, 20.0, _HOLLOWS)
+    radii = np.array([np.abs(swept - centre).max() for centre in centres]) + 0.5 * outline.gap
+    # a hollow meets the locking arc at this angle from the pin
+    cosine = (edge**2 + centres**2 - radii**2) / (2.0 * edge * centres)
+    allowed = (np.abs(cosine) < 1.0) & (mechanism.internal | (centres - radii > hub))
+    if not allowed.any():
+        return None
+    best = int(np.argmax(np.where(allowed, cosine, -2.0)))
+    centre, aside = float(centres[best]), math.acos(cosine[best])
     pins = mechanism.pins or 1
-    hollows = [np.roll(radius, k * _RAYS // pins) for k in range(pins)]
-    return closed(np.min(hollows, axis=0) * rays)
+    left = 2.0 * (math.pi / pins - aside)
+    if left <= 0.0:
+        return None
+    corner = edge * np.exp(1j * aside)
+    hollow = -2.0 * float(np.angle((centre - corner).conjugate()))
+    places = outline.side * np.exp(2j * np.pi * np.arange(pins) / pins)
+    corners = places[:, None] * np.array([corner.conjugate(), corner])
+    return chain(corners.ravel(), np.tile([hollow, left], pins))
+
+
+def _swept(outline: GenevaOutline, radius: float) -> ComplexArray:
+    """Points of the turning wheel within a radius about the driver's axis, the pin at 1.
+
+    They are those of its edge, and where their paths enter that circle.
+    """
+    mechanism, centre = outline.mechanism, outline.mechanism.centre_distance
+    edge = outline.follower_edge.drawn(_CHORD)
+    # the others never come so near
+    facing = np.abs(np.angle(edge)) < 1.5 * mechanism.follower_step
+    edge = edge[facing & (np.abs(np.abs(edge) - centre) < radius)]
+    theta = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], _POSITIONS)[:, None]
+    world = edge * np.exp(1j * mechanism.follower_angle(theta)) - centre
+    points = outline.side * world * np.exp(-1j * outline.side * theta)
+    off = np.abs(points) - radius
+    inside = off <= 0.0
+    row, column = np.nonzero(inside[1:] != inside[:-1])
+    share = off[row, column] / (off[row, column] - off[row + 1, column])
+    way = points[row + 1, column] - points[row, column]
+    return np.concatenate([points[inside], points[row, column] + share * way])

@@ -15,7 +15,8 @@ from matplotlib.path import Path
 from escapement.mechanism import FloatArray, checked
 from escapement.mechanisms import Tabulated
 from escapement.mechanisms.slotted import transmission
-from escapement.outlines import Body, ComplexArray, Disc
+from escapement.outlines import Body, Disc
+from escapement.outlines.curves import ComplexArray
 from escapement.plots import style
 
 Box = tuple[float, float, float, float]
@@ -110,7 +111,7 @@ def bodies(
         if isinstance(body, Disc):
             patch: Patch = Circle((body.centre.real, body.centre.imag), body.radius, **given)
         else:
-            curves = (Path(rows(edge), closed=True) for edge in body.edges)
+            curves = (Path(rows(edge.drawn()), closed=True) for edge in body.edges)
             patch = PathPatch(Path.make_compound_path(*curves), **given)
         drawn[body.name] = ax.add_patch(patch)
     return drawn

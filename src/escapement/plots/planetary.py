@@ -92,7 +92,8 @@ def draw_planetary(ax: Axes, mechanism: EllipticalPlanetary, theta: float, carri
     drawing.bodies(ax, bodies, _HIDDEN, linewidth=0.6)
     for ellipse in bodies[2:]:
         # the long axis shows how an ellipse is turned
-        ends = ellipse.edges[0][[0, ellipse.edges[0].size // 2]]
+        corners = ellipse.edges[0].corners
+        ends = corners[[0, corners.size // 2]]
         drawing.curve(ax, ends, color=style.GREY, lw=0.6, ls=(0, (6, 2, 1, 2)), zorder=2.3)
     _, shaft, contact = np.array(outline.line_of_centres(theta)) * np.exp(1j * carrier)
     look: dict[str, Any] = {"color": style.BLACK, "lw": 1.6, "mfc": "white", "zorder": 3}
@@ -106,6 +107,6 @@ def extent(mechanism: EllipticalPlanetary, theta: float) -> drawing.Box:
     sun, _, _, driving = EllipticalOutline(mechanism).bodies(theta)
     room = _MARGIN * 1e3 * mechanism.centre_distance
     # the other two gears are within these
-    ends = np.append(driving.edges[0], sun.radius * np.array([1.0, 1j, -1.0, -1j]))
+    ends = np.append(driving.edges[0].drawn(), sun.radius * np.array([1.0, 1j, -1.0, -1j]))
     (left, right), (bottom, top) = ((part.min(), part.max()) for part in (ends.real, ends.imag))
     return left - room, right + room, bottom - 2.0 * room, top + room

@@ -1,0 +1,42 @@
+"""How parts are to be made: allowances, shafts and the width of a cut."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from escapement.quantity import Declared, quantity
+
+
+def _length(text: str, least: float = -math.inf, note: str = "") -> dict[str, Any]:
+    return quantity(text, "length", minimum=least, note=note, remedy="give the length, 0 for none")
+
+
+@dataclass(frozen=True, repr=False)
+class Fits(Declared):
+    """What a workshop needs to know beside the mechanism.
+
+    Parameters
+    ----------
+    pin_fit, shaft_fit : float
+        Diameter of the holes less that of pins and shafts [m]; negative for a press fit.
+    driver_shaft_radius, follower_shaft_radius : float
+        Radii of the shafts [m]; 0 for one that suits the wheel.
+    clearance : float
+        Slot width less pin diameter of a gear-driven wheel [m]; a `Geneva` has its own.
+    kerf : float
+        Width of the cut [m]: the cutter runs beside the edges by half of it.
+    """
+
+    pin_fit: float = field(default=0.0, metadata=_length("diameter of pin holes less pins'"))
+    shaft_fit: float = field(default=0.0, metadata=_length("diameter of shaft holes less shafts'"))
+    driver_shaft_radius: float = field(default=0.0, metadata=_length(
+        "radius of the driver's shaft", 0.0, ", 0 for one that suits the wheel"
+    ))  # fmt: skip
+    follower_shaft_radius: float = field(default=0.0, metadata=_length(
+        "radius of the follower's shaft", 0.0, ", 0 for one that suits the wheel"
+    ))  # fmt: skip
+    clearance: float = field(default=0.0, metadata=_length("slot width less pin diameter", 0.0))
+    kerf: float = field(default=0.0, metadata=_length("width of the cut", 0.0))
+
+    def __post_init__(self) -> None:
+        self.check_fields()

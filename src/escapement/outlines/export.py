@@ -1,0 +1,186 @@
+"""Parts to files that a workshop cuts by: DXF and SVG at 1:1, after a check of the motion."""
+
+import math
+from collections.abc import Callable
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.files import CUTS, AnyPath, file_format, write_file
+from escapement.fits import Fits
+from escapement.outlines.curves import Curve
+from escapement.outlines.interference import Nearest, least_gaps
+from escapement.outlines.parts import outline_of, parts_of
+from escapement.outlines.sheet import LAYERS, Sheet, lay_out
+
+_TOUCH = 1e-6  # bodies that overlap by less touch [m]
+_INCH, _MILLIMETRE = 0.0254, 1e-3
+
+
+def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
+    """The least gap of each pair of bodies that move in one plane, over a turn of the driver.
+
+    Parameters
+    ----------
+    mechanism : Geneva, GearDriven or EllipticalPlanetary
+        As for `parts_of`.
+    fits : Fits, optional
+        As for `parts_of`.
+
+    Returns
+    -------
+    list of Nearest
+        Gaps and places in m, the smallest gap first. Negative gaps are overlaps. The parts stand
+        where the kinematics puts them: the pin in the middle of its slot, the locked wheel in the
+        middle of its play.
+    """
+    parts_of(mechanism, fits)  # which refuses what has none
+    outline = outline_of(mechanism, fits or Fits())
+    # the outlines of elliptical gears are in mm
+    unit = getattr(mechanism, "crank_radius", 1e-3)
+    return [
+        pair._replace(gap=unit * pair.gap, place=unit * pair.place) for pair in least_gaps(outline)
+    ]
+
+
+def export(
+    mechanism: Any,
+    path: AnyPath,
+    fits: Fits | None = None,
+    *,
+    inches: bool = False,
+    segments: bool = False,
+    r12: bool = False,
+    force: bool = False,
+) -> list[Nearest]:
+    """Write the parts of a mechanism to a DXF or SVG file at 1:1.
+
+    Parameters
+    ----------
+    mechanism : Geneva, GearDriven or EllipticalPlanetary
+        As for `parts_of`.
+    path : path
+        FILE.dxf, which needs the extra `cad`, or FILE.svg.
+    fits : Fits, optional
+        Allowances of holes, shafts, and the kerf.
+    inches : bool
+        Whether the file's unit is the inch. Default: the millimetre.
+    segments : bool
+        Whether chords take the place of arcs, from which they are 5 um away at most, for
+        machines that know lines alone.
+    r12 : bool
+        Whether to write the DXF of release 12, which old programs read. It knows no units.
+    force : bool
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    list of Nearest
+        As `motion_check`.
+
+    Raises
+    ------
+    InvalidValue
+        Where the mechanism has no size, a hole leaves no wall, or two bodies overlap by more than
+        1 um anywhere in a turn.
+    MissingPackage
+        Where ezdxf is not installed.
+    CannotCreate, StorageError
+        As `escapement.files.write_file`.
+    """
+    fits, write = fits or Fits(), _WRITERS[file_format(path, CUTS)]
+    gaps = motion_check(mechanism, fits)
+    for pair in gaps[:1]:
+        if pair.gap < -_TOUCH:
+            raise InvalidValue(
+                f"{pair.names[0]} and {pair.names[1]} must not overlap, got {-1e3 * pair.gap:.4f} "
+                f"mm at a driver angle of {math.degrees(pair.theta):.3f} degrees, at "
+                f"({1e3 * pair.place.real:.3f}, {1e3 * pair.place.imag:.3f}) mm from the "
+                "follower's axis; choose another clearance, thinner pins or thinner shafts"
+            )
+    unit = _INCH if inches else _MILLIMETRE
+    sheet = lay_out(parts_of(mechanism, fits), fits.kerf, 1.0 / unit, segments)
+    write_file(path, [write(sheet, inches, r12)], force)
+    return gaps
+
+
+def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
+    """The sheet as DXF."""
+    ezdxf = validate.package("ezdxf", "a DXF file", "cad")
+    drawing = ezdxf.document.Drawing.new("AC1009" if r12 else "AC1024")
+    if not r12:
+        drawing.header["$MEASUREMENT"] = 0 if inches else 1
+        drawing.units = 1 if inches else 4  # the codes of $INSUNITS
+    for name, (colour, _) in LAYERS.items():
+        drawing.layers.add(name, color=colour)
+    space = drawing.modelspace()
+    add: Callable[..., Any] = space.add_polyline2d if r12 else space.add_lwpolyline
+    for layer, curve in sheet.curves:
+        if (circle := _circle(curve)) is not None:
+            centre, radius = circle
+            space.add_circle((centre.real, centre.imag), radius, dxfattribs={"layer": layer})
+            continue
+        z = curve.corners
+        points = np.column_stack([z.real, z.imag, curve.bulges]).tolist()
+        add(points, format="xyb", close=True, dxfattribs={"layer": layer})
+    look = {"layer": "CENTRE"}
+    for a, b in sheet.lines:
+        space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs=look)
+    for at, name in sheet.names:
+        space.add_text(name, height=sheet.height, dxfattribs=look | {"insert": (at.real, at.imag)})
+    text = StringIO()
+    drawing.write(text)
+    return text.getvalue().encode(drawing.output_encoding, errors="dxfreplace")
+
+
+def _circle(curve: Curve) -> tuple[complex, float] | None:
+    """Centre and radius of what is a whole circle of two halves."""
+    if curve.corners.size != 2 or not np.all(np.abs(curve.bulges) == 1.0):
+        return None
+    a, b = curve.corners.tolist()
+    return 0.5 * (a + b), 0.5 * abs(a - b)
+
+
+def _svg(sheet: Sheet, inches: bool, _r12: bool) -> bytes:
+    """The sheet as SVG, of which the y axis points down."""
+    unit, (wide, high) = "in" if inches else "mm", (sheet.size.real, sheet.size.imag)
+
+    def at(place: complex) -> str:
+        return f"{place.real:.9f} {high - place.imag:.9f}"
+
+    def path(curve: Curve) -> str:
+        words = [f"M {at(complex(curve.corners[0]))}"]
+        radii = (
+            0.5 * np.abs(curve.ends - curve.corners) / np.sin(0.5 * np.abs(curve.turns) + 1e-300)
+        )
+        # readers widen a radius that is too small for half a circle, and so find its centre
+        radii *= np.where(np.abs(curve.turns) > 3.14, 1.0 - 1e-9, 1.0)
+        for end, turn, radius in zip(curve.ends.tolist(), curve.turns, radii, strict=True):
+            flags = f"{int(abs(turn) > math.pi)} {int(turn < 0.0)}"
+            way = f"A {radius:.9f} {radius:.9f} 0 {flags}" if turn else "L"
+            words.append(f"{way} {at(end)}")
+        return f'<path d="{" ".join(words)} Z"/>'
+
+    style = f'fill="none" stroke-width="{0.04 * sheet.height:.4f}"'
+    rows = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:.9f}{unit}" '
+        f'height="{high:.9f}{unit}" viewBox="0 0 {wide:.9f} {high:.9f}">',
+    ]
+    for layer, (_, colour) in LAYERS.items():
+        rows.append(f'<g id="{layer}" stroke="{colour}" {style}>')
+        rows += [path(curve) for name, curve in sheet.curves if name == layer]
+        if layer == "CENTRE":
+            rows += [f'<path d="M {at(a)} L {at(b)}"/>' for a, b in sheet.lines]
+            for place, name in sheet.names:
+                x, y = at(place).split()
+                size = f'font-size="{sheet.height:.4f}" stroke="none" fill="{colour}"'
+                rows.append(f'<text x="{x}" y="{y}" {size}>{name}</text>')
+        rows.append("</g>")
+    return "\n".join([*rows, "</svg>\n"]).encode()
+
+
+_WRITERS = {".dxf": _dxf, ".svg": _svg}

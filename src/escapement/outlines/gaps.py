@@ -1,0 +1,128 @@
+"""The gap between two bodies, exact for lines and arcs; negative where they overlap."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.outlines.curves import ComplexArray, Curve, FloatArray
+
+_STRAIGHT = 1e-9  # what turns by less counts as a line [rad]
+_TIE = 1e-9
+
+
+class Ways(NamedTuple):
+    """Lines and arcs of the edges of a body, one after the other; arrays of shape (n,)."""
+
+    start: ComplexArray
+    end: ComplexArray
+    turn: FloatArray
+    centre: ComplexArray
+    radius: FloatArray
+
+    def moved(self, turn: complex, by: complex) -> "Ways":
+        """The same, turned by a unit vector about the origin, then shifted."""
+        ends = self.start * turn + by, self.end * turn + by
+        return Ways(*ends, self.turn, self.centre * turn + by, self.radius)
+
+    def only(self, chosen: NDArray[np.bool_]) -> "Ways":
+        """Those that are chosen."""
+        return Ways._make(column[chosen] for column in self)
+
+
+def ways_of(edges: Sequence[Curve]) -> Ways:
+    """The lines and arcs of some edges; a line has the radius 0, and its middle as centre."""
+    start = np.concatenate([edge.corners for edge in edges])
+    end = np.concatenate([edge.ends for edge in edges])
+    turn = np.concatenate([edge.turns for edge in edges])
+    arc = np.abs(turn) > _STRAIGHT
+    half = np.where(arc, 0.5 * turn, 1.0)
+    # the centre lies beside the middle of the chord, to the left of an arc to the left
+    aside = 0.5j * (end - start) * np.cos(half) / np.sin(half)
+    centre = 0.5 * (start + end) + np.where(arc, aside, 0.0)
+    radius = np.where(arc, np.abs(end - start) / (2.0 * np.abs(np.sin(half))), 0.0)
+    return Ways(start, end, np.where(arc, turn, 0.0), centre, radius)
+
+
+def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+    """How far points lie outside a body, and the nearest point of its edges; both of one shape.
+
+    The distance is negative inside. The nearest line or arc tells the side; at a corner it is
+    that of the two ways which the point lies further beside.
+    """
+    p, line = points[:, None], ways.turn == 0.0
+    chord = ways.end - ways.start
+    share = np.real((p - ways.start) * chord.conj()) / np.abs(chord) ** 2
+    on_line = ways.start + np.clip(share, 0.0, 1.0) * chord
+    away = p - ways.centre
+    off = np.abs(away)
+    # an arc's point in this direction, or else the nearer one of its ends
+    sense = np.where(ways.turn < 0.0, -1.0, 1.0)
+    passed = np.angle(away * (ways.start - ways.centre).conj()) * sense % (2.0 * np.pi)
+    nearer = np.where(np.abs(p - ways.start) <= np.abs(p - ways.end), ways.start, ways.end)
+    on_arc = ways.centre + ways.radius * away / np.where(off == 0.0, 1.0, off)
+    # of an arc's centre every point of the arc is as near as its ends
+    on_arc = np.where((passed <= np.abs(ways.turn)) & (off > 0.0), on_arc, nearer)
+    nearest = np.where(line, on_line, on_arc)
+    along = np.where(line, chord, 1j * sense * (nearest - ways.centre))
+    distance = np.abs(p - nearest)
+    aside = -np.imag(along.conj() * (p - nearest)) / np.abs(along)
+    least = distance.min(axis=1)
+    tied = distance <= least[:, None] * (1.0 + _TIE)
+    chosen = np.argmax(np.where(tied, np.abs(aside), -1.0), axis=1)
+    rows = np.arange(points.size)
+    return np.copysign(least, aside[rows, chosen]), nearest[rows, chosen]
+
+
+def gap(one: Ways, other: Ways) -> tuple[float, complex]:
+    """Least distance of two bodies [L] and the point of one of them that has it.
+
+    Two lines or arcs are nearest at an end of one, or where the line through an arc's centre
+    stands upright on the other one. Where bodies overlap it is by how much, negative: the
+    greatest depth of these points. Bodies that lie right across each other, like the bars of a
+    cross, may have none of these points inside: follow a motion from where they are apart.
+    """
+    found = []
+    one, other = _closest(one, other)
+    for body, ways in ((other, one), (one, other)):
+        points = np.concatenate([ways.start, _facing(ways, body)])
+        distance, _ = outside(body, points)
+        k = int(np.argmin(distance))
+        found.append((float(distance[k]), complex(points[k])))
+    return min(found, key=lambda pair: pair[0])
+
+
+def _closest(one: Ways, other: Ways) -> tuple[Ways, Ways]:
+    """Those lines and arcs of two bodies that may be the nearest to each other."""
+    apart = np.abs(_middle(one)[:, None] - _middle(other))
+    sizes = _size(one)[:, None] + _size(other)
+    kept = apart - sizes <= np.min(apart + sizes)
+    return one.only(np.any(kept, axis=1)), other.only(np.any(kept, axis=0))
+
+
+def _middle(ways: Ways) -> ComplexArray:
+    return 0.5 * (ways.start + ways.end)
+
+
+def _size(ways: Ways) -> FloatArray:
+    """No point of a line or arc is further from the middle of its chord."""
+    chord = np.abs(ways.end - ways.start)
+    return np.where(np.abs(ways.turn) > np.pi, 2.0 * ways.radius, 0.5 * chord)
+
+
+def _facing(one: Ways, other: Ways) -> ComplexArray:
+    """Points of arcs of one body that lie square to lines and arcs of the other."""
+    arcs = one.only(one.turn != 0.0)
+    if not arcs.turn.size:
+        return arcs.start
+    to_centre = other.centre - arcs.centre[:, None]
+    across = np.broadcast_to(1j * (other.end - other.start), to_centre.shape)
+    square = np.where(other.turn == 0.0, across, to_centre)
+    size = np.abs(square)
+    unit = square / np.where(size == 0.0, 1.0, size)
+    points = arcs.centre[:, None, None] + arcs.radius[:, None, None] * np.stack([unit, -unit], 2)
+    start = (arcs.start - arcs.centre)[:, None, None]
+    sense = np.sign(arcs.turn)[:, None, None]
+    passed = np.angle((points - arcs.centre[:, None, None]) / start) * sense % (2.0 * np.pi)
+    return points[(passed <= np.abs(arcs.turn)[:, None, None]) & (size > 0.0)[:, :, None]]

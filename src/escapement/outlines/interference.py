@@ -1,0 +1,117 @@
+"""The motion check: how near bodies come to each other in a turn, and where."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from escapement.outlines import Body, Disc
+from escapement.outlines.gaps import Ways, gap, outside, ways_of
+
+_FLAT = 1e-9  # differences of gaps that are rounding, in the outline's unit of length
+
+
+class Outline(Protocol):
+    """What is checked: bodies in any position, and those of them that meet."""
+
+    @property
+    def mechanism(self) -> Any:
+        """Whose they are."""
+
+    @property
+    def plane(self) -> tuple[str, tuple[str, ...]]:
+        """A body's name, and those of the bodies that move in its plane, without numbers."""
+
+    def bodies(self, theta: float) -> Sequence[Body | Disc]:
+        """Everything where it stands at a driver angle."""
+
+
+class Nearest(NamedTuple):
+    """Where two bodies come nearest to each other.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The two bodies.
+    gap : float
+        Least distance, in the outline's unit; negative by how much they overlap.
+    theta : float
+        Driver angle that has it [rad].
+    place : complex
+        Where, with the follower's axis as origin, and the driver's on the positive real axis.
+    """
+
+    names: tuple[str, str]
+    gap: float
+    theta: float
+    place: complex
+
+
+def least_gaps(outline: Outline, samples: int = 361) -> list[Nearest]:
+    """The least gap of each pair of bodies that move in one plane, over a turn of the driver.
+
+    Parameters
+    ----------
+    outline : Outline
+        A mechanism whose parts are perfect and stand where its kinematics puts them: the pin in
+        the middle of its slot, the locked wheel in the middle of its play.
+    samples : int
+        Driver angles at which every gap is computed; around the least ones it is minimised.
+
+    Returns
+    -------
+    list of Nearest
+        One for each pair, the smallest gap first.
+    """
+    start, mechanism = outline.mechanism.breaks[0], outline.mechanism
+    whole = max(2.0 * math.pi, mechanism.cell_angle)
+    angles = np.linspace(start, start + whole, samples)
+    rows = [_gaps(outline, float(theta)) for theta in angles]
+    found = []
+    for name in rows[0]:
+        values = np.array([row[name][0] for row in rows])
+        theta = _least(outline, name, angles, values)
+        size, place = _gaps(outline, theta, name)[name]
+        found.append(Nearest((name, outline.plane[0]), size, theta, place))
+    return sorted(found, key=lambda pair: pair.gap)
+
+
+def _least(outline: Outline, name: str, angles: np.ndarray, values: np.ndarray) -> float:
+    """Driver angle at which a gap is least, from its values at some angles."""
+    from scipy.optimize import minimize_scalar
+
+    best, theta = float(values.min()), float(angles[np.argmin(values)])
+    # between two angles a gap does not fall by more than it changes from angle to angle
+    steps = np.abs(np.diff(values))
+    before, after = (np.append(np.inf, -np.diff(values)), np.append(np.diff(values), np.inf))
+    valley = (before >= 0.0) & (after >= 0.0) & (np.maximum(before, after) > _FLAT)
+    for k in np.flatnonzero(valley)[np.argsort(values[valley])]:
+        if values[k] - steps.max() > best:
+            break
+        ends = angles[max(k - 1, 0)], angles[min(k + 1, angles.size - 1)]
+        least = minimize_scalar(
+            lambda angle: _gaps(outline, angle, name)[name][0],
+            bounds=ends,
+            method="bounded",
+            options={"xatol": 1e-9},
+        )
+        if least.fun < best:
+            best, theta = float(least.fun), float(least.x)
+    return theta
+
+
+def _gaps(outline: Outline, theta: float, only: str = "") -> dict[str, tuple[float, complex]]:
+    """Gap and place of each body, or only of one, at a driver angle."""
+    against, moving = outline.plane
+    bodies = {body.name: body for body in outline.bodies(theta)}
+    wheel = ways_of(bodies[against].edges)  # type: ignore[union-attr]
+    chosen = [only] if only else [n for n in bodies if n.rstrip("-0123456789") in moving]
+    return {name: _gap(bodies[name], wheel) for name in chosen}
+
+
+def _gap(body: Body | Disc, wheel: Ways) -> tuple[float, complex]:
+    if isinstance(body, Disc):
+        distance, place = outside(wheel, np.array([body.centre]))
+        return float(distance[0]) - body.radius, complex(place[0])
+    return gap(ways_of(body.edges), wheel)

@@ -1,0 +1,83 @@
+"""A flat part: its edge, its holes, its mass and inertia."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.fits import Fits
+from escapement.outlines.curves import Curve, Moments, stadium
+from escapement.outlines.gaps import outside, ways_of
+
+
+class Part(NamedTuple):
+    """A flat part about its own axis [m].
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    edge : Curve
+        Its edge; of a gear its pitch curve.
+    holes : tuple of Curve
+        What is cut out of it, clockwise.
+    marks : tuple of Curve
+        What is engraved: where the locking disc sits on the driver.
+    axes : tuple of complex
+        Centres of its holes and of what it turns about.
+    toothed : bool
+        Whether it is a gear, the teeth of which somebody else cuts about its pitch curve.
+    """
+
+    name: str
+    edge: Curve
+    holes: tuple[Curve, ...] = ()
+    marks: tuple[Curve, ...] = ()
+    axes: tuple[complex, ...] = (0.0,)
+    toothed: bool = False
+
+    @property
+    def moments(self) -> Moments:
+        """Area [m^2] and its moments [m^3, m^4] about the part's axis, holes taken off."""
+        rows = [curve.moments for curve in (self.edge, *self.holes)]
+        return Moments._make(sum(column) for column in zip(*rows, strict=True))
+
+    def mass(self, thickness: float, density: float) -> float:
+        """Mass [kg] at a thickness [m] and a density [kg/m^3]."""
+        return self.moments.area * thickness * density
+
+    def inertia(self, thickness: float, density: float) -> float:
+        """Moment of inertia about its axis [kg m^2]; arguments as of `mass`."""
+        return self.moments.second * thickness * density
+
+    def check(self) -> None:
+        """Raise InvalidValue where a hole leaves no wall to the edge or to another hole."""
+        for k, hole in enumerate(self.holes):
+            others = ways_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
+            centre = complex(hole.corners.mean())
+            deep, place = outside(others, np.array([centre]))
+            room, radius = -float(deep[0]), abs(complex(hole.corners[0]) - centre)
+            if len(hole.corners) == 2 and not radius < room:
+                x, y = 1e3 * place[0].real, 1e3 * place[0].imag
+                raise InvalidValue(
+                    f"a hole of the {self.name} must have a radius of less than {room:.6g} m, got "
+                    f"{radius:.6g}: it reaches what is cut at ({x:.4f}, {y:.4f}) mm; choose a "
+                    "thinner shaft or pin, or a larger wheel"
+                )
+
+
+def hole(radius: float, at: complex, fit: float, what: str) -> Curve:
+    """A hole for what has this radius, clockwise."""
+    wide = radius + 0.5 * fit
+    if not wide > 0.0:
+        raise validate.fail(f"{what}_fit", f"greater than {-2.0 * radius:g} m", fit, "add to it")
+    return Curve.circle(wide, at).reversed()
+
+
+def link(name: str, apart: float, first: float, second: float, fits: Fits) -> Part:
+    """A plate that keeps two shafts at their distance."""
+    ends = (first, 0.0), (second, apart)
+    holes = tuple(hole(radius, place, fits.shaft_fit, "shaft") for radius, place in ends)
+    wide = 2.0 * max(first, second) + max(0.5 * fits.shaft_fit, 0.0)
+    return Part(name, stadium(wide, apart), holes, axes=(0.0, apart))

@@ -1,0 +1,196 @@
+"""The flat parts of a mechanism, each about its own axis, in metres, and their inertia.
+
+A part has the size that it is to have: the kerf of a cutter is left to the export.
+"""
+
+import math
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.fits import Fits
+from escapement.mechanism import checked
+from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
+from escapement.model import Inertia
+from escapement.outlines.curves import Curve
+from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
+from escapement.outlines.geneva import GenevaOutline, locking_disc
+from escapement.outlines.part import Part, hole, link
+
+_WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
+_SHAFT = 0.12
+
+
+@singledispatch
+def _parts(mechanism: Any, fits: Fits) -> list[Part]:
+    raise InvalidValue(
+        f"{getattr(mechanism, 'kind', type(mechanism).__name__)} has no parts that could be drawn; "
+        "choose geneva, gear-driven or elliptical-planetary"
+    )
+
+
+def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
+    """The flat parts of a mechanism, in metres, each about its own axis.
+
+    Parameters
+    ----------
+    mechanism : Geneva, GearDriven or EllipticalPlanetary
+        With its size and the radius of its pins. Errors of its parts are left out.
+    fits : Fits, optional
+        Default: holes as large as what goes through them.
+
+    Returns
+    -------
+    tuple of Part
+        Of a Geneva wheel "driver", "locking-disc", "follower" and "plate", of a gear-driven one
+        "follower", "pin-disc", "carrier", "planet" and "fixed-gear", of elliptical gears
+        "driven", "driving", "sun", "planet" and "carrier". Pins are round and need no drawing.
+
+    Raises
+    ------
+    InvalidValue
+        Where the size or the radius of the pins is missing, or a hole leaves no wall.
+    """
+    fits = fits or Fits()
+    found = _parts(checked(mechanism), fits)
+    for part in found:
+        part.check()
+    return tuple(found)
+
+
+def outline_of(mechanism: Any, fits: Fits) -> GenevaOutline | GearDrivenOutline | EllipticalOutline:
+    """The bodies of a mechanism, as they are to be made."""
+    if isinstance(mechanism, EllipticalPlanetary):
+        return EllipticalOutline(mechanism)
+    size, _ = _sized(mechanism)
+    if isinstance(mechanism, GearDriven):
+        return GearDrivenOutline(mechanism, fits.clearance)
+    outline = GenevaOutline(mechanism, exaggerate=0.0)
+    outline.driver_shaft = fits.driver_shaft_radius / size or outline.driver_shaft
+    outline.follower_shaft = fits.follower_shaft_radius / size or outline.follower_shaft
+    return outline
+
+
+@_parts.register
+def _(mechanism: Geneva, fits: Fits) -> list[Part]:
+    size, pin = _sized(mechanism)
+    outline: Any = outline_of(mechanism, fits)
+    axis = size * outline.driver_shaft
+    shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
+    places = outline.pin_places(0.0) - mechanism.centre_distance
+    pins = [hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    lock = locking_disc(outline.perfect) if outline.locks else None
+    marks: tuple[Curve, ...] = (lock.moved(size),) if lock else ()
+    edge = Curve.circle(size * outline.crank_disc_radius)
+    centres = (0.0, *(size * places).tolist())
+    found = [Part("driver", edge, (shaft, *pins), marks, centres)]
+    if lock:
+        # the crescent of an internal wheel does not reach the axis: it is fastened to the driver
+        found.append(Part("locking-disc", marks[0], () if mechanism.internal else (shaft,)))
+    wheel = [curve.moved(size) for curve in outline.follower_edges]
+    own = size * outline.follower_shaft
+    bore = () if mechanism.internal else (hole(own, 0.0, fits.shaft_fit, "shaft"),)
+    # an internal wheel is a ring, whose edge that faces the driver is a hole of it
+    found.append(Part("follower", wheel[-1], (*wheel[:-1], *bore)))
+    apart = size * mechanism.centre_distance
+    return [*found, link("plate", apart, own or axis, axis, fits)]
+
+
+@_parts.register
+def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
+    for name in ("unused_lobes", "through_centre"):
+        if value := getattr(mechanism, name):
+            rule = f"{type(value)()} in drawings of parts"
+            raise validate.fail(name, rule, value, "choose another number of lobes")
+    size, pin = _sized(mechanism)
+    outline = GearDrivenOutline(mechanism, fits.clearance)
+    if not outline.half_slot < mechanism.widest_pin:
+        most = 2.0 * size * (mechanism.widest_pin - mechanism.contact_radius)
+        rule = f"less than {most:.6g} m, where neighbouring slots meet"
+        raise validate.fail("clearance", rule, fits.clearance, "choose less, or thinner pins")
+    arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
+    axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
+    own = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)
+    places = arm * np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
+    pins = [hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
+    centre = hole(own, 0.0, fits.shaft_fit, "shaft")
+    wheel = [curve.moved(size) for curve in outline.wheel_edges()]
+    disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
+    return [
+        Part("follower", wheel[-1], (*wheel[:-1], *((centre,) if outline.inward else ()))),
+        Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *(size * places).tolist())),
+        link("carrier", size * mechanism.carrier_over_fixed, own, axis, fits),
+        Part("planet", Curve.circle(size * outline.planet_radius), (shaft,), toothed=True),
+        Part("fixed-gear", Curve.circle(size), (centre,), toothed=True),
+    ]
+
+
+@_parts.register
+def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
+    least = _SHAFT * mechanism.planet_radius
+    radii = fits.follower_shaft_radius or least, fits.driver_shaft_radius or least
+    axis, shaft = (hole(radius, 0.0, fits.shaft_fit, "shaft") for radius in radii)
+    driving, driven = (
+        pitch_curve(1e3 * oval.semi_major_axis, oval.eccentricity).moved(1e-3)
+        for oval in mechanism.pitch_ellipses
+    )
+    gears = [
+        ("driven", driven, axis),
+        ("driving", driving, shaft),
+        ("sun", Curve.circle(mechanism.sun_radius), axis),
+        ("planet", Curve.circle(mechanism.planet_radius), shaft),
+    ]
+    found = [Part(name, edge, (hole,), toothed=True) for name, edge, hole in gears]
+    return [*found, link("carrier", mechanism.centre_distance, *radii, fits)]
+
+
+def _sized(mechanism: Geneva | GearDriven) -> tuple[float, float]:
+    """Unit of length and radius of the pins [m], both of which parts need."""
+    unit = "crank_radius" if isinstance(mechanism, Geneva) else "fixed_radius"
+    for name in (unit, "pin_radius"):
+        if not getattr(mechanism, name):
+            value = getattr(mechanism, name)
+            raise validate.fail(name, "given for drawings of parts", value, "give it in m")
+    return float(mechanism.crank_radius), float(mechanism.pin_radius)  # type: ignore[arg-type]
+
+
+def disc_inertia(
+    mechanism: Geneva, thickness: float, density: float, fits: Fits | None = None
+) -> Inertia:
+    """Inertia of driver and follower of a Geneva wheel, of one material and thickness.
+
+    Parameters
+    ----------
+    mechanism : Geneva
+        As for `parts_of`.
+    thickness : float
+        Of driver, locking disc and follower [m], > 0.
+    density : float
+        Of the material [kg/m^3], > 0.
+    fits : Fits, optional
+        As for `parts_of`.
+
+    Returns
+    -------
+    Inertia
+        The driver has its locking disc and its pins, which reach through it and the follower.
+        Rollers are solid. Shafts, and what else turns with them, are to be added.
+    """
+    if not isinstance(checked(mechanism), Geneva):
+        raise validate.fail("mechanism", "a Geneva", mechanism, "sum up `parts_of` of others")
+    thick = validate.positive("thickness", thickness, "give it in m")
+    dense = validate.positive("density", density, "give it in kg/m^3, 7850 for steel")
+    found = {part.name: part for part in parts_of(mechanism, fits)}
+    driver = sum(found[name].inertia(thick, dense) for name in found if name in _DRIVER)
+    inner, crank = mechanism.pin_radius, float(mechanism.crank_radius or 0.0)
+    for radius in (inner, mechanism.roller_radius or inner):
+        mass = math.pi * radius**2 * thick * dense * int(mechanism.pins or 1)
+        driver += mass * (crank**2 + 0.5 * radius**2)
+    return Inertia(driver, found["follower"].inertia(thick, dense))
+
+
+_DRIVER = ("driver", "locking-disc")
