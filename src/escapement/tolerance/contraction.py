@@ -56,7 +56,7 @@ def _decay(varied: Variation, piece: int, times: Any) -> Any:
 
     def rate(w: float) -> Any:
         still = Dual(np.full(np.shape(times), w), np.zeros((*np.shape(times), law.count)))
-        return 2.0 * law.at(meeting, side, angle, still).acceleration
+        return 2.0 * law.at(meeting, side, angle, still, *varied.signs[piece]).acceleration
 
     one, four, nine = rate(1.0), rate(4.0), rate(9.0)
     b = 0.5 * (nine - 2.0 * four + one)

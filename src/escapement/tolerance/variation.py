@@ -121,11 +121,11 @@ class Variation:
         place, speed = self.law.state(angle, w)
         if piece == 0 and self.start.any():
             place.slopes[..., :SPEED] += self.start
-        signs = self._signs[piece]
+        signs = self.signs[piece]
         return self.law.at(self.meeting(piece), self.sides[piece], place, speed, *signs)
 
     @cached_property
-    def _signs(self) -> list[tuple[float, float]]:
+    def signs(self) -> list[tuple[float, float]]:
         """The signs of the sliding speed and of g in each piece, at whose ends they may vanish."""
         found = []
         for piece, side in enumerate(self.sides):
