@@ -171,7 +171,7 @@ WRONG += [
     (("--from", "s.h5", "--initial-speed", "0"), 2, "--initial-speed must not come with"),
     (("--from", "s.h5", "--slots", "5"), 2, "--slots must not come with --from"),
     (("--from", "none.h5"), 66, "does not exist"),
-    (("--from", "s.toml"), 65, "must be an HDF5 file"),
+    (("--from", "s.toml"), 2, "--select must choose"),
 ]
 
 

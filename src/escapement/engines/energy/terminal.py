@@ -54,7 +54,8 @@ def terminal(
     late = [name for name, time in times.items() if np.isnan(time)]
     message = base.message
     if late:
-        message = f"{', '.join(late)} not given: beyond {longest:_} engagements".replace("_", " ")
+        count_text = f"{longest:_}".replace("_", " ")
+        message = f"{', '.join(late)} not given: beyond {count_text} engagements"
     return replace(
         base,
         **times,
