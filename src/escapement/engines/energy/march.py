@@ -343,7 +343,8 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
             # behind a spent spring nothing acts on the driver here, which is an extremum too
             kind = extremum_kind(state.rising)
             used = note(events, used, kind, instant.angle, time, instant.w)
-        trend = extremum.final if request.detail > Detail.TIME else 0.0
+        trend = extremum.final if extremum.final != 0.0 else -state.rising
+        trend = trend if request.detail > Detail.TIME else 0.0
         after_reversal = locate.pass_reversal(
             scene, work, panel, state.side, reversal, request.strict, trend, state.source
         )

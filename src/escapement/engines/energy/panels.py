@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.drive import next_knot, torque_at
-from escapement.dynamics import dragged_slope
+from escapement.dynamics import dragged_slope, is_ideal
 from escapement.gauss import POINTS, N, tail_of
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, transmission_on
@@ -109,6 +109,8 @@ UNSOLVED = -1.0
 FIRST_PANEL, CHAIN_END = np.int64(0), np.int64(-1)
 NO_PANELS = np.int64(0)
 MAX_PANELS = np.int64(2048)
+# The sliding at an end is taken by this share of the way to the nearest point inside.
+INWARDS = 1e-10
 # The tail of 1/(rho + g^2) must be below this share of the tail allowed, because with much
 # friction A, B and E are rougher than the geometry from which they are made.
 GEOMETRY_SHARE = 0.1
@@ -234,9 +236,14 @@ def turn_to(store, scene):
 
 @inner_jit
 def finish_ends(panel, scene):
-    """Turn g' at the ends into k."""
+    """Turn g' at the ends into k, and give the sliding speed there the sign it has inside."""
     for end in (panel.entry, panel.exit):
         end.dg = dragged_slope(end.g, end.dg, scene)
+    if not (panel.locked or is_ideal(scene)):
+        # with journals theta_ddot jumps where the contact point changes its way, so that rounding
+        # must not decide on which side of that place an end lies
+        panel.entry.u += INWARDS * (panel.u[0] - panel.entry.u)
+        panel.exit.u += INWARDS * (panel.u[N - 1] - panel.exit.u)
 
 
 @inner_jit
