@@ -343,12 +343,15 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
             # behind a spent spring nothing acts on the driver here, which is an extremum too
             kind = extremum_kind(state.rising)
             used = note(events, used, kind, instant.angle, time, instant.w)
-        trend = extremum.final if extremum.final != 0.0 else -state.rising
-        trend = trend if request.detail > Detail.TIME else 0.0
+        trend = extremum.final if request.detail > Detail.TIME else 0.0
         after_reversal = locate.pass_reversal(
             scene, work, panel, state.side, reversal, request.strict, trend, state.source
         )
-    return Inside(not after_reversal.good, used, after_reversal)
+        if trend == 0.0 and request.detail > Detail.TIME:
+            # there the sign of theta_ddot behind it is not known before, but it must not change
+            for i in range(reversal + 1, N):
+                split |= work.net_torque[i] * work.net_torque[i - 1] < 0.0
+    return Inside(split or not after_reversal.good, used, after_reversal)
 
 
 @inner_jit(inlined=True)
