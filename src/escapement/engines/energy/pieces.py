@@ -47,6 +47,8 @@ _ROOM = 64
 _HALVINGS = 80
 # The acceleration is constant over an angle of at most this much [rad].
 _SHORTEST = 1e-12
+# A piece is solved on at most so many panels; a few hundred do even next to a stop.
+_MOST_PANELS = 20_000
 
 
 @inner_jit
@@ -147,7 +149,8 @@ def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks)
     pieces : rows of s, 0 in a dwell, driver angles of start and end, w, and `Scene.turned`.
     counts : how many of the times belong to each piece.
     times : since the start; later ones than the end of the piece give the state at its end.
-    theta, squares : results, angles and w, as long as `times`.
+    theta, squares : results, angles and w, as long as `times`; NaN where a piece cannot be
+        solved on a bounded number of panels.
     losses : result, a row for each piece: the work lost in each of `dynamics.LOSSES`.
     peaks : result, rows as well: the greatest magnitude of each of `peaks.PEAKS`, of length 0
         where they are not wanted.
@@ -169,7 +172,7 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
     left, end, w, side = piece
     _loose, strict = panels.tolerances(rtol)
     store.panels[panels.FIRST_PANEL].locked = side == 0.0
-    waiting = 0
+    waiting = panels_solved = 0
     part = Stretch(left, _next(scene, left, end), 0.0, w)
     losses[:] = 0.0
     peaks[:] = 0.0
@@ -182,6 +185,10 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
         # halve the part until the panel over it is fine enough; the right ends of the halves that
         # wait for their turn are kept in `ends`
         good = _solve(scene, work, panel, part, side, strict)
+        panels_solved += 1
+        if panels_solved > _MOST_PANELS:
+            _forget(part.time, times, theta, squares, losses)
+            break
         short = part.right - part.left <= _SHORTEST
         middle = 0.5 * (part.left + part.right)
         if not good and not short and waiting < _HALVINGS and part.left < middle < part.right:
@@ -221,6 +228,15 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
             waiting -= 1
             right = ends[waiting]
         part = Stretch(part.right, right, now, after)
+
+
+@inner_jit
+def _forget(since, times, theta, squares, losses):
+    """Make the states from a time on unknown, and with them the work lost."""
+    losses[:] = np.nan
+    for j in range(times.size):
+        if not times[j] < since:
+            theta[j] = squares[j] = np.nan
 
 
 @inner_jit
