@@ -16,6 +16,7 @@ from escapement.model import Run
 from escapement.quantity import declared, quantities
 from escapement.study.parse import parse_plan
 from escapement.study.plan import settings_of
+from escapement.train import train_numbers
 from escapement.units import SYSTEMS, printed, unit_name
 
 OWNERS = [esc.Escapement, esc.Inertia, *map(kind_of, KINDS)]
@@ -112,5 +113,6 @@ def test_every_number_of_the_model_decides_of_a_scene():
         | {"inertia": {"follower": 1.0}}
     )
     model = {name for owner in (esc.Escapement, esc.Inertia) for name in quantities(owner)}
+    model |= {*train_numbers()}
     wheel = {"slots", "pins", "pin_radius", "roller_radius", "clearance", "centre_distance_error"}
     assert {*plan.parameters} == model - {"efficiency"} | wheel | {"initial_speed"}

@@ -55,5 +55,6 @@ from escapement.tolerance.budget import budget as budget
 from escapement.tolerance.sensitivities import Sensitivities as Sensitivities
 from escapement.tolerance.sensitivities import sensitivities as sensitivities
 from escapement.torque_curve import TorqueCurve as TorqueCurve
+from escapement.train import Train as Train
 
 __version__: str

@@ -65,10 +65,11 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
             raise validate.fail(name, rule, value, remedy)
 
 
-def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
+def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], trains: bool) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
     contact : "", "rigid" or "compliant", as `Escapement.contact` says.
+    trains : whether there are gear trains.
     """
     if not contact:
         return
@@ -77,6 +78,9 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> No
     if not hasattr(mechanism, "clearance"):
         rule = "0 for a mechanism that is no Geneva wheel"
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
+    if trains:
+        remedy = "add what the trains carry to the inertias and torques"
+        raise validate.fail(name, "0 with a barrel or a load train", value, remedy)
     if not mechanism.perfect:
         raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
 

@@ -16,7 +16,7 @@ from escapement.trajectory import Events, Handoffs, NoTrajectory
 
 def handoffs_of(escapement: Escapement, time: FloatArray, speed: FloatArray) -> Handoffs:
     """The handoffs at times [s], behind which the driver has these speeds [rad/s]."""
-    meetings, own = escapement.meetings, escapement.inertia
+    meetings, own = escapement.meetings, escapement.without_trains.inertia
     engagement = np.arange(1, speed.size + 1)
     # of each engagement in turn, what does not depend on the speed: a column
     rows = []

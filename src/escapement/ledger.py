@@ -45,7 +45,7 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     if isinstance(motion.trajectory, NoTrajectory):
         return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
     ends = motion.at([0.0, motion.end_time])
-    driver, follower = escapement.inertia.driver, escapement.inertia.follower
+    driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
     energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
     jumps = blows = 0.0

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 from escapement import validate
 from escapement.fitting import (
@@ -19,9 +20,10 @@ from escapement.fitting import (
 from escapement.lazy import Lazy
 from escapement.mechanism import FloatArray, Mechanism, checked, meetings_of
 from escapement.natural import natural
-from escapement.quantity import Choice, Declared, quantity, setting
+from escapement.quantity import Choice, Declared, Setting, declared, quantity, setting
 from escapement.scene import Joint, Meeting, Path, Scene
 from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
+from escapement.train import PLACES, Train, numbers_of_trains, seen, train_numbers, trains_of
 
 CONTACT_LAWS = ("linear", "hunt-crossley")
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
@@ -116,6 +118,11 @@ class Escapement(Declared):
     spring_rate : float
         Torque that a spring loses per driver angle turned since the start of the motion
         [N m/rad], >= 0, down to none: a spent spring pulls no more.
+    barrel : Train, optional
+        Train between a barrel and the driver. `torque` and `spring_rate` are then those of the
+        barrel, and the angles of a `TorqueCurve` its angles.
+    load_train : Train, optional
+        Train behind the follower. `load_torque` is then that on its last shaft.
 
     restitution : float
         Rebound impulse of a blow over its impulse of compression [-], in [0, 1).
@@ -189,6 +196,8 @@ class Escapement(Declared):
         "sliding speed below which friction fades", "slip", slotted=True,
         instead="efficiency", metavar="V", remedy="give the speed, 0 to leave it to the engine"
     ))  # fmt: skip
+    barrel: Train | None = None
+    load_train: Train | None = None
 
     def __post_init__(self) -> None:
         checked(self.mechanism, perfect=False)
@@ -196,6 +205,10 @@ class Escapement(Declared):
             remedy = "give Inertia(driver=..., follower=...)"
             raise validate.fail("inertia", "an Inertia", self.inertia, remedy)
         self.check_fields()
+        for place in PLACES:
+            if not isinstance(train := getattr(self, place), Train | None):
+                remedy = "give for example Train(ratio=5), or leave it out"
+                raise validate.fail(place, "a Train", train, remedy)
         path: Any = self.mechanism.path
         if not isinstance(path, Path):
             remedy = "make it with two_vector_path or chebyshev_table"
@@ -204,7 +217,7 @@ class Escapement(Declared):
         self._check_curve()
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
-        check_contact(self.contact, self.mechanism, vars(self))
+        check_contact(self.contact, self.mechanism, vars(self), self.without_trains is not self)
 
     def _check_curve(self) -> None:
         """Refuse a curve beside a spring rate, and one with too many points for a cell."""
@@ -214,7 +227,8 @@ class Escapement(Declared):
                 raise validate.fail(
                     "spring_rate", "0 with a torque curve", self.spring_rate, remedy
                 )
-            most = self.torque.most_within(self.mechanism.cell_angle)
+            curve = self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
+            most = curve.most_within(self.mechanism.cell_angle)
             if most > MOST_KNOTS:
                 rule = f"a torque curve with at most {MOST_KNOTS} points in a cell"
                 raise validate.fail("torque", rule, most, "leave out points")
@@ -223,12 +237,39 @@ class Escapement(Declared):
     def curve(self) -> TorqueCurve | None:
         """The torque over the driver angle turned, None where it is constant."""
         if isinstance(self.torque, TorqueCurve):
-            return self.torque
+            return self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
+        torque, rate = self.seen["torque"], self.seen["spring_rate"]
         # a rate that takes nothing within any motion is none
-        if self.spring_rate > self.torque / MOST_UNEQUAL:
-            spent = max(self.torque / self.spring_rate, 1.0 / MOST_UNEQUAL)
-            return TorqueCurve((0.0, spent), (self.torque, 0.0))
+        if rate > torque / MOST_UNEQUAL:
+            spent = max(torque / rate, 1.0 / MOST_UNEQUAL)
+            return TorqueCurve((0.0, spent), (torque, 0.0))
         return None
+
+    @cached_property
+    def seen(self) -> dict[str, Any]:
+        """Its numbers by the names that studies use [SI], as driver and follower see them.
+
+        Without a train they are its own; of a torque curve the torque is the greatest.
+        """
+        own = self.inertia
+        values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
+        if isinstance(self.torque, TorqueCurve):
+            values["torque"] = self.torque.greatest
+        for name in LENGTHS:
+            values[name] = getattr(self.mechanism, name, None) or 0.0
+        return seen(values | numbers_of_trains(self))
+
+    @cached_property
+    def without_trains(self) -> Escapement:
+        """An escapement that moves alike and has no trains: itself, unless it has some."""
+        if self.barrel is self.load_train is None:
+            return self
+        found, none = self.seen, cast(Any, dict.fromkeys(PLACES))
+        inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
+        given = isinstance(self.torque, TorqueCurve)
+        torque: Any = self.curve if given else found["torque"]
+        numbers = {name: found[name] for name in ("load_torque", "spring_rate")}
+        return replace(self, inertia=inertia, torque=torque, **numbers, **none)
 
     @property
     def contact(self) -> str:
@@ -259,7 +300,8 @@ class Escapement(Declared):
         """The escapement with the torque of its start for good."""
         if self.curve is None:
             return self
-        return replace(self, torque=self.curve.torque[0], spring_rate=0.0)
+        torque = self.torque.torque[0] if isinstance(self.torque, TorqueCurve) else self.torque
+        return replace(self, torque=torque, spring_rate=0.0)
 
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
@@ -269,14 +311,9 @@ class Escapement(Declared):
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
         """The escapement as an engine sees it in each of its `meetings`."""
-        mechanism, own = self.mechanism, self.inertia
-        values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
-        values["torque"] = self.torque_unit
-        for name in LENGTHS:
-            values[name] = getattr(mechanism, name, None) or 0.0
         meshed = self.meetings[0].path.table
         numbers: dict[str, Any]
-        numbers = {name: float(value) for name, value in natural(values, meshed).items()}
+        numbers = {name: float(value) for name, value in natural(self.seen, meshed).items()}
         torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
         return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.meetings)
 
@@ -300,7 +337,7 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process derives the scene and what hangs on it anew."""
-        derived = ("meetings", "scenes", "scene", "joint", "kept", "_begins")
+        derived = ("meetings", "scenes", "scene", "joint", "kept", "_begins", "seen")
         return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property
@@ -310,12 +347,12 @@ class Escapement(Declared):
         In it the motion depends on the mechanism, friction and the ratios of inertias,
         lengths, torques and drag alone: torque is a pure change of clock.
         """
-        return math.sqrt(self.inertia.follower / self.torque_unit)
+        return math.sqrt(self.seen["follower_inertia"] / self.torque_unit)
 
     @property
     def torque_unit(self) -> float:
-        """Natural unit of torque, the greatest torque of the drive [N m]."""
-        return self.torque.greatest if isinstance(self.torque, TorqueCurve) else self.torque
+        """Natural unit of torque, the greatest torque on the driver [N m]."""
+        return float(self.seen["torque"])
 
     def turned_before(self, engagement: Any) -> Any:
         """Driver angle turned before an engagement [rad]; 0 where the torque is constant."""
@@ -335,11 +372,27 @@ class Escapement(Declared):
 
     def drive_work(self, turned: Any) -> Any:
         """Work of the drive from the start of the motion over a driver angle [J]."""
-        return self.torque * turned if self.curve is None else self.curve.work(turned)
+        return self.torque_unit * turned if self.curve is None else self.curve.work(turned)
 
     def load_work(self, turned: Any) -> Any:
         """Work that the load takes while the follower turns by angles [rad] on its way [J]."""
-        return self.load_torque * turned
+        return self.seen["load_torque"] * turned
+
+
+def model_settings() -> dict[str, Setting]:
+    """All that an escapement is declared by beside its mechanism, by the names that studies use."""
+    return {**declared(Escapement), **declared(Inertia), **train_numbers()}
+
+
+def escapement_of(mechanism: Mechanism, values: Mapping[str, Any]) -> Escapement:
+    """The escapement with these values by the names of `model_settings` [SI].
+
+    What is None or not there has its default; errors are those of `Escapement`.
+    """
+    given = {name: value for name, value in values.items() if value is not None}
+    inertias = {entry.key: given.get(name) for name, entry in declared(Inertia).items()}
+    numbers = {name: given[name] for name in declared(Escapement) if name in given}
+    return Escapement(mechanism, Inertia(**inertias), **numbers, **trains_of(given))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

@@ -280,7 +280,10 @@ def painleve_message(escapement: Escapement) -> str | None:
         return None
     scenes = escapement.scenes
     if len(scenes) == 1 and as_python(is_ideal)(scenes[0]):
-        angle, k = critical_angle(escapement.mechanism, escapement.inertia, friction), 0
+        angle, k = (
+            critical_angle(escapement.mechanism, escapement.without_trains.inertia, friction),
+            0,
+        )
     else:
         ends = ((k, scene, scene.edges[-1]) for k, scene in enumerate(scenes))
         places = ((x, k, scene) for k, scene, end in ends for x in np.linspace(0.0, end, 2001))

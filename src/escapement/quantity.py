@@ -309,7 +309,8 @@ class Declared(Shown):
         rows = []
         for name, value, _ in super()._shown():
             entry = entries.get(name)
-            if entry is None or entry.required or value != entry.default:
+            given = value is not None if entry is None else value != entry.default
+            if given or (entry is not None and entry.required):
                 rows.append((name, value, entry.printed_unit if entry else ""))
         return rows
 

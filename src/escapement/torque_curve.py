@@ -130,6 +130,12 @@ class TorqueCurve(Shown):
         """The curve with its torque multiplied by a factor."""
         return TorqueCurve(self.angle, [factor * x for x in self.torque], self.periodic)
 
+    def behind(self, ratio: float) -> TorqueCurve:
+        """The curve as the driver sees it, which turns `ratio` times while a barrel turns once."""
+        angles = [ratio * angle for angle in self.angle]
+        torques = [torque / ratio for torque in self.torque]
+        return TorqueCurve(angles, torques, self.periodic)
+
     @property
     def greatest(self) -> float:
         """Greatest torque [N m]."""

@@ -165,14 +165,27 @@ def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> No
 
 def typed(args: Arguments, settings: Mapping[str, Setting]) -> dict[str, Any]:
     """What was typed of some settings, or else is typical of them, in SI, by the key of each."""
+    return {settings[name].key: value for name, value in typed_by_name(args, settings).items()}
+
+
+def typed_by_name(args: Arguments, settings: Mapping[str, Setting]) -> dict[str, Any]:
+    """As `typed`, by the names of the options."""
     found = {}
     for name, entry in settings.items():
         # the classes have defaults of their own for what was not typed
         if (value := getattr(args, name)) is not None:
-            found[entry.key] = replace(entry, system=args.units).to_si(value)
+            found[name] = replace(entry, system=args.units).to_si(value)
         elif entry.typical is not None:
-            found[entry.key] = entry.typical
+            found[name] = entry.typical
     return found
+
+
+def read_escapement(args: Arguments) -> Any:
+    """The escapement that the options of mechanism and model describe; errors are as of these."""
+    from escapement.model import escapement_of, model_settings
+
+    require(args, model_settings())
+    return escapement_of(read_mechanism(args), typed_by_name(args, model_settings()))
 
 
 def add_mechanism(parser: Parser, file: str = "") -> None:

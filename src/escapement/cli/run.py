@@ -11,12 +11,13 @@ from escapement.cli._arguments import ArgumentGroup, Arguments, Parser, UsageErr
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
 from escapement.files import MOTIONS
-from escapement.model import Escapement, Inertia, Run
+from escapement.model import Escapement, Run, model_settings
 from escapement.quantity import Numbers, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
 from escapement.torque_curve import TorqueCurve
+from escapement.train import numbers_of_trains, train_numbers
 from escapement.units import SYSTEMS, printed
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
@@ -53,7 +54,7 @@ def configure(parser: Parser) -> None:
 
 def model() -> dict[str, Setting]:
     """What an escapement and its motion are made of, beside the mechanism."""
-    every = declared(Escapement) | declared(Inertia) | _START
+    every = model_settings() | _START
     return dict(sorted(every.items(), key=lambda item: not item[1].required))
 
 
@@ -98,10 +99,7 @@ def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
         if args.select is not None:
             raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
         start = {"initial_speed": 0.0} | _arguments.typed(args, _START)
-        _arguments.require(args, declared(Escapement) | declared(Inertia))
-        inertia = Inertia(**_arguments.typed(args, declared(Inertia)))
-        numbers = _arguments.typed(args, declared(Escapement))
-        return Escapement(_arguments.read_mechanism(args), inertia, **numbers), given | start
+        return _arguments.read_escapement(args), given | start
     # whatever the study says must not be said twice
     twice = ["KIND"] if args.kind is not None else []
     names = [*model(), *_arguments.owners()]
@@ -199,6 +197,8 @@ def _settings_of(escapement: Escapement) -> Iterator[_Input]:
             if told and entry.fits(mechanism.meshed):
                 told = isinstance(value, Fraction | TorqueCurve)
                 yield name, str(value) if told else value, "ratio" if told else entry.unit
+    for name, value in numbers_of_trains(escapement).items():
+        yield name, value, train_numbers()[name].unit
 
 
 def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> None:

@@ -7,7 +7,7 @@ import escapement as esc
 from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.files import write_file
-from escapement.model import Escapement, Inertia, Run
+from escapement.model import Run, model_settings
 from escapement.quantity import Quantity, declared
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
@@ -34,7 +34,7 @@ _ROWS = 11
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
-    _arguments.add_group(parser, "model", declared(Escapement) | declared(Inertia))
+    _arguments.add_group(parser, "model", model_settings())
     _arguments.add_group(parser, "length of the run", _RUN)
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write the end of each engagement")
@@ -46,10 +46,7 @@ def execute(args: Arguments) -> int:
     _output.check_wanted(args, file="FILE.csv")
     import numpy as np
 
-    _arguments.require(args, declared(Escapement) | declared(Inertia))
-    inertia = Inertia(**_arguments.typed(args, declared(Inertia)))
-    model = _arguments.typed(args, declared(Escapement))
-    timer = Escapement(_arguments.read_mechanism(args), inertia, **model)
+    timer = _arguments.read_escapement(args)
     run = esc.rundown(timer, **_arguments.typed(args, _RUN))
     if args.output is not None:
         header = ("turns", "time_s", "mean_speed_rad_per_s", "rate_error", "lateness_s")

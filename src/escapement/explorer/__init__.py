@@ -49,6 +49,8 @@ def design_of(
     if not isinstance(wheel, Geneva):
         kind = getattr(wheel, "kind", type(wheel).__name__)
         raise validate.fail("mechanism", "a Geneva wheel for the explorer", kind, remedy)
+    if escapement.without_trains is not escapement:
+        raise validate.fail("barrel and load_train", "left out for the explorer", "a train", remedy)
     design: dict[str, Any] = {"initial_speed": initial_speed, "engagements": engagements}
     for owner in (wheel, escapement.inertia, escapement):
         for name, entry in declared(type(owner)).items():

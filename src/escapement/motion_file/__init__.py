@@ -31,6 +31,7 @@ from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import configuration_of
 from escapement.study.stored import LAYOUT, SCHEMA_VERSION, opened
 from escapement.text import csv_lines
+from escapement.torque_curve import TorqueCurve
 from escapement.trajectory import Events, Extrema
 from escapement.units import factor
 from escapement.variables import (
@@ -110,7 +111,7 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
     scene = motion.escapement
     run: dict[str, Any] = {"initial_speed": float(motion.at(0.0).theta_dot), "rtol": motion.rtol}
     # so written, the file says all that it takes to simulate the motion again
-    axis = "torque" if scene.torque == scene.torque_unit else "load_torque"
+    axis = "load_torque" if isinstance(scene.torque, TorqueCurve) else "torque"
     study = plan_from(scene, {axis: [getattr(scene, axis)]}, engine=motion.engine, **run)
     hdf5.attrs.update(
         content=CONTENT,

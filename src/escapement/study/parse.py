@@ -27,11 +27,12 @@ from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.result import DEFAULT
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
 from escapement.torque_curve import TorqueCurve
+from escapement.train import PLACES, check_ratios
 from escapement.validate import known_keys
 
 MOST_CASES = 10**12
 
-_TOP = ("title", "units", "results", "mechanism", "inertia", "sweep", "sample", "solver")
+_TOP = ("title", "units", "results", "mechanism", "inertia", *PLACES, "sweep", "sample", "solver")
 _NUMBERS = declared(Escapement)
 _SOLVER = declared(Solver)
 # what else people write for a number, and what to tell them
@@ -146,6 +147,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
     plain["solver"], plan = solver.given, replace(plan, solver=solver)
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
+    check_ratios(values)
     _check_lengths(plan, {n: value for n, value in values.items() if n in {*parameters, *counts}})
     if plan.cases > MOST_CASES:
         raise InvalidValue(
@@ -235,6 +237,7 @@ def plan_from(
     given = {name: getattr(escapement, name) for name in _NUMBERS}
     numbers = {name: value for name, value in given.items() if value != _NUMBERS[name].default}
     tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
+    tables |= {place: asdict(train) for place in PLACES if (train := getattr(escapement, place))}
     chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
     chosen = {name: value for name, value in chosen.items() if value is not None}
     return parse_plan(speed | numbers | tables | chosen, mechanism=own)
@@ -297,7 +300,8 @@ def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setti
     axes = [name for name, entry in settings.items() if entry.axis]
     known_keys(swept, [*axes, *factors.values()], "in [sweep]", homes)
     kept = ["kind"] if machine else ["kind", "description"]
-    keys = {"": [*_TOP], "mechanism": kept, "inertia": [], "solver": [*_SOLVER]}
+    keys: dict[str, list[str]] = {"": [*_TOP], "mechanism": kept, "inertia": []}
+    keys |= {place: [] for place in PLACES} | {"solver": [*_SOLVER]}
     for name, entry in settings.items():
         keys[entry.section].append(entry.key)
         place = f"[{entry.section}]" if entry.section else "the top level"

@@ -15,18 +15,19 @@ from escapement.fitting import IMPERFECT, LENGTHS
 from escapement.mechanism import Mechanism
 from escapement.mechanisms import KINDS, kind_of
 from escapement.merits import FIGURES, Result
-from escapement.model import Escapement, Inertia, Run
+from escapement.model import Escapement, Inertia, Run, escapement_of
 from escapement.quantity import Quantity, Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.study.elements import joined
 from escapement.study.result import kept
 from escapement.study.varied import CASE
 from escapement.torque_curve import TorqueCurve
+from escapement.train import train_numbers
 
 
 def model_numbers() -> dict[str, Quantity]:
     """Numbers of an escapement beside its mechanism that may be axes, by name."""
-    every = {**quantities(Escapement), **quantities(Inertia), **quantities(Run)}
+    every = {**quantities(Escapement), **quantities(Inertia), **train_numbers(), **quantities(Run)}
     return {name: entry for name, entry in every.items() if entry.axis}
 
 
@@ -113,8 +114,9 @@ class StudyPlan:
         varied = {name for along in self.varied.values() for name in along}
         found = {}
         for name, entry in settings_of(self.build, self.meshed).items():
-            table = self.configuration.get(entry.section, self.configuration)
-            value = table.get(entry.key)
+            own = entry.section
+            table = self.configuration.get(own, {}) if own else self.configuration
+            value: Any = table.get(entry.key)
             number = isinstance(entry, Quantity) and isinstance(value, int | float)
             if number and name not in varied and not entry.idle(value):
                 found[name] = value
@@ -208,12 +210,7 @@ class StudyPlan:
         """The escapement with these values of its settings in SI; errors as `escapement`."""
         values = dict(values)
         values["torque"] = self.curve or values["torque"]
-        inertias = {entry.key: values[name] for name, entry in declared(Inertia).items()}
-        return Escapement(
-            mechanism=self._machine(values),
-            inertia=Inertia(**inertias),
-            **{n: values[n] for n in declared(Escapement) if values.get(n) is not None},
-        )
+        return escapement_of(self._machine(values), values)
 
     @property
     def lengths(self) -> dict[str, float]:

@@ -26,13 +26,14 @@ from escapement.quantity import quantities
 from escapement.scene import Scene
 from escapement.status import Status
 from escapement.study.plan import StudyPlan
+from escapement.train import seen, train_numbers
 
 FOLLOWER = "follower_inertia"
 TORQUE, SPEED = "torque", "initial_speed"
 TORQUES = ("load_torque", "driver_bearing_torque", "driver_viscous", "follower_viscous")
 """Numbers that are compared with the torque; where these and the initial speed are all zero the
 torque changes only the unit of time."""
-DECIDING = {*quantities(Escapement), *quantities(Inertia), SPEED, *LENGTHS}
+DECIDING = {*quantities(Escapement), *quantities(Inertia), *train_numbers(), SPEED, *LENGTHS}
 """Numbers of the model and of a run that decide a scene."""
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
@@ -133,8 +134,9 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
     numbers = {
         name: np.broadcast_to(np.asarray(value, dtype=float), cases.shape)
         for name, value in (plan.fixed_si | plan.lengths | columns).items()
-        if name in DECIDING
+        if name in DECIDING and value is not None
     }
+    numbers = seen(numbers)
     with np.errstate(all="ignore"):  # what is out of range is told by the status
         ratios = natural(numbers, plan.meshed)
         w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
@@ -263,7 +265,7 @@ def _on_their_clocks(
     plan: StudyPlan, cases: NDArray[np.int64], figures: FloatArray, status: NDArray[np.uint8]
 ) -> Columns:
     """Figures of scenes in SI: the unit of time is the root of I_f / torque."""
-    values = plan.fixed_si | plan.columns(cases)
+    values = seen(plan.fixed_si | plan.columns(cases))
     with np.errstate(all="ignore"):
         square = np.divide(values[FOLLOWER], values[TORQUE])
     bad = np.broadcast_to(~ratio_in_range(square), cases.shape)

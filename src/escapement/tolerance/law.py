@@ -22,6 +22,8 @@ from escapement.quantity import quantities
 from escapement.scene import Path, Scene
 from escapement.tolerance.dual import Dual, slopes_of, uncompiled, value_of
 from escapement.tolerance.parts import Part, error_names, parts_of
+from escapement.torque_curve import TorqueCurve
+from escapement.train import numbers_of_trains, seen
 
 SPEED, ANGLE = -2, -1
 """Places of the slopes by w and by the driver angle."""
@@ -39,10 +41,16 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
         bare = entry.unit != "length" or length
         if entry.fits(meshed) and bare and entry.name not in _LEFT_OUT:
             found[entry.name] = float(owners[entry.key])
-    found = {"torque": escapement.torque_unit, **found}
+    found = {"torque": _full_torque(escapement), **found, **numbers_of_trains(escapement)}
     if length and not meshed:
         found |= {name: float(getattr(mechanism, name, None) or 0.0) for name in LENGTHS}
     return found | error_names(mechanism)
+
+
+def _full_torque(escapement: Escapement) -> float:
+    """The greatest torque that is given, on the barrel where there is one [N m]."""
+    torque = escapement.torque
+    return torque.greatest if isinstance(torque, TorqueCurve) else torque
 
 
 @dataclass(frozen=True)
@@ -65,13 +73,15 @@ class Law:
 
     @cached_property
     def values(self) -> dict[str, Any]:
-        """The numbers by their names [SI], each with its slope."""
+        """The numbers by their names [SI], each with its slope, as driver and follower see them."""
         escapement, own = self.escapement, self.escapement.inertia
         known = {"driver_inertia": own.driver, "follower_inertia": own.follower}
-        known |= vars(escapement) | {"torque": escapement.torque_unit}
+        known |= (
+            vars(escapement) | {"torque": _full_torque(escapement)} | numbers_of_trains(escapement)
+        )
         known |= {name: getattr(escapement.mechanism, name, None) or 0.0 for name in LENGTHS}
         known |= error_names(escapement.mechanism)
-        return known | {n: self.seeded(known[n], i) for i, n in enumerate(self.names)}
+        return seen(known | {n: self.seeded(known[n], i) for i, n in enumerate(self.names)})
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

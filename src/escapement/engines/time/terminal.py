@@ -118,12 +118,12 @@ def _gain(motion: Motion, w: float) -> float:
     g_out is 0 behind a dwell.
     """
     escapement, mechanism = motion.escapement, motion.escapement.mechanism
-    driver, follower = escapement.inertia.driver, escapement.inertia.follower
+    driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
     if (size := len(escapement.meetings)) > 1:
         # a pattern ends as it begins, behind the handoff, and takes its blows besides
         handoffs, scene = motion.handoffs, escapement.scene
         turned = size * mechanism.follower_step - handoffs.jump.sum()
-        work = escapement.torque * size * mechanism.cell_angle - escapement.load_work(turned)
+        work = escapement.drive_work(size * mechanism.cell_angle) - escapement.load_work(turned)
         work -= motion.trajectory.losses.sum() + handoffs.energy.sum()
         ratio = transmission_at(scene.path, scene.edges[0])[0]
         return float(2.0 * work / (driver + follower * ratio**2))
@@ -132,7 +132,7 @@ def _gain(motion: Motion, w: float) -> float:
     path = mechanism.path
     at_entry, at_exit = (transmission_at(path, angle)[0] ** 2 for angle in (entry, exit_))
     turned = mechanism.follower_angle(np.array([entry, exit_]))
-    work = escapement.torque * mechanism.cell_angle
+    work = escapement.drive_work(mechanism.cell_angle)
     work -= escapement.load_work(turned[1] - turned[0]) + motion.trajectory.losses.sum()
     if dwell_angle(mechanism) > 0.0:
         at_exit = 0.0

@@ -1,0 +1,154 @@
+"""Gear trains before the driver and behind the follower."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.cli import main
+from escapement.errors import InvalidValue
+
+GENEVA = esc.Geneva(4, crank_radius=0.02)
+OWN = esc.Inertia(3.39e-7, 5.65e-6)
+BARREL = esc.Train(ratio=5.0, inertia=8e-6)
+LOAD = esc.Train(ratio=3.0, inertia=6e-8)
+
+
+def timer(**numbers):
+    model = {"torque": 0.0565, "friction": 0.25, "load_torque": 2e-4, **numbers}
+    return esc.Escapement(GENEVA, OWN, barrel=BARREL, load_train=LOAD, **model)
+
+
+def same_by_hand(mine):
+    """The same without trains, from the balance of each train's power."""
+    i, j = BARREL.ratio, LOAD.ratio
+    return esc.Escapement(
+        GENEVA,
+        esc.Inertia(OWN.driver + BARREL.inertia / i**2, OWN.follower + LOAD.inertia * j**2),
+        torque=mine.torque / i,
+        friction=mine.friction,
+        load_torque=j * mine.load_torque,
+        spring_rate=mine.spring_rate / i**2,
+    )
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@pytest.mark.parametrize("rate", [0.0, 2e-4])
+def test_a_lossless_train_is_a_change_of_numbers(engine, rate):
+    mine = timer(spring_rate=rate)
+    found = [esc.simulate(one, 12, engine=engine) for one in (mine, same_by_hand(mine))]
+    for name in ("handoff_times", "handoff_velocities"):
+        one, other = (getattr(motion, name) for motion in found)
+        np.testing.assert_allclose(one, other, rtol=1e-12)
+    figures = [esc.terminal(motion.escapement, engine=engine) for motion in found]
+    for name in ("period", "velocity_max", "contact_force_max", "critical_friction"):
+        one, other = (getattr(it, name) for it in figures)
+        assert one == pytest.approx(other, rel=1e-12)
+
+
+def test_every_shaft_obeys_newton():
+    """Moments on barrel, driver, follower and last shaft, with the forces of the meshes."""
+    mine = timer(friction=0.0)
+    motion = esc.simulate(mine, 3)
+    state = motion.at(np.linspace(0.1, 0.9, 41) * motion.end_time)
+    at_barrel = mine.torque - BARREL.inertia * state.theta_ddot / BARREL.ratio
+    at_last = mine.load_torque + LOAD.inertia * state.phi_ddot * LOAD.ratio
+    follower = state.contact_moment - LOAD.ratio * at_last
+    ratio = state.phi_dot / state.theta_dot
+    driver = at_barrel / BARREL.ratio - ratio * state.contact_moment
+    scale = mine.torque / BARREL.ratio
+    np.testing.assert_allclose(follower / scale, OWN.follower * state.phi_ddot / scale, atol=1e-9)
+    np.testing.assert_allclose(driver / scale, OWN.driver * state.theta_ddot / scale, atol=1e-9)
+
+
+def test_the_ledger_counts_what_the_barrel_gives():
+    motion = esc.simulate(timer(), 5)
+    ledger = esc.ledger_of(motion) if hasattr(esc, "ledger_of") else motion.ledger
+    ends = motion.at([0.0, motion.end_time])
+    turned = (ends.theta[1] - ends.theta[0]) / BARREL.ratio
+    assert ledger.work == pytest.approx(0.0565 * turned, rel=1e-12)
+    assert abs(ledger.residual) < 1e-12
+
+
+def test_a_curve_is_over_the_angle_of_the_barrel():
+    curve = esc.TorqueCurve([0.0, 4.0], [0.0565, 0.03])
+    falling = timer(torque=curve)
+    at_driver = esc.TorqueCurve([0.0, 20.0], [0.0565 / 5.0, 0.03 / 5.0])
+    plain = esc.Escapement(
+        GENEVA, falling.without_trains.inertia, at_driver, friction=0.25, load_torque=6e-4
+    )
+    times = [esc.simulate(one, 15).handoff_times for one in (falling, plain)]
+    np.testing.assert_allclose(*times, rtol=1e-12)
+
+
+def test_numbers_of_trains_are_axes():
+    ratios = [4.0, 5.0, 7.0]
+    found = esc.sweep(timer(), barrel_ratio=ratios, load_train_inertia=[0.0, 6e-8])
+    for i, ratio in enumerate(ratios):
+        one = esc.Escapement(
+            GENEVA, OWN, 0.0565, friction=0.25, load_torque=2e-4,
+            barrel=esc.Train(ratio, inertia=8e-6), load_train=LOAD,
+        )  # fmt: skip
+        assert found["period"][i, 1] == pytest.approx(esc.terminal(one).period, rel=1e-12)
+
+
+def test_derivatives_by_the_numbers_of_a_train():
+    found = esc.sensitivities(timer()).relative["period"]
+    step = 1e-5
+    for name, train in (("barrel_ratio", "barrel"), ("load_train_inertia", "load_train")):
+        key = name.removeprefix(train + "_")
+        periods = []
+        for sign in (1.0, -1.0):
+            own = getattr(timer(), train)
+            changed = esc.Train(**{
+                field: getattr(own, field) * (1.0 + sign * step * (field == key))
+                for field in ("ratio", "efficiency", "inertia")
+            })  # fmt: skip
+            both = {"barrel": BARREL, "load_train": LOAD, train: changed}
+            model = {"friction": 0.25, "load_torque": 2e-4}
+            periods.append(
+                esc.terminal(esc.Escapement(GENEVA, OWN, 0.0565, **model, **both)).period
+            )
+        slope = (math.log(periods[0]) - math.log(periods[1])) / (2.0 * step)
+        assert found[name] == pytest.approx(slope, abs=1e-7)
+
+
+def test_the_command_line_and_a_study_take_trains(capsys, tmp_path):
+    words = "run --slots 4 --friction .25 --torque 0.0565 --load-torque 2e-4 --crank-radius 0.02"
+    words += " --driver-inertia 3.39e-7 --follower-inertia 5.65e-6 --barrel-ratio 5"
+    words += " --barrel-inertia 8e-6 --load-train-ratio 3 --load-train-inertia 6e-8 --json"
+    assert main(words.split()) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["period"] == pytest.approx(esc.terminal(timer()).period, rel=1e-12)
+    assert found["inputs"]["barrel_ratio"] == 5.0
+    study = tmp_path / "study.toml"
+    study.write_text(
+        "torque = 0.0565\nload_torque = 2e-4\n[mechanism]\nslots = 4\ncrank_radius = 0.02\n"
+        "[inertia]\ndriver = 3.39e-7\nfollower = 5.65e-6\n[barrel]\nratio = 5\ninertia = 8e-6\n"
+        "[load_train]\nratio = 3\ninertia = 6e-8\n[sweep]\nfriction = [0.25]\n"
+    )
+    assert main(["sweep", str(study), "-o", str(tmp_path / "a.h5"), "--quiet"]) == 0
+    stored = esc.read_study(tmp_path / "a.h5")
+    assert float(stored["period"][0]) == pytest.approx(found["period"], rel=1e-12)
+
+
+def test_a_motion_is_read_back_with_its_trains(tmp_path):
+    motion = esc.simulate(timer(spring_rate=1e-4), 4)
+    esc.write_motion(motion, tmp_path / "m.h5")
+    again = esc.read_motion(tmp_path / "m.h5")
+    assert again.escapement == motion.escapement
+    np.testing.assert_array_equal(again.handoff_times, motion.handoff_times)
+
+
+def test_what_cannot_be_is_refused_in_one_line(capsys):
+    with pytest.raises(InvalidValue, match=r"^barrel must be a Train, got 5; give for"):
+        esc.Escapement(GENEVA, OWN, 0.01, barrel=5)
+    with pytest.raises(InvalidValue, match=r"^clearance must be 0 with a barrel"):
+        esc.Escapement(esc.Geneva(4, crank_radius=0.02, clearance=1e-5), OWN, 0.01, barrel=BARREL)
+    with pytest.raises(InvalidValue, match=r"^barrel_ratio must be given with barrel_inertia, got"):
+        esc.sweep(esc.Escapement(GENEVA, OWN, 0.01), barrel_inertia=[1e-6])["period"]
+    words = "run --torque 1 --driver-inertia 1 --follower-inertia 1 --load-train-ratio -2"
+    assert main(words.split()) == 2
+    assert "load-train-ratio must be greater than 0" in capsys.readouterr().err
