@@ -196,7 +196,9 @@ def scene(rho, mu_plus, mu_minus, load, *, table=False):
     path = np.zeros(11)  # a slot through the axis: the kernels read its distance
     absent = (0.0,) * (len(Scene._fields) - 5 - len(numbers))
     constant = np.array([0.0, 0.0, 1.0]), 0.0
-    return Scene(Path(table, path), nothing, 0.0, *constant, *numbers, *absent)
+    found = Scene(Path(table, path), nothing, 0.0, *constant, *numbers, *absent)
+    trains = {"barrel_efficiency": 1.0, "load_train_efficiency": 1.0}
+    return found._replace(gain=1.0, flow=-1.0, **trains)
 
 
 def test_kernels_follow_the_lagrangian(dimensionless):

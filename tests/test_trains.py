@@ -152,3 +152,84 @@ def test_what_cannot_be_is_refused_in_one_line(capsys):
     words = "run --torque 1 --driver-inertia 1 --follower-inertia 1 --load-train-ratio -2"
     assert main(words.split()) == 2
     assert "load-train-ratio must be greater than 0" in capsys.readouterr().err
+
+
+MEYER = 0.45359237 * 9.80665 * 0.0254  # one in-lbf [N m]
+
+
+def worked(barrel=0.8, train=0.9, **numbers):
+    """Four slots, friction 0.30, K = 0.10 in-lbf behind a barrel of ratio 5."""
+    follower, torque = 50e-6 * MEYER, 0.10 * MEYER
+    own = esc.Inertia(3e-6 * MEYER, follower)
+    model = {
+        "torque": 5.0 * torque / 0.8,
+        "friction": 0.30,
+        "load_torque": 0.01 * torque,
+        **numbers,
+    }
+    return esc.Escapement(
+        esc.Geneva(4), own, **model, barrel=esc.Train(5.0, barrel, 1.5 * follower),
+        load_train=esc.Train(3.0, train, 0.01 * follower),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_the_worked_example_with_losses(engine):
+    """Reference: two methods of others, who agree to 3e-9, gave these numbers."""
+    found = esc.terminal(worked(), engine=engine)
+    assert found.period == pytest.approx(0.0423001965, rel=3e-9)
+    assert found.velocity_max == pytest.approx(111.684289, rel=1e-8)
+    assert found.velocity_min == pytest.approx(17.9581900, rel=1e-8)
+
+
+def test_engines_agree_where_power_turns_back():
+    """With a heavy barrel the driver pushes it back; with a load train the follower does."""
+    rng = np.random.default_rng(1973)
+    turned_back = set()
+    for _ in range(12):
+        numbers = {"friction": rng.uniform(0.0, 0.3), "spring_rate": rng.choice([0.0, 2e-3])}
+        timer = worked(barrel=rng.uniform(0.6, 1.0), train=rng.uniform(0.6, 1.0), **numbers)
+        timer = esc.Escapement(
+            esc.Geneva(int(rng.integers(3, 8))), timer.inertia, timer.torque, **numbers,
+            load_torque=rng.choice([0.0, 1e-4]), load_train=timer.load_train,
+            barrel=esc.Train(5.0, timer.barrel.efficiency, timer.barrel.inertia * 10.0**rng.uniform(0, 2)),
+        )  # fmt: skip
+        fast, slow = (esc.simulate(timer, 4, engine=name) for name in ("energy", "ivp"))
+        assert fast.status is slow.status
+        np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-9)
+        np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-9)
+        assert fast.reversals.time.size == slow.reversals.time.size
+        assert abs(fast.ledger.residual) < 1e-12
+        np.testing.assert_allclose(fast.flow_changes.time, slow.flow_changes.time, rtol=1e-6)
+        turned_back |= {*fast.flow_changes.train.tolist()}
+    assert turned_back == {"barrel", "load_train"}
+
+
+def test_every_train_takes_its_share():
+    """At each instant a mesh passes eta of what reaches it, forwards or backwards."""
+    timer = worked(barrel=0.7, train=0.8)
+    motion = esc.simulate(timer, 6)
+    state = motion.at(np.linspace(0.02, 0.98, 301) * motion.end_time)
+    reaches = timer.torque / 5.0 - timer.barrel.inertia / 25.0 * state.theta_ddot
+    taken = np.where(reaches > 0.0, 0.3, 1.0 / 0.7 - 1.0) * np.abs(reaches) * state.theta_dot
+    np.testing.assert_allclose(state.power_lost["barrel"], taken, rtol=1e-9)
+    asked = 3.0 * timer.load_torque + 9.0 * timer.load_train.inertia * state.phi_ddot
+    taken = np.where(asked > 0.0, 1.0 / 0.8 - 1.0, 0.2) * np.abs(asked) * state.phi_dot
+    np.testing.assert_allclose(state.power_lost["load_train"], taken, rtol=1e-9, atol=1e-15)
+    driver = timer.inertia.driver * state.theta_ddot
+    passes = np.where(reaches > 0.0, 0.7, 1.0 / 0.7) * reaches
+    slid = state.power_lost["friction"] / state.theta_dot
+    ratio = state.phi_dot / state.theta_dot
+    np.testing.assert_allclose(passes - driver, ratio * state.contact_moment + slid, atol=1e-12)
+
+
+def test_losses_in_trains_are_refused_where_they_are_not_computed():
+    with pytest.raises(InvalidValue, match=r"^barrel_efficiency must be 1 for exact derivatives"):
+        esc.sensitivities(worked())
+    with pytest.raises(InvalidValue, match=r"^barrel_efficiency must be 1 with viscous drag and a"):
+        worked(spring_rate=1e-3, driver_viscous=1e-9)
+    wheel = esc.Geneva(4, crank_radius=0.02, centre_distance_error=1e-6)
+    with pytest.raises(
+        InvalidValue, match=r"^barrel_efficiency must be 1 with errors of the parts"
+    ):
+        esc.Escapement(wheel, OWN, 0.01, barrel=esc.Train(5.0, 0.8))

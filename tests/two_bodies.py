@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 import escapement as esc
-from escapement import dynamics
+from escapement import dynamics, tabulation
 from escapement.painleve import friction_limits
 
 BOTH = (1.0, -1.0)
@@ -246,9 +246,10 @@ def law(drive, theta, speed, side, engagement=0):
     w = np.array([(speed * drive.time_unit) ** 2])
     table, losses = np.empty((5, 1)), np.empty((1 + len(dynamics.LOSSES), 1))
     place = drive.scenes[engagement], np.array([theta]), np.zeros(1), w, side
-    dynamics.tabulate(*place, table)
-    dynamics.tabulate_losses(*place, losses)
-    lost = dict(zip(dynamics.LOSSES, drive.torque * speed * losses[1:, 0], strict=True))
+    tabulation.tabulate(*place, table)
+    tabulation.tabulate_losses(*place, losses)
+    own = dynamics.LOSSES[:5]  # there are no trains
+    lost = dict(zip(own, drive.torque * speed * losses[1:6, 0], strict=True))
     force = losses[0, 0] * drive.torque / drive.mechanism.crank_radius
     return table[2, 0] / drive.time_unit**2, force, lost, table[4, 0]
 

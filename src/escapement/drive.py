@@ -67,15 +67,16 @@ def _first_behind(turned, scene):
 def torque_after(turned, scene):
     """Torque after an angle turned since the start, and its slope by the angle."""
     if is_constant(scene):
-        return scene.torque[2], 0.0
+        return scene.gain * scene.torque[2], 0.0
     count = knots_of(scene)
     angles, torques = scene.torque[1 : 1 + count], scene.torque[1 + count :]
     turned -= _lap(turned, scene)
     k = _first_behind(turned, scene)
     if k == 0 or k == count:
-        return torques[max(k - 1, 0)], 0.0
+        return scene.gain * torques[max(k - 1, 0)], 0.0
     slope = (torques[k] - torques[k - 1]) / (angles[k] - angles[k - 1])
-    return torques[k - 1] + slope * (turned - angles[k - 1]), slope
+    torque = torques[k - 1] + slope * (turned - angles[k - 1])
+    return scene.gain * torque, scene.gain * slope
 
 
 @inner_jit

@@ -41,13 +41,16 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
-from escapement.drive import REST, is_spent, torque_after
+from escapement.drive import REST, is_spent
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
 
-LOSSES = ("friction", "driver_bearing", "follower_bearing", "driver_drag", "follower_drag")
-"""Where work is lost: in the slot or the mesh, in the bearings, and to the air or to oil."""
+LOSSES = (
+    *("friction", "driver_bearing", "follower_bearing", "driver_drag", "follower_drag"),
+    *("barrel", "load_train"),
+)
+"""Where work is lost: in the slot or the mesh, in the bearings, to the air or to oil, in trains."""
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -86,7 +89,8 @@ def is_drag_free(scene):
 def is_lossless(scene):
     """Whether no loss grows with the speed: every engagement then adds the same energy."""
     losses = scene.mu_plus + scene.driver_journal + scene.follower_journal
-    return losses == 0.0 and is_drag_free(scene)
+    trains = scene.barrel_efficiency == scene.load_train_efficiency == 1.0
+    return losses == 0.0 and is_drag_free(scene) and trains
 
 
 @inner_jit
@@ -245,7 +249,7 @@ def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene):
 
 @inner_jit
 def losses_per_angle(g, u, radius, k, pull, w, side, scene, way=0.0, turn=0.0):
-    """Contact force N, and the work lost per driver angle in each of `LOSSES`."""
+    """Contact force N, and the work lost per driver angle in each of `LOSSES` but the trains."""
     ratio = sign_of(g, turn) * g
     root = np.sqrt(max(w, 0.0))
     force = slot = at_driver = at_follower = 0.0
@@ -310,37 +314,3 @@ def rest_speed(theta, side, scene):
         return 0.0
     g = bent_pose(theta, side, scene)[0]
     return np.sqrt(REST * scene.rho / (scene.rho + g * g))
-
-
-@jit
-def tabulate(scene, theta, turned, w, side, out):
-    """Fill out[0:5] with g, g', theta_ddot, contact moment N h and X at each angle.
-
-    `turned` are the driver angles turned since the start of the motion.
-    """
-    for i in range(theta.size):
-        g, c, k = bent_pose(theta[i], side, scene)
-        pull = torque_after(turned[i], scene)[0] - scene.bearing
-        root, inertia = root_of(w[i], scene), reduced_inertia(g, c, scene)
-        out[0, i] = g
-        out[1, i] = k - scene.follower_drag * (g * abs(g))
-        out[2, i] = net_torque(g, c, k, pull, w[i], root, scene) / inertia
-        # in a dwell nothing touches
-        out[4, i] = contact(g, k, pull, w[i], root, scene) if side != 0.0 else 0.0
-        out[3, i] = out[4, i] / inertia
-
-
-@jit
-def tabulate_losses(scene, theta, turned, w, side, out):
-    """Fill out[0] with the contact force N and out[1:] with each of `LOSSES` per driver angle.
-
-    `side` is 0 in a dwell. The force is in units of torque over the path's unit of length.
-    """
-    for i in range(theta.size):
-        g = u = k = radius = 0.0
-        if side != 0.0:
-            g, u, dg, radius = pose_at(scene.path, theta[i])
-            k = dragged_slope(g, dg, scene)
-        pull = torque_after(turned[i], scene)[0] - scene.bearing
-        row = losses_per_angle(g, u, radius, k, pull, w[i], side, scene)
-        out[0, i], out[1, i], out[2, i], out[3, i], out[4, i], out[5, i] = row

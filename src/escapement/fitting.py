@@ -85,6 +85,23 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], train
         raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
 
 
+def check_trains(owner: Any, running_down: bool) -> None:
+    """Refuse trains that lose power where no engine computes them.
+
+    running_down : whether the torque of the drive may come to an end.
+    """
+    for place in ("barrel", "load_train"):
+        train = getattr(owner, place)
+        if train is None or train.efficiency == 1.0:
+            continue
+        name, value = f"{place}_efficiency", train.efficiency
+        if not getattr(owner.mechanism, "perfect", True):
+            raise validate.fail(name, "1 with errors of the parts", value, "leave out one of them")
+        if running_down and (owner.driver_viscous or owner.follower_viscous):
+            rule = "1 with viscous drag and a spring that runs down"
+            raise validate.fail(name, rule, value, "leave out one of them")
+
+
 @per_class
 def _numbers_of_contact(owner: type) -> list[Quantity]:
     """What only a slot has, or only a mesh."""

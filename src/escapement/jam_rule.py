@@ -14,9 +14,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from escapement import validate
-from escapement.dynamics import tabulate
 from escapement.model import Escapement
 from escapement.painleve import friction_limits, margin
+from escapement.tabulation import tabulate
 from escapement.text import Shown
 
 _MOST = 200

@@ -20,8 +20,8 @@ class Ledger(Shown):
     work is that of the drive, which a spring gives of the energy that it holds. It is
     kinetic + load + elastic + all that is lost, up to `residual`, which is a share of the work or
     of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
-    the slot or the mesh, into either bearing, into drag on either body and into blows. elastic is
-    what walls that yield hold at the end more than at the start.
+    the slot or the mesh, into either bearing, into drag on either body, into trains and into
+    blows. elastic is what walls that yield hold at the end more than at the start.
     """
 
     _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES, "blows", "elastic"), "J")
@@ -34,6 +34,8 @@ class Ledger(Shown):
     follower_bearing: float
     driver_drag: float
     follower_drag: float
+    barrel: float
+    load_train: float
     blows: float
     residual: float
     elastic: float = 0.0

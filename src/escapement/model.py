@@ -16,6 +16,7 @@ from escapement.fitting import (
     check_contact,
     check_lengths,
     check_losses,
+    check_trains,
 )
 from escapement.lazy import Lazy
 from escapement.mechanism import FloatArray, Mechanism, checked, meetings_of
@@ -217,6 +218,7 @@ class Escapement(Declared):
         self._check_curve()
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
+        check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self), self.without_trains is not self)
 
     def _check_curve(self) -> None:

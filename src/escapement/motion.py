@@ -15,14 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.dynamics import LOSSES, tabulate, tabulate_losses
+from escapement.dynamics import LOSSES
 from escapement.errors import InvalidValue
+from escapement.flow_changes import FlowChanges, flow_changes_of
 from escapement.handoffs import blows_among, handoffs_of, slide_changes_of
 from escapement.ledger import Ledger, ledger_of
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.painleve import painleve_message
 from escapement.status import Status
+from escapement.tabulation import tabulate, tabulate_losses
 from escapement.text import Shown
 from escapement.trajectory import Events, Extrema, Handoffs, Impacts, NoTrajectory, Trajectory
 from escapement.validate import fail
@@ -149,6 +151,11 @@ class Motion(Shown):
         There it crosses the line of centres; of a pin without width that is dead centre.
         """
         return slide_changes_of(self)
+
+    @cached_property
+    def flow_changes(self) -> FlowChanges:
+        """Every instant at which the power through a train turns back, or forward again."""
+        return flow_changes_of(self)
 
     def at(self, t: ArrayLike) -> State:
         """State at any times within the motion [s].

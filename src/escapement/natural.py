@@ -37,12 +37,20 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
         "load": values["load_torque"] / torque,
         "bearing": values["driver_bearing_torque"] / torque,
     }
+    none = 0.0 * found["load"]
+    found |= {"gain": none + 1.0, "flow": none - 1.0}
+    for name, far in (("barrel", -2.0), ("load_train", 2.0)):
+        # the far shaft of a barrel's train turns slower, that of the other one faster
+        ratio, inertia = values.get(f"{name}_ratio"), values.get(f"{name}_inertia")
+        share = none if ratio is None or inertia is None else inertia * ratio**far / follower
+        given = values.get(f"{name}_efficiency")
+        found |= {name: share, f"{name}_efficiency": none + (1.0 if given is None else given)}
     for body in ("driver", "follower"):
         found[f"{body}_drag"] = values[f"{body}_drag"] / follower
         found[f"{body}_viscous"] = values[f"{body}_viscous"] / (follower * torque) ** 0.5
     if meshed:
         losses = 1.0 / values["efficiency"] - 1.0, 1.0 - values["efficiency"]
-        return found | dict(zip(_SLOT, (*losses, *(0.0 * found["load"],) * 3), strict=True))
+        return found | dict(zip(_SLOT, (*losses, *(none,) * 3), strict=True))
     friction, pin = rolling(values)
     # without a length all radii are 0
     length = np.where(np.asarray(values["crank_radius"]) > 0.0, values["crank_radius"], 1.0)

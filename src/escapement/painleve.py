@@ -18,6 +18,7 @@ from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import circle, pose_at, transmission, transmission_at
 from escapement.model import Escapement, Inertia
 from escapement.natural import slid
+from escapement.power_flow import FLOWS, in_flow, is_lossy, scene_in_flow
 from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
 
@@ -132,7 +133,18 @@ def least_margin(scene, low, high):
 
 @inner_jit
 def beyond_painleve(scene):
-    """Whether friction is at or above the Painleve limit.
+    """Whether friction is at or above the Painleve limit, in any flow of power through trains."""
+    if not is_lossy(scene):
+        return _beyond(scene)
+    count = 0
+    for i in range(FLOWS):
+        count += _beyond(in_flow(scene, float(i)))
+    return count > 0
+
+
+@inner_jit
+def _beyond(scene):
+    """Whether friction is at or above the Painleve limit of a scene.
 
     (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| is at most the radius of the circle that
     (g, u) runs on. This bound settles most scenes. For most others the stationary g on the
@@ -187,7 +199,7 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
     """
     kept = escapement.kept
     if _LIMITS not in kept:
-        scenes = escapement.scenes
+        scenes = _flows_of(escapement)
         if all(as_python(is_ideal)(scene) for scene in scenes):
             ends = [(scene.path, scene.rho, scene.edges[0], scene.edges[-1]) for scene in scenes]
             kept[_LIMITS] = (min(painleve_limit(*row)[0] for row in ends),) * 2
@@ -197,12 +209,19 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
     return found
 
 
+def _flows_of(escapement: Escapement) -> list[Scene]:
+    """The scenes of an escapement, each in every flow of power through trains that lose some."""
+    if not as_python(is_lossy)(escapement.scene):
+        return [*escapement.scenes]
+    return [scene_in_flow(scene, float(i)) for scene in escapement.scenes for i in range(FLOWS)]
+
+
 @inner_jit
 def _rubbed(scene, friction):
     """The scene with another friction in the slot, on which the bearings' share depends."""
     more = np.hypot(1.0, friction) / np.hypot(1.0, scene.mu_minus)
     journals = scene.driver_journal * more, scene.follower_journal * more
-    return Scene(*scene[:6], friction, friction, *scene[8:15], *journals)
+    return Scene(*scene[:6], friction, friction, *scene[8:15], *journals, *scene[17:])
 
 
 @jit
@@ -242,7 +261,7 @@ def _friction_limit(scene, low, high, most):
 def _limit(escapement: Escapement, before: bool) -> float:
     """Least friction at which the margin vanishes before or behind a dead centre."""
     most = GREATEST
-    for scene in escapement.scenes:
+    for scene in _flows_of(escapement):
         ends = (scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])
         most = float(_friction_limit(scene, *ends, most))
     return slid(vars(escapement.mechanism), most) if most < GREATEST else float("inf")
@@ -278,7 +297,7 @@ def painleve_message(escapement: Escapement) -> str | None:
     limit, friction = friction_limits(escapement)[0], escapement.friction
     if friction < limit:
         return None
-    scenes = escapement.scenes
+    scenes, count = _flows_of(escapement), len(escapement.scenes)
     if len(scenes) == 1 and as_python(is_ideal)(scenes[0]):
         angle, k = (
             critical_angle(escapement.mechanism, escapement.without_trains.inertia, friction),
@@ -290,7 +309,7 @@ def painleve_message(escapement: Escapement) -> str | None:
         found = ((x, k) for x, k, scene in places if not margin(x, scene) > 0.0)
         angle, k = next(found, (0.0, 0))
     wheel: Any = escapement.mechanism
-    where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if len(scenes) > 1 else ""
+    where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if count > 1 else ""
     return (
         f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
         f"{np.degrees(angle):.3f} degrees from dead centre{where}: no unique rigid motion exists"

@@ -63,6 +63,11 @@ class Scene(NamedTuple):
     pin : radius of the pin, or of its roller, in the path's unit of length.
     driver_journal, follower_journal : friction of the bearings over the force in the contact,
         mu_b r_b sqrt(1 + mu^2), in the path's unit of length.
+    gain : factor on the torque; 1 but in `power_flow`.
+    flow : in which directions power flows through trains that lose some, see `power_flow`.
+    barrel, load_train : inertias of barrel and last shaft that driver and follower see, over I_f;
+        rho and I_f contain them.
+    barrel_efficiency, load_train_efficiency : of their trains.
     """
 
     path: Path
@@ -82,6 +87,12 @@ class Scene(NamedTuple):
     pin: float
     driver_journal: float
     follower_journal: float
+    gain: float
+    flow: float
+    barrel: float
+    barrel_efficiency: float
+    load_train: float
+    load_train_efficiency: float
 
 
 class Joint(NamedTuple):

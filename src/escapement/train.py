@@ -2,7 +2,8 @@
 
 A train with ratio i turns its far shaft slower by i where it is a barrel's, which drives the
 driver, and faster by i where it is behind the follower. One that loses nothing is the same as an
-escapement with other numbers, those that its driver and its follower see: see `seen`.
+escapement with other numbers, those that its driver and its follower see: see `seen`. What one
+loses that does lose some depends on the direction of its power: see `power_flow`.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Train(Declared):
         Turns of the faster end over turns of the slower one [-], > 0: driver turns per barrel
         turn, or turns of the last shaft per follower turn.
     efficiency : float
-        Share of the power that the train passes on [-]; 1, a train without losses, so far.
+        Share of the power that the train passes on, either way [-], in [0.001, 1].
     inertia : float
         Moment of inertia of the far shaft, barrel or last shaft [kg m^2], >= 0.
 
@@ -41,8 +42,8 @@ class Train(Declared):
         metavar="I", remedy="give for example 5"
     ))  # fmt: skip
     efficiency: float = field(default=1.0, metadata=quantity(
-        "share of the power that the {} passes on", metavar="E", minimum=1.0, maximum=1.0,
-        remedy="give 1, for a train without losses"
+        "share of the power that the {} passes on", metavar="E", minimum=1e-3, maximum=1.0,
+        remedy="give a share of 1, 1 for no loss"
     ))  # fmt: skip
     inertia: float = field(default=0.0, metadata=quantity(
         "moment of inertia of the far shaft of the {}", "inertia",

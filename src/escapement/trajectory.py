@@ -111,7 +111,7 @@ class Trajectory(Protocol):
 
     @property
     def losses(self) -> FloatArray:
-        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
+        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (7, n)."""
 
     @property
     def reversals(self) -> Events:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement import simulation
+from escapement import simulation, validate
 from escapement.errors import InvalidValue
 from escapement.metrics import Figures
 from escapement.model import Escapement
@@ -79,6 +79,11 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
     InvalidValue
         Where there is no terminal cycle; the message gives the reason.
     """
+    for place, train in (("barrel", escapement.barrel), ("load_train", escapement.load_train)):
+        if train is not None and train.efficiency < 1.0:
+            remedy = "compare two designs by terminal"
+            rule = "1 for exact derivatives"
+            raise validate.fail(f"{place}_efficiency", rule, train.efficiency, remedy)
     figures = simulation.terminal(escapement)
     if figures.status is not Status.OK or figures.motion is None:
         raise InvalidValue(f"escapement must have a terminal cycle: {figures.message}")

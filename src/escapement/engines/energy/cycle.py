@@ -19,6 +19,7 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
 from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
+from escapement.power_flow import is_lossy
 
 COLUMNS = (
     *("velocity_max", "velocity_min", "period", "handoff_velocity", "contraction"),
@@ -122,7 +123,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
     loose, strict = tolerances(rtol)
     to_follow, longer = 0, FOLLOWED
     # with a load or drag two reversals may lie in one panel, and a march for the map misses them
-    alone = scene.load == 0.0 and is_drag_free(scene)
+    alone = scene.load == 0.0 and is_drag_free(scene) and not is_lossy(scene)
     far_detail = np.int64(Detail.MAP if alone else Detail.TIME)
     near = False
     for _ in range(MAX_ENGAGEMENTS):

@@ -25,6 +25,7 @@ from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.gauss import POINTS, N, cumulate, dot
 from escapement.jit import inner_jit
+from escapement.power_flow import in_flow, is_lossy
 
 
 class EventKind(IntEnum):
@@ -51,6 +52,7 @@ EVENT = record_dtype(
         # too coarse for interpolation, s, E at the left end, the point behind the extremum,
         # and J theta_ddot at the left end and at x = high
         **{"half": NUMBER, "coarse": FLAG, "side": NUMBER, "left_energy": NUMBER},
+        "flow": NUMBER,  # of the scene, see `power_flow`
         **{"point": WHOLE, "first": NUMBER, "final": NUMBER, "high": NUMBER},
         # copies of these rows of the workspace
         **dict.fromkeys(("energy", "net_torque", "slowness"), ROW),
@@ -116,7 +118,7 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
     event.exact, event.coarse, event.point = False, found.coarse, found.point
     # as everywhere, 0 stands for a dwell
     event.side = 0.0 if panel.locked else found.side
-    event.left_energy = found.energy
+    event.left_energy, event.flow = found.energy, scene.flow
     event.first, event.final, event.high = found.first, found.final, high
     count = panels.points_of(work)
     copy_row(event.energy, work.energy, count)
@@ -157,6 +159,8 @@ def refine(scene, store, events, i):
     work, event = store.workspace[0], events[i]
     if event.exact:
         return
+    if is_lossy(scene):
+        scene = in_flow(scene, event.flow)
     x, slope = locate(work, event.net_torque, event.point, event.first, event.final, event.high)
     angle = event.angle + event.half * (1.0 + x)
     elapsed, energy = _up_to(scene, work, event, x, angle)

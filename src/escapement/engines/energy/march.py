@@ -34,6 +34,8 @@ from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, FIRST_POI
 from escapement.engines.energy.solve import slope_of_w, solve_side, solve_start
 from escapement.gauss import N
 from escapement.jit import inner_jit
+from escapement.mechanisms.slotted import transmission_at
+from escapement.power_flow import flowing, is_lossy
 from escapement.status import Status
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
@@ -72,6 +74,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     Engagement
     """
     # where the torque has a knot in this cell, the chain is for this cell alone
+    own, lossy = scene, is_lossy(scene)
     knotted = has_knot(scene)
     if knotted or count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
         count = panels.lay_out(scene, cells, store, request.loose)
@@ -79,14 +82,26 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     first = store.panels[panels.FIRST_PANEL]
     if first.turned != scene.turned:
         panels.turn_to(store, scene)
+    if lossy:
+        scene = flowing(first.left, 1.0, w, own)
+        panels.fill_again(store, panels.FIRST_PANEL, scene, cells)
     state = _enter(scene, first, w, rising, used)
     # a driver at rest that is not accelerated stays at rest; behind a spent spring one that
     # hardly turns would come to rest after any time
     at_rest = w == 0.0 or (w <= REST and is_spent(first.left, scene))
     if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
         return _found(STALL, state, first.left, 0.0, count)
+    if lossy:
+        # beside the march E is that of the scene without losses in its trains
+        state = _turned(state, first.entry.g, own.rho, scene.rho)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]
+        if lossy:
+            side, before = 0.0 if chained.locked else state.side, scene.rho
+            scene = flowing(chained.left, side, state.w, own)
+            if chained.flow != scene.flow:
+                panels.fill_again(store, state.panel, scene, cells)
+            state = _turned(state, chained.entry.g, before, scene.rho)
         starting = _choose(scene, work, chained, state, request)
         panel = work.spare if starting else chained
         passage = _pass_over(scene, work, panel, starting, state, request)
@@ -105,6 +120,9 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
             return _found(NOT_CONVERGED, state, 0.0, state.time, count)
+    if lossy:
+        g = 0.0 if scene.dwell > 0.0 else transmission_at(scene.path, scene.edges[-1])[0]
+        state = _turned(state, g, scene.rho, own.rho)
     return _found(OK, state, 0.0, state.time, panels.NO_PANELS if knotted else count)
 
 
@@ -124,6 +142,16 @@ def _enter(scene, panel, w, rising, used):
     side = side_at(end.g, end.dg, end.pull, w, scene)
     energy = w * (scene.rho + end.g**2)
     return MarchState(panels.FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
+
+
+@inner_jit(inlined=True)
+def _turned(state, g, rho, after):
+    """MarchState where power turns back through a train, which changes rho in E = (rho + g^2) w."""
+    ratio = (after + g * g) / (rho + g * g)
+    return MarchState(
+        state.panel, state.w, state.w * (after + g * g), state.side, state.rising, state.time,
+        state.exponent - np.log(ratio), ratio * state.source, state.used, state.left_noted,
+    )  # fmt: skip
 
 
 @inner_jit(inlined=True)
@@ -168,7 +196,7 @@ def _pass_over(scene, work, panel, starting, state, request):
             return _stops(panel, way, w, w, time, energy)
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     # the map alone needs no values inside, unless the right end shows a reversal or a stop
-    if split or (request.detail == Detail.MAP and (right > 0.0 or panel.locked) and w_right > 0.0):
+    if split or _map_will_do(scene, panel, request, right, w_right):
         return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     if _turns_free(scene, panel) and w_right > 0.0:
         # the acceleration is constant: the time is the angle over the mean speed
@@ -185,17 +213,28 @@ def _pass_over(scene, work, panel, starting, state, request):
             way = -w / slope_of_w(scene, panel, side, w)
             return _stops(panel, way, w, 0.0, time, energy)
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
+    if sampling.turns_back(scene, work, panel, solution, side, w_right):
+        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
     if not panel.locked and (against > 0 or right <= 0.0):
         split, reversal = _single_reversal(
             work, panel, against, left, right, negligible, starting or tail > request.strict
         )
+        # what turns back behind a reversal would not be seen
+        split |= reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN
     if not split:
         passed, split = _time_over(
             work, panel, solution.noise, w, w_right, left, right, negligible, reversal, request
         )
         time += passed
     return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
+
+
+@inner_jit(inlined=True)
+def _map_will_do(scene, panel, request, right, w_right):
+    """Whether a march for the map needs no values inside a panel."""
+    moves = (right > 0.0 or panel.locked) and w_right > 0.0
+    return request.detail == Detail.MAP and moves and not is_lossy(scene)
 
 
 @inner_jit(inlined=True)

@@ -19,6 +19,7 @@ from escapement.dynamics import dragged_slope, is_ideal
 from escapement.gauss import POINTS, N, tail_of
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, transmission_on
+from escapement.power_flow import is_lossy
 
 NUMBER, WHOLE, FLAG = np.float64, np.int64, np.bool_
 ROW = (NUMBER, (N,))
@@ -74,6 +75,7 @@ PANEL = record_dtype(
         "pull": ROW,  # torque of the drive less that of the bearing at the points
         # slope of that by the angle, and the angle turned before the cell for which it holds
         **dict.fromkeys(("slope", "turned"), NUMBER),
+        "flow": NUMBER,  # the flow of the scene for which it is filled, see `power_flow`
         **dict.fromkeys(("entry", "exit"), END),  # the same at the left and the right end
         **dict.fromkeys(("plus", "minus"), SOLUTION),  # for the sides s = +1 and -1
     }
@@ -104,6 +106,8 @@ class Store(NamedTuple):
 
 
 UNSOLVED = -1.0
+# The flow of a panel that must be filled anew.
+NO_FLOW = -2.0
 # A Python integer would have a type of its own in Numba, which would compile every kernel that
 # is given one a second time; these have the type of all other integers in kernels.
 FIRST_PANEL, CHAIN_END = np.int64(0), np.int64(-1)
@@ -231,6 +235,8 @@ def turn_to(store, scene):
     index = FIRST_PANEL
     while index != CHAIN_END:
         fill_pull(store.panels[index], scene, points_of(store.workspace[0]))
+        # trains pass another share of the torque in each flow
+        store.panels[index].flow = NO_FLOW if is_lossy(scene) else scene.flow
         index = store.panels[index].next
 
 
@@ -261,6 +267,7 @@ def finish_geometry(panel, scene, count):
     largest = max(panel.inverse_inertia[0], panel.inverse_inertia[N - 1])
     panel.geometry_tail = tail_of(panel.inverse_inertia, count) / largest
     fill_pull(panel, scene, count)
+    panel.flow = scene.flow
     panel.plus.tail = UNSOLVED
     panel.minus.tail = UNSOLVED
 
@@ -290,6 +297,17 @@ def halve(scene, cells, store, index, count):
     panel.next = count
     new.kink = False
     return count + 1
+
+
+@inner_jit
+def fill_again(store, index, scene, cells):
+    """Fill the geometry of the panel at `index` for another scene of the same mechanism."""
+    panel = store.panels[index]
+    right = panel.left + 2.0 * panel.half
+    # the sum may round, but an edge of the scene must keep its exact angle
+    if panel.next != CHAIN_END:
+        right = store.panels[panel.next].left
+    fill_geometry(store.workspace[0], panel, scene, cells, panel.left, right)
 
 
 @inner_jit

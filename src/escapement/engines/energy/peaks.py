@@ -19,6 +19,7 @@ from escapement.engines.energy.panels import points_of
 from escapement.gauss import POINTS, N, dot
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
+from escapement.power_flow import weight
 
 PEAKS = ("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max")
 """What is looked for, in the order of the peaks."""
@@ -41,7 +42,8 @@ def _magnitudes(scene, theta, w, side):
     rate = net_torque(g, c, k, pull, w, root, scene) / inertia
     moment = contact(g, k, pull, w, root, scene) / inertia if side != 0.0 else 0.0
     force = losses_per_angle(g, u, radius, k, pull, w, side, scene)[0]
-    return abs(rate), abs(g * rate + dg * w), abs(moment), abs(force)
+    unit = weight(scene)
+    return abs(rate), abs(g * rate + dg * w), unit * abs(moment), unit * abs(force)
 
 
 @inner_jit

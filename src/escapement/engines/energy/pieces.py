@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.drive import cell_after, next_knot
-from escapement.dynamics import LOSSES, left_by_blow, losses_per_angle, scene_of
+from escapement.dynamics import LOSSES, left_by_blow, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
@@ -20,15 +20,17 @@ from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.pattern import scene_in
 from escapement.engines.energy.peaks import raise_peaks
-from escapement.engines.energy.sampling import duration, sample_panel
+from escapement.engines.energy.sampling import duration, sample_panel, turns_back
 from escapement.engines.energy.solve import slope_of_w, solve_side
 from escapement.gauss import WEIGHTS, N, cumulate, dot
 from escapement.jit import inner_jit, jit
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import Handoff
 from escapement.mechanisms.slotted import transmission_at
+from escapement.power_flow import flowing
 from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
+from escapement.tabulation import losses_at
 from escapement.torque_curve import MOST_KNOTS
 
 MOTION_EVENT = record_dtype(
@@ -184,7 +186,8 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
         work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
         # halve the part until the panel over it is fine enough; the right ends of the halves that
         # wait for their turn are kept in `ends`
-        good = _solve(scene, work, panel, part, side, strict)
+        here = flowing(part.left, side, part.w, scene)
+        good = _solve(here, work, panel, part, side, strict)
         panels_solved += 1
         if panels_solved > _MOST_PANELS:
             _forget(part.time, times, theta, squares, losses)
@@ -197,11 +200,11 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
             part = Stretch(part.left, middle, part.time, part.w)
             continue
         solution = panels.solution_of(panel, side)
-        energy = part.w * (scene.rho + panel.entry.g**2)
+        energy = part.w * (here.rho + panel.entry.g**2)
         # over so short a part whose panel is no good, as next to a stop, the time is the angle
         # over the mean speed
         if short and not good:
-            gain = slope_of_w(scene, panel, side, part.w) * (part.right - part.left)
+            gain = slope_of_w(here, panel, side, part.w) * (part.right - part.left)
             after = max(part.w + gain, 0.0)
             length = 2.0 * (part.right - part.left) / (np.sqrt(part.w) + np.sqrt(after))
             for i in range(N):
@@ -210,12 +213,12 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
         else:
             # E = alpha E_left + beta at the right end, and w = E/(rho + g^2), 0 after a stop
             after = solution.alpha_end * energy + solution.beta_end
-            after = max(after / (scene.rho + panel.exit.g**2), 0.0)
+            after = max(after / (here.rho + panel.exit.g**2), 0.0)
             length = duration(work)[0]
-            _read(scene, work, panel, part, length, end, times, theta, squares)
-        _add_losses(scene, work, panel, side, losses)
+            _read(here, work, panel, part, length, end, times, theta, squares)
+        _add_losses(here, work, panel, side, losses)
         if peaks.size > 0 and good:
-            raise_peaks(scene, work, panel, side, (part.w, after), values, peaks)
+            raise_peaks(here, work, panel, side, (part.w, after), values, peaks)
         now = part.time + length
         if after == 0.0:
             # the motion has stopped, and keeps this angle at all later times
@@ -249,7 +252,11 @@ def _solve(scene, work, panel, part, side, strict):
     _against, stopped, _slowing = sample_panel(scene, work, panel, solution, side, energy)
     roughness = duration(work)[1]
     smooth = roughness <= max(strict, solution.noise)
-    return solution.tail <= strict and stopped == 0 and smooth
+    if solution.tail > strict or stopped > 0 or not smooth:
+        return False
+    w_right = solution.alpha_end * energy + solution.beta_end
+    w_right /= scene.rho + panel.exit.g**2
+    return not turns_back(scene, work, panel, solution, side, w_right)
 
 
 @inner_jit
@@ -338,10 +345,10 @@ def _add_losses(scene, work, panel, side, losses):
     """Add the work lost over a panel to each of `losses`."""
     for i in range(N):
         g, u, radius, k = panel.g[i], panel.u[i], panel.radius[i], panel.dg[i]
-        rates = losses_per_angle(g, u, radius, k, panel.pull[i], work.w[i], side, scene)
-        weight = panel.half * WEIGHTS[i]
+        rates = losses_at(g, u, radius, k, panel.pull[i], work.w[i], side, scene)
+        share = panel.half * WEIGHTS[i]
         for j in range(losses.size):
-            losses[j] += weight * rates[j + 1]
+            losses[j] += share * rates[j + 1]
 
 
 @inner_jit

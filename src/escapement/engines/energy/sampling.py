@@ -7,7 +7,7 @@ which of these it asks of which panel.
 
 import numpy as np
 
-from escapement.dynamics import bend, contact, is_viscous, net_torque, root_of
+from escapement.dynamics import bend, contact, is_viscous, net_torque, reduced_inertia, root_of
 from escapement.engines.energy.panels import points_of
 from escapement.gauss import (
     LAST_BUT_ONE_COEFFICIENT,
@@ -17,6 +17,7 @@ from escapement.gauss import (
     N,
 )
 from escapement.jit import inner_jit
+from escapement.power_flow import is_lossy, leaves_flow
 
 # These are the distances in x of an end of the panel from the two points next to it.
 TO_NEAREST, TO_SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])
@@ -28,6 +29,9 @@ NEGLIGIBLE = 1e-12
 # Two reversals in a panel of at most this half width [rad] are so close that they leave the
 # motion as it is, and are not looked for.
 CLOSE_PAIR = 1e-9
+# A panel in which power turns back through a train is halved down to this half width [rad]. There
+# theta_ddot has a corner and does not jump, so that the error of w is of the order of its square.
+NARROW_TURN = 3e-8
 # This is the relative error of a slope at an end that is read from two points.
 SLOPE_ERROR = 0.01
 
@@ -87,6 +91,27 @@ def sample_panel(scene, work, panel, solution, side, energy):
         stopped += not w > 0.0
         slowing += a <= 0.0
     return against, stopped, slowing
+
+
+@inner_jit
+def turns_back(scene, work, panel, solution, side, w_right):
+    """Whether power turns back through a train that loses some, on a panel wide enough to matter.
+
+    The panel is the one just sampled; `w_right` is at its right end.
+    """
+    if not is_lossy(scene) or panel.half <= NARROW_TURN:
+        return False
+    end = panel.exit
+    inertia = reduced_inertia(end.g, bend_at(end, side, scene), scene)
+    rate = net_torque_at(end, side, w_right, scene) / inertia
+    if leaves_flow(end.g, end.dg, rate, end.pull, w_right, scene):
+        return True
+    for i in range(N):
+        g = panel.g[i]
+        rate = work.net_torque[i] / reduced_inertia(g, solution.bend[i], scene)
+        if leaves_flow(g, panel.dg[i], rate, panel.pull[i], work.w[i], scene):
+            return True
+    return False
 
 
 @inner_jit

@@ -162,7 +162,7 @@ class EnergyTrajectory:
 
     @cached_property
     def losses(self) -> FloatArray:
-        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
+        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (7, n)."""
         return self._read_through(0)[0].T * self.escapement.torque_unit
 
     @cached_property

@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from escapement import dynamics
+from escapement import dynamics, tabulation
 from escapement.drive import torque_after, torque_at
 from escapement.dynamics import scene_of
 from escapement.jit import as_python, jit
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.slotted import pose_at
 from escapement.model import Escapement
+from escapement.power_flow import flowing
 from escapement.scene import Scene, scene_tuple
+from escapement.tabulation import losses_at
 
 _GRID = 128
 """Intervals in which the least share of the reduced inertia is looked for."""
@@ -56,6 +58,8 @@ class Law:
             scene.follower_journal,
             scene.driver_drag + scene.driver_viscous,
             scene.follower_drag + scene.follower_viscous,
+            scene.barrel_efficiency < 1.0,
+            scene.load_train_efficiency < 1.0,
         )
         return np.flatnonzero(present)
 
@@ -63,7 +67,7 @@ class Law:
         """The losses that there are, per driver angle."""
         table = np.empty((1 + len(dynamics.LOSSES), 1))
         angle, turned = np.array([theta]), np.array([self.turned(theta)])
-        dynamics.tabulate_losses(self.scene, angle, turned, np.array([w]), side, table)
+        tabulation.tabulate_losses(self.scene, angle, turned, np.array([w]), side, table)
         rates: FloatArray = table[1 + self.losses, 0]
         return rates
 
@@ -98,7 +102,7 @@ class Law:
 
         In a dwell (`side` is 0) there is no contact, and the number is 1.
         """
-        return float(contact_at(theta, w, self.plain)) if side else 1.0
+        return float(contact_at(theta, w, side, self.plain)) if side else 1.0
 
     def signs(self, theta: float, side: float) -> tuple[float, float]:
         """Signs of the sliding speed and of g; 0 of a table, whose mesh has no other sense."""
@@ -117,7 +121,7 @@ class Law:
     ) -> tuple[FloatArray, FloatArray]:
         """Acceleration, and `force`, at many driver angles."""
         table = np.empty((5, theta.size))
-        dynamics.tabulate(self.scene, theta, self.turned(theta), w, side, table)
+        tabulation.tabulate(self.scene, theta, self.turned(theta), w, side, table)
         return table[2], table[4] if side else np.ones(theta.size)
 
 
@@ -134,10 +138,10 @@ def least_share(scene):
 
 
 @jit(allocates=True)
-def contact_at(theta, w, plain):
+def contact_at(theta, w, side, plain):
     """X at a driver angle; solve_ivp asks for it at every step."""
-    scene = scene_of(plain)
-    g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
+    scene = flowing(theta, side, w, scene_of(plain))
+    g, _c, k = dynamics.bent_pose(theta, side, scene)
     pull = torque_at(theta, scene)[0] - scene.bearing
     return dynamics.contact(g, k, pull, w, dynamics.root_of(w, scene), scene)
 
@@ -145,7 +149,7 @@ def contact_at(theta, w, plain):
 @jit(allocates=True)
 def side_from(theta, w, plain):
     """Side of the slot that carries the force from a driver angle on."""
-    scene = scene_of(plain)
+    scene = flowing(theta, 1.0, w, scene_of(plain))
     g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
     pull = torque_at(theta, scene)[0] - scene.bearing
     return dynamics.side_at(g, k, pull, w, scene)
@@ -163,6 +167,7 @@ def slope(x, y, anchor, unit, side, way, turn, losses, plain):
     scene = scene_of(plain)
     out = np.empty(2 + losses.size)
     w, theta = (unit * y[1]) ** 2, anchor + y[0]
+    scene = flowing(theta, side, w, scene)
     g = u = k = c = radius = 0.0
     if side != 0.0:
         g, u, dg, radius = pose_at(scene.path, theta)
@@ -173,7 +178,7 @@ def slope(x, y, anchor, unit, side, way, turn, losses, plain):
     pull = torque_at(theta, scene)[0] - scene.bearing
     net = dynamics.net_torque(g, c, k, pull, w, root, scene)
     out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
-    rates = dynamics.losses_per_angle(g, u, radius, k, pull, w, side, scene, way, turn)
+    rates = losses_at(g, u, radius, k, pull, w, side, scene, way, turn)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics import LOSSES
 from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOCKED, LOST, WALLS
 from escapement.engines.contact.compliant.march import (
     BENDS,
@@ -19,7 +18,7 @@ from escapement.engines.contact.compliant.march import (
     TOUCH,
 )
 from escapement.engines.contact.compliant.rows import TABLE, tabulate
-from escapement.engines.contact.state import COLUMNS, state_from
+from escapement.engines.contact.state import COLUMNS, OWN, every_loss, state_from
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import State
@@ -96,7 +95,7 @@ class CompliantTrajectory(Held):
         mode = table[first, MODE]
         self.sign: FloatArray = np.where(mode == LOCKED, 0.0, mode)
         gained = (table[last, FIRST:BENDS] - table[first, FIRST:BENDS]).T
-        self.losses: FloatArray = gained[LOST : LOST + len(LOSSES)] * torque
+        self.losses: FloatArray = every_loss(gained[LOST : LOST + len(OWN)] * torque)
         self.load_work: FloatArray = gained[LOAD] * torque
 
     def states_at(self, pieces: Any, t: FloatArray) -> State:
@@ -108,7 +107,7 @@ class CompliantTrajectory(Held):
             np.searchsorted(time, times, side="right") - 1, first[owners], last[owners] - 1
         )
         times = np.clip(times, time[which], time[which + 1])
-        table = self.rows.at(which, times)[: len(COLUMNS) + len(LOSSES)]
+        table = self.rows.at(which, times)[: len(COLUMNS) + len(OWN)]
         return state_from(self.rows.escapement, t, table)
 
     def _events(

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics import LOSSES
 from escapement.engines.contact.rigid.engagement import (
     BLOW,
     EXTREMUM,
@@ -19,7 +18,7 @@ from escapement.engines.contact.rigid.engagement import (
 )
 from escapement.engines.contact.rigid.march import march
 from escapement.engines.contact.rigid.trace import LOST, TABLE, trace
-from escapement.engines.contact.state import state_from
+from escapement.engines.contact.state import OWN, every_loss, state_from
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import State
@@ -153,8 +152,8 @@ class RigidTrajectory(Held):
 
     @property
     def losses(self) -> FloatArray:
-        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (5, n)."""
-        return self._work[:, : len(LOSSES)].T
+        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (7, n)."""
+        return every_loss(self._work[:, : len(OWN)].T)
 
     @property
     def load_work(self) -> FloatArray:

@@ -87,7 +87,7 @@ def wall_scene(case, side, theta, way):
         way * scene.mu_plus, way * scene.mu_minus, way * load, way * scene.bearing,
         way * scene.driver_drag, way * scene.follower_drag, way * scene.driver_viscous,
         way * scene.follower_viscous, scene.pin, way * scene.driver_journal,
-        way * scene.follower_journal,
+        way * scene.follower_journal, *scene[17:],
     )  # fmt: skip
 
 

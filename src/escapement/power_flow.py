@@ -1,0 +1,136 @@
+"""Gear trains that lose power: what driver and follower see of them depends on its direction.
+
+A barrel passes eta q of the torque q = T - I_b theta_ddot that reaches its mesh with the driver
+where it drives, q > 0, and takes q/eta from the driver where that drives it. The train behind the
+follower costs z/eta_l where it takes z = M + I_l phi_ddot, z > 0, and gives eta_l z back where it
+drives the follower. With the factors e_b = eta or 1/eta, and e_l = 1/eta_l or eta_l, either is an
+escapement without trains, of driver inertia I_d + e_b I_b, torque e_b T, follower inertia
+I_f + e_l I_l and load e_l M: see `in_flow`. Which of the four combinations holds follows from the
+signs of q and z that it gives itself. theta_ddot is the root of one function that is continuous,
+linear between the places where a sign changes, and increasing below the Painleve limit of every
+combination; therefore one combination holds, and theta_ddot does not jump where it changes.
+
+Inertias and torques are as the driver and the follower see them, in natural units; those of a
+`Scene` contain what the trains carry as if nothing were lost.
+"""
+
+import numpy as np
+
+from escapement.drive import torque_at
+from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
+from escapement.jit import inner_jit, jit
+from escapement.scene import Scene
+
+UNKNOWN = -1.0
+"""The flow of a scene that holds what both trains carry as if nothing were lost."""
+FLOWS = 4
+"""Combinations of signs: 1 is added where q < 0, and 2 where z < 0."""
+
+
+@inner_jit
+def is_lossy(scene):
+    """Whether a train of a scene loses power."""
+    return scene.barrel_efficiency < 1.0 or scene.load_train_efficiency < 1.0
+
+
+@inner_jit
+def factors(flow, scene):
+    """e_b and e_l of a flow."""
+    back, given = flow == 1.0 or flow == 3.0, flow >= 2.0
+    barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
+    return 1.0 / barrel if back else barrel, train if given else 1.0 / train
+
+
+@inner_jit
+def weight(scene):
+    """Follower inertia of a scene of one flow over that of the scene it was made of."""
+    if scene.flow == UNKNOWN:
+        return 1.0
+    return 1.0 + (factors(scene.flow, scene)[1] - 1.0) * scene.load_train
+
+
+@inner_jit(inlined=True)
+def in_flow(scene, flow):
+    """The scene of one flow, by its number, as if there were no trains.
+
+    Its unit of inertia is its own follower's, and its unit of time that of the scene it is made of:
+    torques and moments of `dynamics` are by `weight` too small.
+    """
+    barrel, train = factors(flow, scene)
+    unit = 1.0 / (1.0 + (train - 1.0) * scene.load_train)
+    return Scene(
+        scene.path, scene.edges, scene.dwell, scene.torque, scene.turned,
+        unit * (scene.rho + (barrel - 1.0) * scene.barrel), scene.mu_plus, scene.mu_minus,
+        unit * train * scene.load, unit * scene.bearing, unit * scene.driver_drag,
+        unit * scene.follower_drag, unit * scene.driver_viscous, unit * scene.follower_viscous,
+        scene.pin, scene.driver_journal, scene.follower_journal, unit * barrel, flow,
+        scene.barrel, scene.barrel_efficiency, scene.load_train, scene.load_train_efficiency,
+    )  # fmt: skip
+
+
+@jit(allocates=True)
+def scene_in_flow(scene, flow):
+    """As `in_flow`, for Python."""
+    return in_flow(scene, flow)
+
+
+@inner_jit
+def through_trains(g, dg, rate, torque, w, scene):
+    """q and z at a driver acceleration: what reaches either mesh; `torque` is T."""
+    load = scene.load
+    if scene.flow != UNKNOWN:
+        load *= weight(scene) / factors(scene.flow, scene)[1]
+    return torque - scene.barrel * rate, load + scene.load_train * (g * rate + dg * w)
+
+
+@inner_jit
+def _misses(flow, q, z):
+    """How far q and z have other signs than a flow says."""
+    back, given = flow == 1.0 or flow == 3.0, flow >= 2.0
+    return max(q if back else -q, z if given else -z, 0.0)
+
+
+@jit
+def flow_at(theta, side, w, scene):
+    """The flow at a driver angle while the side s carries the force, 0 in a dwell."""
+    torque, best, least = torque_at(theta, scene)[0], 0.0, np.inf
+    for i in range(FLOWS):
+        flow = float(i)
+        here = in_flow(scene, flow)
+        g, c, k = bent_pose(theta, side, here)
+        pull = torque_at(theta, here)[0] - here.bearing
+        rate = net_torque(g, c, k, pull, w, root_of(w, here), here)
+        rate /= reduced_inertia(g, c, here)
+        dg = k - here.follower_drag * (g * abs(g))
+        q, z = through_trains(g, dg, rate, torque, w, scene)
+        missed = _misses(flow, q, z)
+        if missed < least:
+            best, least = flow, missed
+    return best
+
+
+@inner_jit(inlined=True)
+def flowing(theta, side, w, scene):
+    """The scene of the flow at a driver angle; a scene whose trains lose nothing is its own."""
+    return in_flow(scene, flow_at(theta, side, w, scene)) if is_lossy(scene) else scene
+
+
+@inner_jit
+def leaves_flow(g, k, rate, pull, w, scene):
+    """Whether q or z has another sign, beyond rounding, than the flow of a scene says.
+
+    `pull` is that of the drive, less the bearing's torque, in this scene.
+    """
+    barrel = factors(scene.flow, scene)[0]
+    torque = (pull + scene.bearing) * weight(scene) / barrel
+    dg = k - scene.follower_drag * (g * abs(g))
+    q, z = through_trains(g, dg, rate, torque, w, scene)
+    return _misses(scene.flow, q, z) > 1e-12 * (1.0 + w)
+
+
+@inner_jit
+def train_losses(g, dg, rate, torque, w, scene):
+    """Work lost per driver angle in the barrel's train and in that of the load."""
+    barrel, train = factors(scene.flow, scene)
+    q, z = through_trains(g, dg, rate, torque, w, scene)
+    return (1.0 - barrel) * q, (train - 1.0) * z * g
