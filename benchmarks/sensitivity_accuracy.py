@@ -14,27 +14,13 @@ from pathlib import Path
 from random import Random
 
 import escapement as esc
+from escapement.tolerance.differences import with_number
 from escapement.tolerance.law import numbers_of
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "sensitivity_accuracy.csv"
 FOLLOWER = 5e-6
 LENGTHS = ("crank_radius", "pin_radius", "centre_distance_error")
-
-
-def with_number(timer, name, value):
-    """The escapement with another value of one number."""
-    if name.endswith("_inertia"):
-        own = replace(timer.inertia, **{name.removesuffix("_inertia"): value})
-        return replace(timer, inertia=own)
-    if name[-1].isdigit():
-        key, place = name.rsplit("_", 1)
-        values = list(getattr(timer.mechanism, key))
-        values[int(place)] = value
-        name, value = key, tuple(values)
-    if hasattr(timer.mechanism, name):
-        return replace(timer, mechanism=replace(timer.mechanism, **{name: value}))
-    return replace(timer, **{name: value})
 
 
 def random_design(random):

@@ -12,6 +12,7 @@ import escapement as esc
 from escapement.cli import main
 from escapement.errors import InvalidValue
 from escapement.study.varied import unit_cube
+from escapement.tolerance.differences import with_number
 from escapement.tolerance.dual import Dual
 from escapement.tolerance.indices import sobol_indices
 
@@ -27,24 +28,10 @@ ERRORS = {
 }  # fmt: skip
 
 
-def changed(timer, name, value):
-    """The escapement with another value of one number."""
-    if name == "driver_inertia":
-        return replace(timer, inertia=esc.Inertia(value, timer.inertia.follower))
-    if name[-1].isdigit():
-        key, place = name.rsplit("_", 1)
-        values = list(getattr(timer.mechanism, key))
-        values[int(place)] = value
-        name, value = key, tuple(values)
-    if hasattr(timer.mechanism, name):
-        return replace(timer, mechanism=replace(timer.mechanism, **{name: value}))
-    return replace(timer, **{name: value})
-
-
 def by_differences(timer, name, value, step):
     """Derivatives of all figures by Richardson's extrapolation of central differences."""
     one, two = (
-        [esc.terminal(changed(timer, name, value + k * h)).as_dict() for k in (-1, 1)]
+        [esc.terminal(with_number(timer, name, value + k * h)).as_dict() for k in (-1, 1)]
         for h in (step, 2.0 * step)
     )
     return lambda figure: (
@@ -186,7 +173,9 @@ def test_a_worst_case_inside_is_searched_for():
     found = esc.budget(own, {"centre_distance_error": {"tolerance": 2e-6}}, size=64)
     worst = found.figures["period"].worst
     assert worst.searched
-    ends = [esc.terminal(changed(own, "centre_distance_error", x)).period for x in (-2e-6, 2e-6)]
+    ends = [
+        esc.terminal(with_number(own, "centre_distance_error", x)).period for x in (-2e-6, 2e-6)
+    ]
     assert worst.high == pytest.approx(max(ends), rel=1e-9)
     assert worst.low == pytest.approx(min(ends), rel=1e-6)
 
@@ -259,3 +248,25 @@ def test_mistakes_are_told_in_a_line(tmp_path, capsys, old, new, told):
     error = capsys.readouterr().err
     assert told in error
     assert error.count("\n") == 1
+
+
+def test_with_clearance_derivatives_are_differences_with_their_doubts():
+    """Under impact the cycle still goes as one over the root of the torque."""
+    loose = replace(TIMER, mechanism=replace(WHEEL, clearance=2e-5))
+    found = esc.sensitivities(loose)
+    slope, doubt = (x["period"]["torque"] for x in (found.absolute, found.doubts))
+    exact = -0.5 * found.figures.period / loose.torque
+    assert abs(slope - exact) <= 3.0 * doubt + 1e-9 * abs(exact)
+    assert doubt < 1e-3 * abs(exact)
+    # docs/theory.md: the period grows by about 8 c/r, c being half the clearance
+    grown = found.absolute["period"]["clearance"] * WHEEL.crank_radius / found.figures.period
+    assert 2.0 < grown < 6.0
+    assert "clearance" not in esc.sensitivities(TIMER).absolute["period"]
+
+
+def test_trains_that_lose_power_have_derivatives_by_differences():
+    geared = replace(TIMER, barrel=esc.Train(5.0, 0.8, 1e-6), torque=0.07)
+    found = esc.sensitivities(geared)
+    assert found.relative["period"]["torque"] == pytest.approx(-0.5, abs=1e-8)
+    # while the barrel drives, its efficiency is a factor on the torque and on its inertia
+    assert -0.6 < found.relative["period"]["barrel_efficiency"] < -0.4

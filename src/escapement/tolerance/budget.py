@@ -23,6 +23,7 @@ from escapement.study.run import run_plan
 from escapement.study.varied import correlation_matrix, drawn_values
 from escapement.text import Shown
 from escapement.tolerance import intervals
+from escapement.tolerance.differences import needs_differences, slopes_by
 from escapement.tolerance.figures import figures_of
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.intervals import Estimate, estimate
@@ -209,6 +210,10 @@ def _slopes(plan: StudyPlan, names: Sequence[str], figure: str, place: FloatArra
     found = simulation.terminal(timer)
     if found.status is not Status.OK or any(name not in known for name in names):
         return nothing
+    if needs_differences(timer):
+        own = zip(names, place.tolist(), strict=True)
+        each = [slopes_by(timer, name, value, (figure,)) if value else {} for name, value in own]
+        return np.array([found.get(figure, (math.nan,))[0] for found in each])
     fast = not figure.startswith("rise_time")
     duals, _ = figures_of(timer.held, found, tuple(names), cycle_only=fast)
     return duals[figure].slopes if figure in duals else nothing

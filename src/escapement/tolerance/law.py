@@ -27,8 +27,8 @@ from escapement.train import numbers_of_trains, seen
 
 SPEED, ANGLE = -2, -1
 """Places of the slopes by w and by the driver angle."""
-_LEFT_OUT = ("spring_rate", "restitution", "stiffness", "damping", "slip_speed")
-"""Numbers on which a terminal cycle of rigid parts does not depend."""
+_OF_CONTACT = ("clearance", "restitution", "stiffness", "damping", "slip_speed")
+"""Numbers on which a terminal cycle depends only with clearance or with walls that yield."""
 
 
 def numbers_of(escapement: Escapement) -> dict[str, float]:
@@ -36,14 +36,17 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
     mechanism: Any = escapement.mechanism
     meshed, length = escapement.scene.path.table, getattr(mechanism, LENGTHS[0], None)
     owners = {**vars(escapement.inertia), **vars(escapement)}
+    # of a spring the cycle is that of its full torque
+    left_out = ("spring_rate", *(() if escapement.contact else _OF_CONTACT))
     found = {}
     for entry in (*quantities(Inertia).values(), *quantities(Escapement).values()):
         bare = entry.unit != "length" or length
-        if entry.fits(meshed) and bare and entry.name not in _LEFT_OUT:
+        if entry.fits(meshed) and bare and entry.name not in left_out:
             found[entry.name] = float(owners[entry.key])
     found = {"torque": _full_torque(escapement), **found, **numbers_of_trains(escapement)}
     if length and not meshed:
-        found |= {name: float(getattr(mechanism, name, None) or 0.0) for name in LENGTHS}
+        lengths = (name for name in LENGTHS if name not in left_out)
+        found |= {name: float(getattr(mechanism, name, None) or 0.0) for name in lengths}
     return found | error_names(mechanism)
 
 

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from escapement import simulation, validate
+from escapement import simulation
 from escapement.errors import InvalidValue
 from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.status import Status
 from escapement.text import Shown
+from escapement.tolerance.differences import needs_differences, slopes_by
 from escapement.tolerance.figures import figures_of
 from escapement.tolerance.law import numbers_of
 
@@ -23,6 +24,7 @@ JUMPS = ("rise_time", "settling_time")
 _STEPS = np.array([1e-4, 2e-4, 4e-4])
 """Roots of the errors at which corners are approached: a blow grows with the root of an error."""
 _TO_ZERO = np.linalg.inv(np.vander(_STEPS, increasing=True))[0]
+_DIFFERENCES = "derivatives are differences; numbers that are 0 and rise times are left out"
 Table = dict[str, dict[str, float]]
 
 
@@ -34,6 +36,8 @@ class Sensitivities(Shown):
     relative : likewise d ln F/d ln q, per cent per cent; only where both are not zero.
     one_sided : by figure and error of a part of a perfect wheel, where figures have a corner: the
         derivatives towards errors below and above zero. Empty unless they were asked for.
+    doubts : by figure and number, by how much a derivative may be wrong that was found by
+        differences; empty where all are exact.
     jumps : figures that have no derivative, because they jump.
     figures : the figures of merit themselves.
     message : what is left out, and why.
@@ -42,6 +46,7 @@ class Sensitivities(Shown):
     absolute: Table
     relative: Table
     one_sided: dict[str, dict[str, tuple[float, float]]]
+    doubts: Table
     jumps: tuple[str, ...]
     figures: Figures
     message: str
@@ -59,11 +64,14 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
     differentiated, and nothing is taken from differences of figures. A number that is 0 and
     cannot be negative, such as the radius of thin pins, has the derivative on its one side.
 
+    With clearance, walls that yield or trains that lose power they are differences with their
+    `doubts`; numbers that are 0 and rise times are then left out.
+
     Parameters
     ----------
     escapement : Escapement
-        It needs a terminal cycle, in rigid contact without clearance. Of a spring that runs down
-        the derivatives are those at its full torque.
+        It needs a terminal cycle. Of a spring that runs down the derivatives are those at its full
+        torque.
     errors : bool
         Whether to give `one_sided` too, which takes some seconds. With perfect parts a figure has
         a corner: these derivatives are the limits of those at ever smaller errors.
@@ -79,16 +87,13 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
     InvalidValue
         Where there is no terminal cycle; the message gives the reason.
     """
-    for place, train in (("barrel", escapement.barrel), ("load_train", escapement.load_train)):
-        if train is not None and train.efficiency < 1.0:
-            remedy = "compare two designs by terminal"
-            rule = "1 for exact derivatives"
-            raise validate.fail(f"{place}_efficiency", rule, train.efficiency, remedy)
     figures = simulation.terminal(escapement)
     if figures.status is not Status.OK or figures.motion is None:
         raise InvalidValue(f"escapement must have a terminal cycle: {figures.message}")
     escapement = escapement.held
     numbers = numbers_of(escapement)
+    if needs_differences(escapement):
+        return _by_differences(escapement, numbers, figures)
     duals, message = figures_of(escapement, figures, tuple(numbers))
     absolute: Table = {}
     relative: Table = {}
@@ -101,7 +106,25 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
             if numbers[name] != 0.0 and value != 0.0
         }
     corners = corners_of(escapement, error_axes(escapement.mechanism)) if errors else {}
-    return Sensitivities(absolute, relative, corners, JUMPS, figures, message)
+    return Sensitivities(absolute, relative, corners, {}, JUMPS, figures, message)
+
+
+def _by_differences(
+    escapement: Escapement, numbers: dict[str, float], figures: Figures
+) -> Sensitivities:
+    """The derivatives by all numbers that are not 0, each with its doubt."""
+    absolute: Table = {}
+    relative: Table = {}
+    doubts: Table = {}
+    for name, value in numbers.items():
+        if value == 0.0:
+            continue
+        for figure, (slope, doubt) in slopes_by(escapement, name, value).items():
+            absolute.setdefault(figure, {})[name] = slope
+            doubts.setdefault(figure, {})[name] = doubt
+            if own := getattr(figures, figure):
+                relative.setdefault(figure, {})[name] = slope * value / own
+    return Sensitivities(absolute, relative, {}, doubts, JUMPS, figures, _DIFFERENCES)
 
 
 def corners_of(

@@ -1,0 +1,102 @@
+"""Derivatives by differences, where the equation of motion cannot be differentiated.
+
+So it is with clearance and impact, with walls that yield, and with trains that lose power.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from escapement import simulation
+from escapement.errors import InvalidValue
+from escapement.merits import FIGURES, TRANSIENT
+from escapement.metrics import Figures
+from escapement.model import Escapement
+from escapement.status import Status
+from escapement.train import PLACES
+
+STEPS = (1e-2, 2e-3, 4e-4)
+"""Shares of a number by which it is changed; of each figure the step counts that errs least."""
+_LEFT_OUT = ("energy_residual", "rise_time", "settling_time")
+"""Figures that are rounding or that jump."""
+Slope = tuple[float, float]
+"""A derivative, and by how much it may be wrong."""
+
+
+def needs_differences(escapement: Escapement) -> bool:
+    """Whether derivatives come from differences alone."""
+    trains = (escapement.barrel, escapement.load_train)
+    lossy = any(train is not None and train.efficiency < 1.0 for train in trains)
+    return bool(escapement.contact) or lossy
+
+
+def with_number(escapement: Escapement, name: str, value: float) -> Escapement:
+    """The escapement with another value of one number, by its name in studies [SI]."""
+    if name in ("driver_inertia", "follower_inertia"):
+        own = replace(escapement.inertia, **{name.removesuffix("_inertia"): value})
+        return replace(escapement, inertia=own)
+    for place in PLACES:
+        key = name.removeprefix(f"{place}_")
+        if key != name and (train := getattr(escapement, place)) is not None:
+            changed: Any = {place: replace(train, **{key: value})}
+            return replace(escapement, **changed)
+    mechanism: Any = escapement.mechanism
+    given: Any = value
+    if name[-1].isdigit():
+        name, place = name.rsplit("_", 1)
+        values = list(getattr(mechanism, name))
+        values[int(place)] = value
+        given = tuple(values)
+    if hasattr(mechanism, name):
+        return replace(escapement, mechanism=replace(mechanism, **{name: given}))
+    return replace(escapement, **{name: given})
+
+
+def slopes_by(
+    escapement: Escapement, name: str, value: float, figures: Sequence[str] = ()
+) -> dict[str, Slope]:
+    """Derivatives of figures of merit by one number that is not 0.
+
+    Each comes from Richardson's extrapolation of central differences over steps h and 2 h. Its
+    error is taken to be the extrapolation itself, and where engagements do not repeat that of the
+    means as well. A figure that some neighbour does not have is left out.
+
+    Parameters
+    ----------
+    escapement : Escapement
+    name, value : of the number [SI].
+    figures : sequence of str
+        Default: all that have derivatives. Rise times are found only where they are asked for.
+    """
+    names = figures or [name for name in FIGURES if name not in (*_LEFT_OUT, *TRANSIENT)]
+    best: dict[str, Slope] = {}
+    for share in STEPS:
+        step = share * abs(value)
+        found = {k: _terminal(escapement, name, value + k * step) for k in (-2, -1, 1, 2)}
+        for figure in names:
+            near, far = (
+                (getattr(found[k], figure) - getattr(found[-k], figure)) / (2.0 * k * step)
+                for k in (1, 2)
+            )
+            noise = math.hypot(*(_interval(found[k], figure) for k in (-1, 1))) / step
+            more = (near - far) / 3.0
+            doubt = abs(more) + noise
+            if math.isfinite(doubt) and doubt < best.get(figure, (0.0, math.inf))[1]:
+                best[figure] = near + more, doubt
+    return best
+
+
+def _terminal(escapement: Escapement, name: str, value: float) -> Figures:
+    """Figures at another value of a number; NaN where it cannot have that."""
+    try:
+        return simulation.terminal(with_number(escapement, name, value))
+    except InvalidValue:
+        return Figures(status=Status.INVALID)
+
+
+def _interval(figures: Figures, figure: str) -> float:
+    """Half the interval of a mean, 0 where engagements repeat."""
+    return 0.0 if figures.spread is None else figures.spread.interval.get(figure, 0.0)
