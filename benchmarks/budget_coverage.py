@@ -20,7 +20,7 @@ import escapement as esc
 from escapement.study.parse import plan_from
 from escapement.study.run import run_plan
 from escapement.tolerance import intervals
-from escapement.tolerance.budget import LEVELS
+from escapement.tolerance.scatter import LEVELS
 from escapement.tolerance.indices import sobol_indices
 
 RESULTS = Path(__file__).resolve().parent / "results" / "budget_coverage.csv"
