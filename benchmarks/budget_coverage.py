@@ -20,8 +20,8 @@ import escapement as esc
 from escapement.study.parse import plan_from
 from escapement.study.run import run_plan
 from escapement.tolerance import intervals
-from escapement.tolerance.scatter import LEVELS
 from escapement.tolerance.indices import sobol_indices
+from escapement.tolerance.scatter import LEVELS
 
 RESULTS = Path(__file__).resolve().parent / "results" / "budget_coverage.csv"
 SIGMA, HYPERCUBES = 0.1, 20

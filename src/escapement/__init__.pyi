@@ -14,6 +14,11 @@ from escapement.constant_speed import least_load_torque as least_load_torque
 from escapement.constant_speed import reversal_study as reversal_study
 from escapement.constant_speed import transmission_extrema as transmission_extrema
 from escapement.fits import Fits as Fits
+from escapement.inverse.search import Design as Design
+from escapement.inverse.search import Designs as Designs
+from escapement.inverse.search import design as design
+from escapement.inverse.wish import Wish as Wish
+from escapement.inverse.wish import load_wish as load_wish
 from escapement.jam_rule import jam_rule as jam_rule
 from escapement.measurement import Encoder as Encoder
 from escapement.measurement import Readings as Readings

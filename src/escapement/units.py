@@ -31,6 +31,7 @@ _NAMES = {
     "slip": ("m s-1", "in s-1"),
     "density": ("kg m-3", "lbf s2 in-4"),
     "impulse": ("N s", "lbf s"),
+    "mass": ("kg", "lbf s2 in-1"),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",

@@ -24,6 +24,7 @@ COMMANDS = {
     "rundown": "a timer whose spring runs down: rate, turns and stop",
     "sweep": "a study on a grid or a sample, to an HDF5 file",
     "budget": "what the tolerances of a drawing do, and which to tighten",
+    "design": "timers that meet a wish, from its period to its bounds",
     "explore": "a page that computes a motion anew while one drags",
     "plot": "the right figures for what a file holds",
     "mechanism": "geometry, transmission, motion ratio and dwell",

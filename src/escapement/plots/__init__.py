@@ -8,6 +8,7 @@ from escapement.plots.animation import animate as animate
 from escapement.plots.beats import plot_beat_spectrum as plot_beat_spectrum
 from escapement.plots.beats import plot_beats as plot_beats
 from escapement.plots.budget import plot_budget as plot_budget
+from escapement.plots.designs import plot_designs as plot_designs
 from escapement.plots.drawing import plot_mechanism as plot_mechanism
 from escapement.plots.drawing import plot_table as plot_table
 from escapement.plots.drive_torque import plot_drive_torque as plot_drive_torque

@@ -1,0 +1,74 @@
+"""Whether a brute-force grid finds better designs than `escapement.design`.
+
+``python benchmarks/design_grid.py [POINTS]`` takes the wish of ``runs/thirty_seconds.toml``. On a
+grid of POINTS inertia ratios, radii and torques of every wheel it computes all figures at all
+three frictions by `sweep`, without interpolation, and counts the grid's designs that keep to all
+bounds and beat a design of the front by more than one per cent in every objective. Results go to
+``results/design_grid.csv``.
+"""
+
+import csv
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import escapement as esc
+from escapement.errors import InvalidValue
+from escapement.inverse import figures
+from escapement.inverse.search import misses
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "benchmarks" / "results" / "design_grid.csv"
+
+
+def of_wheel(slots, internal, wish, points):
+    """Figures of a grid of designs of one wheel, each an array."""
+    wheel = figures.unit_wheel(slots, internal, wish.pin)
+    body = figures.body_of(wheel)
+    ratios = np.geomspace(*wish.inertia_ratio, points)
+    table = figures.natural_figures(wheel, ratios, wish)
+    names = dict(zip(figures.NATURAL, table.T, strict=True))
+    natural = names | {name: np.exp(names[name]) for name in figures.NATURAL[:4]}
+    radii, torques = np.geomspace(*wish.crank_radius, points), np.geomspace(*wish.torque, points)
+    i, j, k = (x.reshape(-1) for x in np.indices((points,) * 3))
+    own = {name: x[i] for name, x in natural.items()}
+    return figures.in_si(own, body, slots, internal, wish, (ratios[i], radii[j], torques[k]))
+
+
+def main():
+    """Compare, print and write."""
+    points = int((sys.argv[1:] or ["24"])[0])
+    wish, _ = esc.load_wish(ROOT / "runs" / "thirty_seconds.toml")
+    esc.design(wish)
+    start = time.perf_counter()
+    found = esc.design(wish)
+    took = time.perf_counter() - start
+    front = np.array([[d.values[name] for name in wish.objectives] for d in found.designs])
+    tried = good = better = 0
+    most = 0.0
+    for slots in range(round(wish.slots[0]), round(wish.slots[1]) + 1):
+        for internal in (False, True):
+            try:
+                values = of_wheel(slots, internal, wish, points)
+            except InvalidValue:
+                continue
+            kept = misses(values, wish).sum(axis=0) == 0.0
+            tried, good = tried + kept.size, good + int(kept.sum())
+            costs = np.column_stack([values[name][kept] for name in wish.objectives])
+            for row in front:
+                gain = (1.0 - costs / row).min(axis=1)
+                better += int((gain > 0.01).sum())
+                most = max(most, float(gain.max(initial=0.0)))
+    rows = [("seconds", f"{took:.2f}"), ("designs", len(front)), ("grid", tried),
+            ("within_bounds", good), ("better_by_one_per_cent", better),
+            ("greatest_gain", f"{most:.2g}")]  # fmt: skip
+    with RESULTS.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows([("figure", "value"), *rows])
+    for row in rows:
+        print(*row)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""Timers that meet a wish, of which none is better in everything than another."""
+
+from pathlib import Path
+from typing import Any
+
+import escapement as esc
+from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli._arguments import Arguments, Parser
+from escapement.files import write_file
+from escapement.text import as_csv, print_columns, words
+from escapement.units import printed
+
+UNITS = "units of what is printed (default: those of the wish)"
+_CHOSEN = {
+    "slots": "ratio", "pins": "ratio", "internal": "ratio", "crank_radius": "length",
+    "pin_radius": "length", "torque": "torque", "friction": "ratio", "spring_rate": "rate",
+}  # fmt: skip
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    text = "what the timer is to do, and its bounds"
+    parser.add_argument("wish", type=Path, metavar="WISH.toml", help=text)
+    rule: dict[str, Any] = {"minimum": 1, "whole": True, "remedy": "give how many"}
+    _arguments.add_number(parser, "count", "most designs to give (default: 40)", "N", **rule)
+    output = parser.add_argument_group("output")
+    _arguments.add_output(output, "FILE.csv", "write a line for each design, in SI")
+    _arguments.add_plot(output, "draw the designs over the first two objectives")
+
+
+def execute(args: Arguments) -> int:
+    """Search, write and draw what was asked for, print the designs."""
+    from escapement.inverse.wish import BOUNDS, load_wish
+
+    _output.check_wanted(args, file="FILE.csv")
+    wish, system = load_wish(args.wish)
+    found = esc.design(wish, count=args.count or 40)
+    shown = args.units or system
+    kinds = {**_CHOSEN, **{name: entry.unit for name, entry in BOUNDS.items()}}
+    lines = [_line(one) for one in found.designs]
+    record = [
+        {name: _output.in_units(value, kinds[name], shown) for name, value in line.items()}
+        for line in lines
+    ]
+    if not lines:
+        _output.tell(args, {"designs": [], "message": found.message}, lambda: None, found.message)
+        return SOME_FAILED
+    if args.output is not None:
+        table = as_csv([[*lines[0]], *([*line.values()] for line in lines)])
+        write_file(args.output, [table.encode()], args.force)
+    _output.draw(args.plot, lambda plots: plots.plot_designs(found))
+
+    def table_of_designs() -> None:
+        names = ("slots", "internal", "crank_radius", "torque", "driver_inertia",
+                 "follower_inertia", *dict.fromkeys((*wish.objectives, *wish.bounds)))  # fmt: skip
+        units = [printed(kinds[name], shown) for name in names]
+        header = [words(n) + f" ({u})" * (u != "") for n, u in zip(names, units, strict=True)]
+        print_columns([header], [[line[name] for name in names] for line in record])
+
+    message = f"{len(lines)} designs of {found.tried} places tried"
+    _output.tell(args, {"designs": record, "message": message}, table_of_designs, message)
+    return 0
+
+
+def _line(one: "esc.Design") -> dict[str, Any]:
+    """What is chosen for a design, and its figures, in SI."""
+    timer, wheel = one.timer, one.timer.mechanism
+    chosen = {name: getattr(wheel, name, None) for name in _CHOSEN}
+    own = {name: getattr(timer, name) for name in ("torque", "friction", "spring_rate")}
+    return chosen | own | one.values

@@ -1,0 +1,237 @@
+"""`design`: the escapements that meet a wish best."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from escapement.inverse.figures import Values, Wheel, exact, in_si, unit_wheel, wheels_for
+from escapement.inverse.front import spread_out, undominated
+from escapement.inverse.wish import BOUNDS, Wish
+from escapement.mechanism import FloatArray
+from escapement.mechanisms import Geneva
+from escapement.model import Escapement, Inertia
+from escapement.run_down import rundown
+from escapement.text import Shown
+
+SAMPLE = 11
+"""Two to the power of this many places are tried of each wheel."""
+_MARGIN = 3e-3
+"""By so much, as a share, bounds are kept better before a design is computed exactly."""
+_STEPS = 150
+"""Steps of the polish of one design."""
+_VARIED = ("inertia_ratio", "crank_radius", "torque")
+
+
+@dataclass(frozen=True, repr=False)
+class Design(Shown):
+    """A timer that meets a wish.
+
+    timer : the escapement, at the middle of the friction and with pins.
+    values : its figures in SI, by the names of `wish.BOUNDS`.
+    """
+
+    timer: Escapement
+    values: dict[str, float]
+
+
+@dataclass(frozen=True, repr=False)
+class Designs(Shown):
+    """What `design` has found.
+
+    wish : what was asked for.
+    designs : of which none is better than another in all objectives, in the order of the first.
+    tried : places that were looked at.
+    message : what stands in the way where there is no design.
+    """
+
+    wish: Wish
+    designs: tuple[Design, ...]
+    tried: int
+    message: str
+
+
+def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
+    """Find the timers that meet a wish and of which none is better in everything than another.
+
+    Every wheel that the wish allows is tried at a Sobol' sequence of inertia ratios, crank radii
+    and torques. What keeps to the bounds and is not dominated is polished and then simulated. The
+    follower's inertia follows from the period, by similarity.
+
+    Parameters
+    ----------
+    wish : Wish
+    count : int
+        How many designs to return at most, which then lie far apart.
+    seed : int
+        Where the sequence begins.
+
+    Returns
+    -------
+    Designs
+        Where nothing keeps to all bounds, its message tells which bound, and by how much.
+
+    Validity: escapements without a load, with pins of the wish's width and otherwise without
+    losses but friction in the slots.
+    """
+    wheels = wheels_for(wish)
+    if not wheels:
+        reason = f"no wheel with these slots moves at a friction of {wish.friction[1]:g}"
+        return Designs(wish, (), 0, f"{reason}: all jam, or their pins do not fit; allow less")
+    tables = [_sampled(wheel, wish, seed) for wheel in wheels]
+    owner = np.repeat(np.arange(len(wheels)), [len(places) for places, _ in tables])
+    places = np.concatenate([places for places, _ in tables])
+    values = {name: np.concatenate([table[name] for _, table in tables]) for name in BOUNDS}
+    good = np.flatnonzero(misses(values, wish, _MARGIN).sum(axis=0) == 0.0)
+    if not good.size:
+        return Designs(wish, (), len(places), _reason(values, wish))
+    costs = np.log(np.column_stack([values[name][good] for name in wish.objectives]))
+    front = undominated(costs)
+    front = front[spread_out(costs[front], count)]
+    found = [_polished(wheels[owner[i]], places[i], wish) for i in good[front]]
+    made = [made for wheel, place in found if (made := _made(wheel, place, wish))]
+    if not made:
+        return Designs(wish, (), len(places), "designs that seemed to keep to the bounds do not")
+    costs = np.array([[one.values[name] for name in wish.objectives] for one in made])
+    best = sorted((made[i] for i in undominated(costs)), key=lambda d: d.values[wish.objectives[0]])
+    return Designs(wish, tuple(best), len(places), "done")
+
+
+def _ends(wish: Wish) -> FloatArray:
+    """Logarithms of the ends of what varies, shape (3, 2)."""
+    return np.log([getattr(wish, name) for name in _VARIED])
+
+
+def _sampled(wheel: Wheel, wish: Wish, seed: int) -> tuple[FloatArray, Values]:
+    """Places of a wheel, logarithms of what varies, and the figures there."""
+    shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
+    low, high = _ends(wish).T
+    places = low + shares * (high - low)
+    return places, _values(wheel, places, wish)
+
+
+def _values(wheel: Wheel, places: FloatArray, wish: Wish) -> Values:
+    """Figures in SI at places of a wheel."""
+    ratio, radius, torque = np.exp(places.T)
+    return in_si(
+        wheel.at(ratio), wheel.body, wheel.slots, wheel.internal, wish, (ratio, radius, torque)
+    )
+
+
+def misses(values: Values, wish: Wish, margin: float = 0.0) -> FloatArray:
+    """By how much each bound is missed, as a logarithm, infinite where there is no figure."""
+    rows = []
+    for name, (low, high) in wish.bounds.items():
+        x = np.asarray(values[name], dtype=float)
+        if name == "jam_margin":
+            rows.append(np.maximum(0.0, np.maximum(low - x, x - high) + margin))
+            continue
+        with np.errstate(divide="ignore", invalid="ignore"):
+            below = np.log(low) - np.log(x) if low > 0.0 else np.full_like(x, -math.inf)
+            rows.append(np.maximum(0.0, np.maximum(below, np.log(x) - np.log(high)) + margin))
+    rows.append(np.where(np.isfinite(values["contact_force_max"]), 0.0, math.inf))
+    found = np.array(rows)
+    return np.where(np.isnan(found), math.inf, found)
+
+
+def _reason(values: Values, wish: Wish) -> str:
+    """Which bound stands in the way of a wish, and by how much."""
+    missed = misses(values, wish)
+    names = list(wish.bounds)
+    told = []
+    for i, name in enumerate(names):
+        others = np.delete(missed, i, axis=0).sum(axis=0) == 0.0
+        if others.any():
+            k = int(np.where(others, missed[i], math.inf).argmin())
+            told.append((missed[i, k], _told(name, wish.bounds[name], float(values[name][k]))))
+    if told:
+        return f"{min(told)[1]}, where all other bounds are kept"
+    k = int(missed.sum(axis=0).argmin())
+    several = [
+        _told(name, wish.bounds[name], float(values[name][k]))
+        for i, name in enumerate(names)
+        if missed[i, k] > 0.0
+    ]
+    return "; ".join([*several, "no single bound stands in the way: relax several of them"])
+
+
+def _told(name: str, bound: tuple[float, float], reached: float) -> str:
+    """A bound that is missed, and what the nearest design reaches."""
+    unit = BOUNDS[name].printed_unit
+    unit = f" {unit}" if unit else ""
+    low, high = bound
+    rule, limit = ("at most", high) if reached > high else ("at least", low)
+    best = "least" if reached > high else "greatest"
+    return f"{name} must be {rule} {limit:.4g}{unit}, and the {best} is {reached:.4g}{unit}"
+
+
+def _polished(wheel: Wheel, place: FloatArray, wish: Wish) -> tuple[Wheel, FloatArray]:
+    """A place near by that is better in every objective, within all bounds."""
+    low, high = _ends(wish).T
+    free = high > low
+    if not free.any():
+        return wheel, place
+
+    def costs(x: FloatArray) -> FloatArray:
+        whole = place.copy()
+        whole[free] = x
+        found = _values(wheel, whole[None], wish)
+        penalty = 1e3 * float(misses(found, wish, _MARGIN).sum())
+        return np.log([float(found[name][0]) for name in wish.objectives]) + penalty
+
+    start = costs(place[free])
+
+    def worst(x: FloatArray) -> float:
+        gained = costs(np.clip(x, low[free], high[free])) - start
+        value = float(gained.max() + 0.01 * gained.sum())
+        return value if math.isfinite(value) else 1e6
+
+    limits = list(zip(low[free], high[free], strict=True))
+    options = {"maxfev": _STEPS, "xatol": 1e-4, "fatol": 1e-6}
+    found = minimize(worst, place[free], method="Nelder-Mead", bounds=limits, options=options)
+    better = place.copy()
+    if found.fun < 0.0:
+        better[free] = np.clip(found.x, low[free], high[free])
+    return wheel, better
+
+
+def _made(wheel: Wheel, place: FloatArray, wish: Wish) -> Design | None:
+    """The design at a place, simulated; None where it misses a bound after all."""
+    ratio, radius, torque = np.exp(place).tolist()
+    natural = exact(unit_wheel(wheel.slots, wheel.internal, wish.pin), ratio, wish)
+    found = in_si(natural, wheel.body, wheel.slots, wheel.internal, wish, (ratio, radius, torque))
+    inertia, turned = found["follower_inertia"], 2.0 * math.pi * (wish.turns or 0.0)
+    timer = _timer(wheel, wish, (ratio, radius, torque), float(inertia), turned)
+    if wish.total_time is not None and wish.turns is not None:
+        run = rundown(timer, turns=wish.turns)
+        if run.end_turns < wish.turns * (1.0 - 1e-9):
+            return None
+        share = (wish.total_time / run.time_of(wish.turns)) ** 2
+        timer = _timer(wheel, wish, (ratio, radius, torque), float(inertia) * share, turned)
+        lasting = ("driver_inertia", "follower_inertia", "mass", "driver_thickness",
+                   "follower_thickness")  # fmt: skip
+        found |= {name: found[name] * share for name in lasting}
+        found["rise_time_98"] *= math.sqrt(share)
+    values = {name: float(x) for name, x in found.items()}
+    missed = misses({name: np.array([x]) for name, x in values.items()}, wish)
+    return Design(timer, values) if missed.max(initial=0.0) == 0.0 else None
+
+
+def _timer(
+    wheel: Wheel, wish: Wish, place: tuple[float, float, float], inertia: float, turned: float
+) -> Escapement:
+    ratio, radius, torque = place
+    mechanism = Geneva(
+        wheel.slots, internal=wheel.internal, crank_radius=radius, pin_radius=wish.pin * radius
+    )
+    return Escapement(
+        mechanism,
+        Inertia(ratio * inertia, inertia),
+        torque=torque,
+        friction=0.5 * sum(wish.friction),
+        spring_rate=wish.torque_lost * torque / turned if turned else 0.0,
+    )

@@ -1,0 +1,128 @@
+"""Inverse design: wishes, fronts and reasons."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.cli import main
+from escapement.inverse.figures import body_of, exact, in_si, unit_wheel
+from escapement.inverse.front import spread_out, undominated
+from escapement.outlines.parts import parts_of
+
+RUNS = Path(__file__).resolve().parents[1] / "runs"
+
+
+@pytest.fixture(scope="module")
+def thirty():
+    wish, _system = esc.load_wish(RUNS / "thirty_seconds.toml")
+    return esc.design(wish)
+
+
+def test_nothing_on_a_front_is_dominated_and_all_else_is():
+    costs = np.random.default_rng(29).random((300, 3))
+    front = undominated(costs)
+    beaten = [((costs <= row).all(axis=1) & (costs < row).any(axis=1)).any() for row in costs]
+    assert np.array_equal(front, np.flatnonzero(~np.array(beaten)))
+    some = spread_out(costs[front], 9)
+    assert len(set(some.tolist())) == 9
+    assert {*costs[front].argmin(axis=0)} <= {*some.tolist()}
+
+
+def test_the_thirty_second_timer_is_found(thirty):
+    designs, wish = thirty.designs, thirty.wish
+    assert len(designs) >= 20
+    costs = np.array([[one.values[name] for name in wish.objectives] for one in designs])
+    assert undominated(costs).size == len(designs)
+    for one in designs:
+        for name, (low, high) in wish.bounds.items():
+            assert low <= one.values[name] <= high
+        run = esc.rundown(one.timer, turns=180)
+        assert run.time_of(180) == pytest.approx(30.0, rel=1e-9)
+        left = 1.0 - one.timer.spring_rate * 180 * 2.0 * np.pi / one.timer.torque
+        assert left == pytest.approx(0.8, rel=1e-12)
+
+
+def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
+    """Period, scatter, force and thickness of one design, each found another way."""
+    one = thirty.designs[len(thirty.designs) // 2]
+    timer = one.timer.held
+    three = [
+        esc.terminal(esc.Escapement(timer.mechanism, timer.inertia, timer.torque, mu), engine="ivp")
+        for mu in (0.25, 0.30, 0.35)
+    ]
+    periods = [figures.period for figures in three]
+    assert one.values["scatter"] == pytest.approx(0.5 * np.ptp(periods) / periods[1], rel=1e-7)
+    force = max(figures.contact_force_max for figures in three)
+    assert one.values["contact_force_max"] == pytest.approx(force, rel=1e-7)
+    parts = {part.name: part for part in parts_of(timer.mechanism)}
+    thick = one.values["follower_thickness"]
+    assert parts["follower"].inertia(thick, 7850.0) == pytest.approx(timer.inertia.follower)
+
+
+def test_figures_scale_by_similarity():
+    wish = esc.Wish(period=0.05, torque=0.01)
+    wheel = unit_wheel(4, False, 0.05)
+    natural = exact(wheel, 0.2, wish)
+    found = in_si(natural, body_of(wheel), 4, False, wish, (0.2, 0.02, 0.01))
+    timer = esc.Escapement(
+        esc.Geneva(4, crank_radius=0.02, pin_radius=0.001),
+        esc.Inertia(found["driver_inertia"], found["follower_inertia"]),
+        torque=0.01,
+        friction=0.3,
+    )
+    figures = esc.terminal(timer)
+    assert figures.period == pytest.approx(0.05, rel=1e-12)
+    assert found["rise_time_98"] == pytest.approx(figures.rise_time_98, rel=1e-9)
+
+
+@pytest.mark.parametrize(("bounds", "told"), [
+    ({"scatter": 0.01}, r"^scatter must be at most 0\.01, and the least is 0\.05"),
+    ({"size": 0.001}, r"^size must be at most 0\.001 m, and the least is 0\.014.* m, where all"),
+    ({"size": 0.01, "contact_force_max": 1.0}, r"size must .*; contact_force_max .*; no single"),
+])  # fmt: skip
+def test_an_impossible_wish_gets_its_reason(bounds, told):
+    wish = esc.Wish(period=0.04, torque=0.01, slots=(3, 6), internal=False, bounds=bounds)
+    found = esc.design(wish)
+    assert not found.designs
+    assert re.search(told, found.message), found.message
+
+
+def test_a_friction_at_which_all_wheels_jam_is_told():
+    wish = esc.Wish(period=0.04, torque=0.01, friction=3.0, slots=6, inertia_ratio=0.02)
+    assert "moves at a friction of 3" in esc.design(wish).message
+
+
+def test_the_command_prints_designs(capsys, tmp_path):
+    path = tmp_path / "wish.toml"
+    path.write_text(
+        'period = "40 ms"\ntorque = "0.1 in lbf"\nslots = 4\ninternal = false\n'
+        'units = "in-lbf-s"\nobjectives = ["size", "mass"]\n[bounds]\nmass = 0.01\n'
+    )
+    assert main(["design", str(path), "--json", "--count", "5", "-o", str(tmp_path / "a.csv")]) == 0
+    found = json.loads(capsys.readouterr().out)["designs"]
+    assert 1 <= len(found) <= 5
+    assert found[0]["torque"] == pytest.approx(0.1)
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    assert len(lines) == 1 + len(found)
+    assert float(lines[1].split(",")[5]) == pytest.approx(0.1 * 0.45359237 * 9.80665 * 0.0254)
+
+
+@pytest.mark.parametrize(("text", "told"), [
+    ("period = 1\n", "torque must be given"),
+    ("period = 1\ntorque = 1\nsize = 3\n", "size"),
+    ("torque = 1\n", "period must be given, or else total_time"),
+    ("period = 1\ntorque = [2, 1]\n", "torque must be [low, high]"),
+    ('period = 1\ntorque = "5 N"\n', "torque must be in N m"),
+    ("period = 1\ntorque = 1\n[bounds]\nspeed = 1\n", "speed"),
+])  # fmt: skip
+def test_a_wrong_wish_is_told_in_a_line(capsys, tmp_path, text, told):
+    path = tmp_path / "wish.toml"
+    path.write_text(text)
+    assert main(["design", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count("\n") == 1
