@@ -43,6 +43,7 @@ from escapement.outlines.export import motion_check as motion_check
 from escapement.outlines.parts import disc_inertia as disc_inertia
 from escapement.outlines.parts import parts_of as parts_of
 from escapement.painleve import critical_friction as critical_friction
+from escapement.reports import report as report
 from escapement.run_down import Rundown as Rundown
 from escapement.run_down import rundown as rundown
 from escapement.simulation import simulate as simulate

@@ -23,6 +23,8 @@ FORMATS = (".png", ".pdf", ".svg")
 """Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
 FILMS = (".gif",)
 """Suffixes of films."""
+REPORTS = (".html",)
+"""Suffix of a report."""
 CUTS = (".dxf", ".svg")
 """Suffixes of drawings to cut by."""
 HDF5 = (".h5", ".hdf5", ".nc")

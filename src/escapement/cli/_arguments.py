@@ -261,6 +261,12 @@ def add_plot(group: ArgumentGroup, text: str) -> None:
     group.add_argument("--plot", type=Path, metavar="FILE", help=text)
 
 
+def add_report(group: ArgumentGroup) -> None:
+    """Add a report to write; `_output.check_wanted` looks at its place."""
+    text = "write a report that needs no other file; replaced where it exists"
+    group.add_argument("--report", type=Path, metavar="FILE.html", help=text)
+
+
 def require(args: Arguments, settings: Mapping[str, Setting], where: str = "") -> None:
     """Raise UsageError where a setting that is required was not typed."""
     lacking = [

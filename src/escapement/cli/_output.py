@@ -15,7 +15,7 @@ import escapement as esc
 from escapement.cli import _log
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
-from escapement.files import check_target, creating, file_format
+from escapement.files import REPORTS, check_target, creating, file_format
 from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, printed
 
@@ -146,6 +146,13 @@ def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
         _log.record("saved", file=str(path))
 
 
+def write_report(args: Arguments, escapement: Any, **options: Any) -> None:
+    """Write a report of a design where one was asked for."""
+    if args.report is not None:
+        esc.report(escapement, args.report, force=True, **options)
+        _log.record("saved", file=str(args.report))
+
+
 def check_wanted(
     args: Arguments, file: str = "FILE", formats: tuple[str, ...] | None = None
 ) -> None:
@@ -180,6 +187,9 @@ def check_wanted(
         raise UsageError(f"--force must come with --output {file}, got none; leave it out")
     if args.plot is not None:
         check_output(args.plot, *inputs, picture=True)
+    if given.get("report") is not None:
+        file_format(args.report, REPORTS)
+        check_output(args.report, *inputs, force=True)
 
 
 def check_output(path: Path, *others: Path, force: bool = False, picture: bool = False) -> None:

@@ -25,6 +25,7 @@ def configure(parser: Parser) -> None:
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "OUT.h5", "write the sample, as sweep does")
     _arguments.add_plot(output, "draw contributors, and the sample with its limits")
+    _arguments.add_report(output)
 
 
 def execute(args: Arguments) -> int:
@@ -50,6 +51,7 @@ def execute(args: Arguments) -> int:
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
     _output.draw(args.plot, lambda plots: plots.plot_budget(found))
+    _output.write_report(args, plan.built(plan.fixed_si), budget=found)
     shown = args.units or system
     record = {name: _record(scatter, name, shown) for name, scatter in found.figures.items()}
     extra = {"size": found.size, "seed": found.seed, "failed": list(found.failed)}

@@ -26,6 +26,7 @@ def configure(parser: Parser) -> None:
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write a line for each design, in SI")
     _arguments.add_plot(output, "draw the designs over the first two objectives")
+    _arguments.add_report(output)
 
 
 def execute(args: Arguments) -> int:
@@ -49,6 +50,8 @@ def execute(args: Arguments) -> int:
         table = as_csv([[*lines[0]], *([*line.values()] for line in lines)])
         write_file(args.output, [table.encode()], args.force)
     _output.draw(args.plot, lambda plots: plots.plot_designs(found))
+
+    _output.write_report(args, found.designs[0].timer)
 
     def table_of_designs() -> None:
         names = ("slots", "internal", "crank_radius", "torque", "driver_inertia",

@@ -1,7 +1,5 @@
 """One motion from pin entry, and its figures of merit."""
 
-from collections.abc import Iterator
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -11,20 +9,18 @@ from escapement.cli._arguments import ArgumentGroup, Arguments, Parser, UsageErr
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
 from escapement.files import MOTIONS
+from escapement.inputs import Input, inputs_of
 from escapement.model import Escapement, Run, model_settings
-from escapement.quantity import Numbers, Setting, declared, quantities
+from escapement.quantity import Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
-from escapement.torque_curve import TorqueCurve
-from escapement.train import numbers_of_trains, train_numbers
 from escapement.units import SYSTEMS, printed
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
 # as it would take minutes and a gigabyte, and nothing could be told apart
 _LONG = 10_000
 _START = {"initial_speed": declared(Run)["initial_speed"]}
-_Input = tuple[str, Any, str]  # its name, its value in SI and its kind of unit
 
 
 def add_study(group: ArgumentGroup) -> None:
@@ -50,6 +46,7 @@ def configure(parser: Parser) -> None:
     text = "write the motion: .h5, .hdf5 or .nc (HDF5), or .csv (the samples)"
     _arguments.add_output(output, "FILE.h5", text)
     _arguments.add_plot(output, "draw the velocities")
+    _arguments.add_report(output)
 
 
 def model() -> dict[str, Setting]:
@@ -72,9 +69,10 @@ def execute(args: Arguments) -> int:
     # the figures are those of the terminal cycle, however short the motion
     figures = esc.terminal(escapement, **settings)
     _write(motion, args)
+    _output.write_report(args, escapement, initial_speed=settings["initial_speed"])
     length = "engagements" if args.duration is None else "duration"
     taken = args.duration or args.engagements or quantities(Run)["engagements"].default
-    inputs = [*_settings_of(escapement), ("initial_speed", settings["initial_speed"], "speed")]
+    inputs = [*inputs_of(escapement), ("initial_speed", settings["initial_speed"], "speed")]
     inputs += [(length, taken, quantities(Run)[length].unit), ("rtol", motion.rtol, "ratio")]
     told: dict[str, Any] = {"units": args.units}
     for name, value, unit in inputs:
@@ -180,28 +178,7 @@ def _residual(motion: "esc.Motion") -> float:
         return ledger_of(motion, progress).residual
 
 
-def _settings_of(escapement: Escapement) -> Iterator[_Input]:
-    """Every number and choice of an escapement: its name, its value in SI and its unit.
-
-    Of what a mechanism may do without, friction and load are told even where they are 0.
-    """
-    mechanism: Any = escapement.mechanism
-    yield "kind", mechanism.kind, "ratio"
-    for owner in (mechanism, escapement.inertia, escapement):
-        for name, entry in declared(type(owner)).items():
-            value = getattr(owner, entry.key)
-            if isinstance(entry, Numbers):
-                # errors are told where there are any; the angles of a table are too many
-                value = [*value] if value and not entry.required else None
-            told = value is not None and not entry.idle(value)
-            if told and entry.fits(mechanism.meshed):
-                told = isinstance(value, Fraction | TorqueCurve)
-                yield name, str(value) if told else value, "ratio" if told else entry.unit
-    for name, value in numbers_of_trains(escapement).items():
-        yield name, value, train_numbers()[name].unit
-
-
-def _print_table(inputs: list[_Input], record: dict[str, Any], units: str) -> None:
+def _print_table(inputs: list[Input], record: dict[str, Any], units: str) -> None:
     """What was simulated, with units in both systems, and what came of it."""
     from escapement.merits import FIGURES
 

@@ -1,0 +1,34 @@
+"""Every number and choice that an escapement was made of."""
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+from escapement.model import Escapement
+from escapement.quantity import Numbers, declared
+from escapement.torque_curve import TorqueCurve
+from escapement.train import numbers_of_trains, train_numbers
+
+Input = tuple[str, Any, str]
+"""A name, a value in SI and its kind of unit."""
+
+
+def inputs_of(escapement: Escapement) -> Iterator[Input]:
+    """Every number and choice of an escapement: its name, its value in SI and its unit.
+
+    Of what a mechanism may do without, friction and load are told even where they are 0.
+    """
+    mechanism: Any = escapement.mechanism
+    yield "kind", mechanism.kind, "ratio"
+    for owner in (mechanism, escapement.inertia, escapement):
+        for name, entry in declared(type(owner)).items():
+            value = getattr(owner, entry.key)
+            if isinstance(entry, Numbers):
+                # errors are told where there are any; the angles of a table are too many
+                value = [*value] if value and not entry.required else None
+            told = value is not None and not entry.idle(value)
+            if told and entry.fits(mechanism.meshed):
+                told = isinstance(value, Fraction | TorqueCurve)
+                yield name, str(value) if told else value, "ratio" if told else entry.unit
+    for name, value in numbers_of_trains(escapement).items():
+        yield name, value, train_numbers()[name].unit

@@ -1,0 +1,97 @@
+"""A report of a design: one HTML file that needs no other and prints on paper."""
+
+from __future__ import annotations
+
+import html
+from importlib.resources import files
+from typing import TYPE_CHECKING
+
+from escapement import __version__, simulation, validate
+from escapement.files import REPORTS, AnyPath, check_target, file_format, write_file
+from escapement.model import Escapement
+from escapement.reports import sections
+from escapement.run_down import rundown
+from escapement.status import Status
+
+if TYPE_CHECKING:
+    from escapement.tolerance.budget import Budget
+
+_ENGAGEMENTS = 20
+
+
+def report(
+    escapement: Escapement,
+    path: AnyPath,
+    *,
+    budget: Budget | None = None,
+    title: str = "",
+    initial_speed: float = 0.0,
+    force: bool = False,
+) -> None:
+    """Write a report of a design.
+
+    It holds the design in both systems of units, its figures of merit, the drawing to scale, the
+    velocities from the start, the run-down of a spring, the budget if there is one, and what the
+    model leaves out.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        The design.
+    path : path
+        File to write, which ends in .html.
+    budget : Budget, optional
+        What `escapement.budget` returns for this design: its intervals become a section.
+    title : str
+        One line for people. Default: the kind of mechanism.
+    initial_speed : float
+        Driver speed at the first pin entry [rad/s], >= 0.
+    force : bool
+        Replace an existing file, once the new one is complete.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    CannotCreate, StorageError
+        When the file cannot be made, or the disk fails.
+    """
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    file_format(path, REPORTS)
+    check_target(path, force)
+    text = page(escapement, budget, title, initial_speed)
+    write_file(path, [text.encode()], force)
+
+
+def page(escapement: Escapement, budget: Budget | None, title: str, initial_speed: float) -> str:
+    """The text of a report; arguments as of `report`."""
+    kind = getattr(escapement.mechanism, "kind", type(escapement.mechanism).__name__)
+    name = title or f"A {kind} escapement"
+    figures = simulation.terminal(escapement, initial_speed=initial_speed)
+    motion = simulation.simulate(escapement, _ENGAGEMENTS, initial_speed=initial_speed)
+    parts = [sections.section("The design", sections.of_inputs(escapement, initial_speed))]
+    told = sections.paragraph(f"The figures of the terminal cycle: {figures.message}.")
+    if figures.status is Status.OK:
+        told += sections.of_figures(figures)
+    parts.append(sections.section("What it does", told))
+    if motion.end_time > 0.0:
+        drawn = sections.of_pictures(escapement, motion)
+        parts.append(sections.section("Drawing and velocities", drawn))
+    curve = escapement.curve
+    if curve is not None and not curve.periodic and curve.torque[-1] == 0.0:
+        run = rundown(escapement, initial_speed=initial_speed)
+        told = sections.paragraph(f"{run.message}.") + sections.of_rundown(run)
+        parts.append(sections.section("How it runs down", told))
+    if budget is not None:
+        parts.append(sections.section("What the tolerances do", sections.of_budget(budget)))
+    parts.append(sections.section("What is assumed", sections.of_assumptions(escapement)))
+    style = files(__name__).joinpath("page.css").read_text(encoding="utf-8")
+    return (
+        "<!doctype html>\n"
+        f"<html lang=en><head><meta charset=utf-8><title>{html.escape(name)}</title>"
+        '<meta name=viewport content="width=device-width, initial-scale=1">'
+        f"<style>{style}</style></head><body><main><h1>{html.escape(name)}</h1>"
+        f"{''.join(parts)}<footer>geneva-escapement {__version__}, engine {motion.engine}, "
+        f"relative tolerance {motion.rtol:g}</footer></main></body></html>\n"
+    )

@@ -1,0 +1,108 @@
+"""The report of a design: one HTML file."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+import escapement as esc
+from escapement.cli import main
+from escapement.errors import CannotCreate, InvalidValue
+from escapement.reports.assumptions import left_out
+
+WHEEL = esc.Geneva(4, crank_radius=0.010, pin_radius=0.0005)
+TIMER = esc.Escapement(WHEEL, esc.Inertia(3.39e-7, 5.65e-6), torque=0.0113, friction=0.20)
+VOID = {"meta", "link", "br", "img", "path", "use", "rect"}
+
+
+class Page(HTMLParser):
+    """Every tag in turn must be closed; headings and texts are kept."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.headings, self.texts = [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        if tag not in VOID:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("h1", "h2"):
+            self.headings.append(data)
+        self.texts.append(data)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "design.html"
+    tolerances = {"friction": {"low": 0.15, "high": 0.25}}
+    limits = {"period": (0.030, 0.040)}
+    wound = esc.Escapement(WHEEL, TIMER.inertia, 0.0113, friction=0.2, spring_rate=5e-4)
+    budget = esc.budget(wound, tolerances, limits=limits, size=200)
+    esc.report(wound, path, budget=budget, title="A <four-pin> timer & its spring")
+    return path.read_text(encoding="utf-8")
+
+
+def test_a_report_has_every_section_and_is_well_formed(written):
+    page = Page(written)
+    assert page.open == []
+    assert page.headings == [
+        "A <four-pin> timer & its spring", "The design", "What it does", "Drawing and velocities",
+        "How it runs down", "What the tolerances do", "What is assumed",
+    ]  # fmt: skip
+
+
+def test_a_report_asks_for_nothing_from_elsewhere(written):
+    assert not re.search(r"<(script|link|img|iframe|object)", written)
+    sources = re.findall(r'(?:src|href)="([^"]*)"', written)
+    assert all(source.startswith("#") for source in sources)
+    assert not re.search(r"url\((?!#)", written)
+
+
+def test_the_figures_are_those_of_the_design(written):
+    cycle = esc.terminal(TIMER)
+    texts = Page(written).texts
+    for value in (cycle.period, cycle.velocity_max, cycle.contact_force_max, cycle.jam_margin):
+        assert f"{value:.6g}" in texts
+    # torque in both systems of units
+    assert {"0.0113 N m", "0.100013 in-lbf"} <= {*texts}
+
+
+def test_what_is_given_is_not_told_to_be_missing():
+    told = {name for name, _ in left_out(TIMER)}
+    assert "friction of the bearings" in told
+    assert "width of the pins" not in told
+    more = esc.Escapement(
+        WHEEL, TIMER.inertia, 0.0113, driver_bearing_torque=1e-4, driver_drag=1e-9,
+        follower_viscous=1e-7, spring_rate=1e-4,
+    )  # fmt: skip
+    left = {name for name, _ in left_out(more)}
+    assert left == {"play between pin and slot", "errors of the parts"}
+
+
+def test_a_report_that_cannot_be_is_refused(tmp_path):
+    with pytest.raises(InvalidValue, match=r"must end in \.html"):
+        esc.report(TIMER, tmp_path / "design.pdf")
+    path = tmp_path / "design.html"
+    path.write_text("mine")
+    with pytest.raises(CannotCreate):
+        esc.report(TIMER, path)
+    assert path.read_text() == "mine"
+
+
+def test_commands_write_reports(tmp_path, capsys):
+    words = "run --slots 4 --torque 0.0113 --driver-inertia 3.39e-7 --follower-inertia 5.65e-6"
+    path = tmp_path / "run.html"
+    assert main([*words.split(), "--friction", "0.3", "--report", str(path)]) == 0
+    assert Page(path.read_text(encoding="utf-8")).open == []
+    assert main([*words.split(), "--report", str(tmp_path / "a.pdf")]) == 2
+    assert "must end in .html" in capsys.readouterr().err
