@@ -24,7 +24,7 @@ ACCURACY = ("work_precision", "tolerance", "order", "painleve", "long_run", "con
 
 _PAGES = (
     *("motions", "studies", "drives", "gears", "effects", "imperfect", "rundown", "tolerances"),
-    *("drawings", "designs"),
+    *("drawings", "designs", "clearance"),
 )
 for _page in _PAGES:
     import_module(f"pages.{_page}")  # enters its figures

@@ -46,6 +46,8 @@ from escapement.painleve import critical_friction as critical_friction
 from escapement.reports import report as report
 from escapement.run_down import Rundown as Rundown
 from escapement.run_down import rundown as rundown
+from escapement.rungs import Rungs as Rungs
+from escapement.rungs import compare_rungs as compare_rungs
 from escapement.simulation import simulate as simulate
 from escapement.simulation import terminal as terminal
 from escapement.solver import Solver as Solver
