@@ -12,7 +12,7 @@
 Names are imported on first use, so that importing the package loads and compiles nothing.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # The stub is the only list of public names. It has one line for each, such as
 # "from escapement.model import Inertia as Inertia".

@@ -81,7 +81,9 @@ def page(escapement: Escapement, budget: Budget | None, title: str, initial_spee
     curve = escapement.curve
     if curve is not None and not curve.periodic and curve.torque[-1] == 0.0:
         run = rundown(escapement, initial_speed=initial_speed)
-        told = sections.paragraph(f"{run.message}.") + sections.of_rundown(run)
+        told = sections.paragraph(
+            f"{run.message[0].upper()}{run.message[1:]}."
+        ) + sections.of_rundown(run)
         parts.append(sections.section("How it runs down", told))
     if budget is not None:
         parts.append(sections.section("What the tolerances do", sections.of_budget(budget)))

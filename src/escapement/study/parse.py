@@ -305,7 +305,9 @@ def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setti
     for name, entry in settings.items():
         keys[entry.section].append(entry.key)
         place = f"[{entry.section}]" if entry.section else "the top level"
-        homes |= {name: f"{place} as {entry.key!r}", entry.key: place}
+        # what a mechanism lacks, such as an efficiency, may also be a number of a train
+        key = homes.get(entry.key, place) if entry.section in PLACES else place
+        homes |= {name: f"{place} as {entry.key!r}", entry.key: key}
     for section, known in keys.items():
         place = f"in [{section}]" if section else "at the top level"
         known_keys(_table(configuration, section), known, place, homes)
