@@ -52,7 +52,7 @@ def case(seed):
 def beyond(motion):
     """How far the pin's centre lies beyond the walls, in crank radii; negative within."""
     own, wheel = motion.escapement, motion.escapement.mechanism
-    state = motion.at(np.linspace(0.0, motion.end_time, 20_001))
+    state = motion.at(np.linspace(0.0, motion.end_time, 4001))
     cell = wheel.cell_angle
     start = -0.5 * cell if wheel.pins > 1 else float(wheel.breaks[0])
     number = np.floor((state.theta - start) / cell + 1e-12)

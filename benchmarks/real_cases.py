@@ -1,11 +1,13 @@
 """Both engines on random real mechanisms: pins with width, rollers, bearings, drags, loads.
 
-``python benchmarks/real_cases.py [-n CASES] [--first SEED] [-o FILE]``
+``python benchmarks/real_cases.py [-n CASES] [--first SEED] [--drives] [-o FILE]``
 
 Every case has a random subset of the effects, any kind of slotted wheel, with or without a
 dwell, and starts from rest or fast. The fast engine is asked for 1e-12, ``ivp`` for 1e-10. A
 case is wrong when they differ by more than ten times that in a time or a speed of a handoff, in
 their status or in their reversals, or when the ledger of the fast one leaves more than 1e-12.
+With ``--drives`` springs, torque curves and trains with efficiencies from 0.6 to 1 are among the
+effects, and changes of the sense of the power in a train are compared as well.
 """
 
 import argparse
@@ -24,17 +26,24 @@ EFFECTS = (
     *("pin", "roller", "driver journal", "follower journal", "bearing torque", "driver drag"),
     *("follower drag", "driver viscous", "follower viscous", "load"),
 )
+DRIVES = ("spring", "curve", "barrel", "load train")
 ENGAGEMENTS = 4
 
 
-def draw(seed):
+def draw(seed, drives=False):
     """An escapement, its initial speed [rad/s] and its effects; None where none fits."""
     random = np.random.default_rng(seed)
     present = {name for name in EFFECTS if random.random() < 0.4}
+    # of a random drive the other effects are fewer
+    if drives:
+        present = {name for name in EFFECTS if name in present and random.random() < 0.5}
+        present |= {name for name in DRIVES if random.random() < 0.6}
     length = 10.0 ** random.uniform(-3, -1)
     try:
         wheel = draw_wheel(random, length, present)
         numbers = draw_numbers(random, wheel, present)
+        if drives:
+            numbers |= draw_drive(random, wheel, present, numbers)
         smooth = esc.Escapement(wheel, friction=0.0, **numbers)
     except InvalidValue:
         return None
@@ -97,6 +106,30 @@ def draw_numbers(random, wheel, present):
     return numbers
 
 
+def draw_drive(random, wheel, present, numbers):
+    """Trains, and a torque that changes with the angle."""
+    drawn, ratio = {}, 1.0
+    share = {name: random.choice([1.0, random.uniform(0.6, 1.0)], p=[0.1, 0.9]) for name in DRIVES}
+    if "barrel" in present:
+        ratio = 10.0 ** random.uniform(-0.5, 1.0)
+        felt = numbers["inertia"].driver * 10.0 ** random.uniform(-1, 2)
+        drawn["barrel"] = esc.Train(ratio, share["barrel"], felt * ratio**2)
+    if "load train" in present:
+        other = 10.0 ** random.uniform(-0.5, 1.0)
+        felt = numbers["inertia"].follower * 10.0 ** random.uniform(-2, 1)
+        drawn["load_train"] = esc.Train(other, share["load train"], felt / other**2)
+        drawn["load_torque"] = numbers.get("load_torque", 0.0) / other
+    torque, turn = numbers["torque"] * ratio, wheel.cell_angle / ratio
+    drawn["torque"] = torque
+    if "curve" in present:
+        angles = np.concatenate([[0.0], np.cumsum(random.uniform(0.2, 2.0, 4))]) * turn
+        torques = torque * random.uniform(0.4, 1.0, 5)
+        drawn["torque"] = esc.TorqueCurve(angles, torques)
+    elif "spring" in present:
+        drawn["spring_rate"] = torque / turn * 10.0 ** random.uniform(-3, -0.7)
+    return drawn
+
+
 def compare(timer, speed):
     """Status of the fast engine, greatest difference of the two, residual, and what is wrong."""
     fast, slow = (
@@ -115,6 +148,7 @@ def compare(timer, speed):
         *(["apart"] if apart > 1e-9 else []),
         *(["ledger"] if residual > 1e-12 else []),
         *(["reversals"] if fast.reversals.time.size != slow.reversals.time.size else []),
+        *(["flow"] if fast.flow_changes.time.size != slow.flow_changes.time.size else []),
         *(["slide"] if fast.slide_changes.time.size != slow.slide_changes.time.size else []),
     ]
     return fast.status.label, apart, residual, " ".join(wrong)
@@ -124,16 +158,17 @@ def main():
     """Compare, print what is wrong and a summary, and write a line a case."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-n", type=int, default=2000)
+    parser.add_argument("--drives", action="store_true")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("-o", "--output", type=Path)
     given = parser.parse_args()
     rows, seed = [], given.first
     while len(rows) < given.n:
-        case = draw(seed)
+        case = draw(seed, given.drives)
         if case is not None:
             timer, speed, present = case
             status, apart, residual, wrong = compare(timer, speed)
-            effects = ", ".join(name for name in EFFECTS if name in present)
+            effects = ", ".join(name for name in (*EFFECTS, *DRIVES) if name in present)
             rows.append([seed, status, f"{apart:.2g}", f"{residual:.2g}", wrong, effects])
             if wrong:
                 print(f"seed {seed}: {wrong}, {apart:.3g}, {effects}", flush=True)

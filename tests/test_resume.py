@@ -124,7 +124,7 @@ def test_the_order_of_axes_is_part_of_a_study(tmp_path, solved):
 def test_a_version_with_other_numbers_is_refused(tmp_path, monkeypatch):
     interrupted(tmp_path / "a.h5")
     monkeypatch.setattr(run, "numerics", lambda: "other")
-    with pytest.raises(CannotCreate, match=r"the version that began it, 0\.1\.0 \(\w{12}\), got"):
+    with pytest.raises(CannotCreate, match=r"the version that began it, 0\.2\.0 \(\w{12}\), got"):
         write_plan(plan(), tmp_path / "a.h5", resume=True)
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from escapement.mechanism import FloatArray
 from escapement.trajectory import Events
 
-_SAMPLES = 33
+_SAMPLES = 129
 """Places of a piece at which the torque in a train is looked at."""
 
 
@@ -30,7 +30,7 @@ def flow_changes_of(motion: Any) -> FlowChanges:
     """Every change of sign, in the order of time, of the torque in either train.
 
     Of a barrel it is T - I_b theta_ddot, of a load train M + I_l phi_ddot, with the numbers that
-    driver and follower see. Two changes between neighbours of 33 places of a piece are missed.
+    driver and follower see. Two changes between neighbours of 129 places of a piece are missed.
     """
     escapement, trajectory, found = motion.escapement, motion.trajectory, []
     trains = [name for name in ("barrel", "load_train") if getattr(escapement, name) is not None]
