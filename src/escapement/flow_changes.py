@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,7 @@ from escapement.trajectory import Events
 
 _SAMPLES = 129
 """Places of a piece at which the torque in a train is looked at."""
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,30 +32,42 @@ def flow_changes_of(motion: Any) -> FlowChanges:
     """Every change of sign, in the order of time, of the torque in either train.
 
     Of a barrel it is T - I_b theta_ddot, of a load train M + I_l phi_ddot, with the numbers that
-    driver and follower see. Two changes between neighbours of 129 places of a piece are missed.
+    driver and follower see. Where a sign changes from one piece of the motion to the next, as at a
+    pin reversal, that is the instant. Two changes between neighbours of 129 places of a piece are
+    missed.
     """
-    escapement, trajectory, found = motion.escapement, motion.trajectory, []
-    trains = [name for name in ("barrel", "load_train") if getattr(escapement, name) is not None]
+    trains = [n for n in ("barrel", "load_train") if getattr(motion.escapement, n) is not None]
+    found = sorted(row for train in trains for row in _changes(motion, train))
+    columns = [np.array(column) for column in zip(*found, strict=True)] or [np.empty(0)] * 6
+    time, engagement, theta, speed, names, forward = columns
+    return FlowChanges(engagement, time, theta, speed, names, forward)
+
+
+def _changes(motion: Any, train: str) -> Iterator[tuple[float, int, float, float, str, bool]]:
+    """Time, engagement, angle and speed of each change in one train, its name and sense."""
+    trajectory = motion.trajectory
     ends = np.append(trajectory.start[1:], motion.end_time)
-    for piece in range(trajectory.start.size) if trains else ():
-        start, end = float(trajectory.start[piece]), float(ends[piece])
+    before = 0.0
+    for piece, (start, end) in enumerate(
+        zip(trajectory.start.tolist(), ends.tolist(), strict=True)
+    ):
         if not end > start:
             continue
         times = np.linspace(start, end, _SAMPLES)
-        for train in trains:
-            values = _passed(motion, piece, times, train)
-            # what is rounding beside the greatest has no sign
-            values[np.abs(values) <= 1e-12 * np.abs(values).max(initial=0.0)] = 0.0
-            for i in np.flatnonzero(values[:-1] * values[1:] < 0.0):
-                own = motion, piece, train
-                time = brentq(lambda t, own=own: _at(t, *own), times[i], times[i + 1], xtol=1e-300)
+        values = _passed(motion, piece, times, train)
+        # what is rounding beside the greatest has no sign
+        clear = np.flatnonzero(np.abs(values) > _ROUNDING * np.abs(values).max())
+        last = -1
+        for i in clear.tolist():
+            if values[i] * before < 0.0:
+                time = start
+                if last >= 0:
+                    own = motion, piece, train
+                    time = brentq(_at, times[last], times[i], args=own, xtol=1e-300)
                 state = motion.within(np.array([piece]), np.array([time]))
                 place = float(state.theta[0]), float(state.theta_dot[0])
-                forward = bool(values[i + 1] > 0.0)
-                found.append((int(trajectory.engagement[piece]), time, *place, train, forward))
-    found.sort(key=lambda row: row[1])
-    columns = [np.array(column) for column in zip(*found, strict=True)] or [np.empty(0)] * 6
-    return FlowChanges(*columns)
+                yield time, int(trajectory.engagement[piece]), *place, train, bool(values[i] > 0.0)
+            before, last = float(values[i]), i
 
 
 def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArray:

@@ -116,8 +116,8 @@ def flowing(theta, side, w, scene):
 
 
 @inner_jit
-def leaves_flow(g, k, rate, pull, w, scene):
-    """Whether q or z has another sign, beyond rounding, than the flow of a scene says.
+def within_flow(g, k, rate, pull, w, scene):
+    """q and z, positive while they have the signs that the flow of a scene says.
 
     `pull` is that of the drive, less the bearing's torque, in this scene.
     """
@@ -125,7 +125,8 @@ def leaves_flow(g, k, rate, pull, w, scene):
     torque = (pull + scene.bearing) * weight(scene) / barrel
     dg = k - scene.follower_drag * (g * abs(g))
     q, z = through_trains(g, dg, rate, torque, w, scene)
-    return _misses(scene.flow, q, z) > 1e-12 * (1.0 + w)
+    back, given = scene.flow == 1.0 or scene.flow == 3.0, scene.flow >= 2.0
+    return -q if back else q, -z if given else z
 
 
 @inner_jit

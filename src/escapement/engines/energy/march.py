@@ -213,7 +213,7 @@ def _pass_over(scene, work, panel, starting, state, request):
             way = -w / slope_of_w(scene, panel, side, w)
             return _stops(panel, way, w, 0.0, time, energy)
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-    if sampling.turns_back(scene, work, panel, solution, side, w_right):
+    if sampling.turns_back(scene, work, panel, solution, side, w, w_right):
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
     if not panel.locked and (against > 0 or right <= 0.0):

@@ -256,7 +256,7 @@ def _solve(scene, work, panel, part, side, strict):
         return False
     w_right = solution.alpha_end * energy + solution.beta_end
     w_right /= scene.rho + panel.exit.g**2
-    return not turns_back(scene, work, panel, solution, side, w_right)
+    return not turns_back(scene, work, panel, solution, side, part.w, w_right)
 
 
 @inner_jit

@@ -17,7 +17,7 @@ from escapement.gauss import (
     N,
 )
 from escapement.jit import inner_jit
-from escapement.power_flow import is_lossy, leaves_flow
+from escapement.power_flow import is_lossy, within_flow
 
 # These are the distances in x of an end of the panel from the two points next to it.
 TO_NEAREST, TO_SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])
@@ -31,7 +31,7 @@ NEGLIGIBLE = 1e-12
 CLOSE_PAIR = 1e-9
 # A panel in which power turns back through a train is halved down to this half width [rad]. There
 # theta_ddot has a corner and does not jump, so that the error of w is of the order of its square.
-NARROW_TURN = 3e-8
+NARROW_TURN = 3e-9
 # This is the relative error of a slope at an end that is read from two points.
 SLOPE_ERROR = 0.01
 
@@ -94,24 +94,37 @@ def sample_panel(scene, work, panel, solution, side, energy):
 
 
 @inner_jit
-def turns_back(scene, work, panel, solution, side, w_right):
+def turns_back(scene, work, panel, solution, side, w_left, w_right):
     """Whether power turns back through a train that loses some, on a panel wide enough to matter.
 
-    The panel is the one just sampled; `w_right` is at its right end.
+    The panel is the one just sampled; `w_left` and `w_right` are at its ends. Twice between two
+    points counts as well.
     """
     if not is_lossy(scene) or panel.half <= NARROW_TURN:
         return False
-    end = panel.exit
-    inertia = reduced_inertia(end.g, bend_at(end, side, scene), scene)
-    rate = net_torque_at(end, side, w_right, scene) / inertia
-    if leaves_flow(end.g, end.dg, rate, end.pull, w_right, scene):
-        return True
+    left_q, left_z = _at_end(scene, panel.entry, side, w_left)
+    right_q, right_z = _at_end(scene, panel.exit, side, w_right)
+    rounding = NEGLIGIBLE * (1.0 + max(w_left, w_right))
+    least = min(right_q, right_z)
     for i in range(N):
         g = panel.g[i]
         rate = work.net_torque[i] / reduced_inertia(g, solution.bend[i], scene)
-        if leaves_flow(g, panel.dg[i], rate, panel.pull[i], work.w[i], scene):
-            return True
-    return False
+        q, z = within_flow(g, panel.dg[i], rate, panel.pull[i], work.w[i], scene)
+        work.scratch[i], work.slowness_change[i] = q, z
+        least = min(least, min(q, z))
+    if least < -rounding:
+        return True
+    return may_vanish(
+        work, work.scratch, rounding, left_q, right_q, FIRST_POINT, ALL_POINTS
+    ) or may_vanish(work, work.slowness_change, rounding, left_z, right_z, FIRST_POINT, ALL_POINTS)
+
+
+@inner_jit
+def _at_end(scene, end, side, w):
+    """`within_flow` at an end of a panel."""
+    rate = net_torque_at(end, side, w, scene)
+    rate /= reduced_inertia(end.g, bend_at(end, side, scene), scene)
+    return within_flow(end.g, end.dg, rate, end.pull, w, scene)
 
 
 @inner_jit
