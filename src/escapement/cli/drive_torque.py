@@ -60,12 +60,12 @@ def summarise(result: "DriveTorque") -> dict[str, Any]:
 
 
 def _doubt(result: "DriveTorque", units: str) -> str:
-    """What the scatter of a measured table leaves uncertain; "" for other mechanisms."""
+    """The uncertainty due to the scatter of a measured table; "" for other mechanisms."""
     if result.moment_deviation == 0.0:
         return ""
     doubt = _output.in_units(result.moment_deviation, "torque", units)
     return (
-        f"the scatter of the table leaves the contact moment uncertain by {doubt:.2g} "
-        f"{printed('torque', units)} (standard deviation), the torque by that times the "
-        "ratio, and reversals between which the moment is smaller may be none"
+        f"the scatter of the table makes the contact moment uncertain by {doubt:.2g} "
+        f"{printed('torque', units)} (standard deviation), and the torque by this times the "
+        "ratio; two reversals may be false if the moment between them is smaller than this"
     )
