@@ -248,7 +248,7 @@ def test_commands_take_a_table(report, tmp_path):
     np.savetxt("scattered.csv", rows, delimiter=",")
     scattered = ("tabulated", "--table", "scattered.csv", "--measured")
     torque = report("drive-torque", *scattered, *constant)
-    assert "the scatter of the table leaves the contact moment uncertain by" in torque["message"]
+    assert "the scatter of the table makes the contact moment uncertain by" in torque["message"]
 
 
 @pytest.mark.filterwarnings("always")
