@@ -84,11 +84,12 @@ def test_run_says_why_a_mesh_has_no_critical_friction(report):
     options = ["run", "elliptical-planetary", "--sun-radius", ".6", "--planet-radius", ".3", *MEYER]
     record = report(*options, "--efficiency", ".9")
     assert (record["status"], record["critical_friction"]) == ("ok", None)
-    assert record["message"] == "critical_friction is not given: a mesh has no Painleve limit"
+    reason = "a mechanism without slots has no Painleve limit"
+    assert record["message"] == f"critical_friction is not given: {reason}"
     record = report(*options)
     assert (record["status"], record["velocity_max"]) == ("no_terminal", None)
     assert "no terminal velocity" in record["message"]
-    assert record["message"].endswith("a mesh has no Painleve limit")
+    assert record["message"].endswith("a mechanism without slots has no Painleve limit")
 
 
 def test_run_shows_how_far_a_long_motion_is_written(command, monkeypatch):

@@ -42,7 +42,7 @@ def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
         process.send_signal(number)
         _, errors = process.communicate(timeout=60)
     assert process.returncode == code
-    assert ("what was finished is in s.h5.partial" in errors) == (number == signal.SIGTERM)
+    assert ("finished cases are kept in s.h5.partial" in errors) == (number == signal.SIGTERM)
     lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     assert (lines[-1]["event"] == "end") == (number == signal.SIGTERM)
     if number == signal.SIGTERM:
@@ -50,7 +50,7 @@ def test_a_sweep_that_is_struck_and_resumed_is_that_of_one_run(
         assert [lines[-2]["message"], lines[-1]["exit_code"]] == ["terminated", 143]
     assert not (tmp_path / "s.h5").exists()
     assert main(["sweep", "s.toml", "--quiet", "--resume"]) == 0
-    assert " of them from before" in capsys.readouterr().err
+    assert " of them from an earlier run" in capsys.readouterr().err
     assert main(["sweep", "s.toml", "--quiet", "-o", "t.h5"]) == 0
     assert without_date(tmp_path / "s.h5") == without_date(tmp_path / "t.h5")
 

@@ -251,7 +251,7 @@ def test_what_does_not_exist_is_null_with_a_message(command):
     record = json.loads(out)
     assert set(record) == KEYS | {"message"}
     assert (code, record["inertia_ratio"], record["reversals_deg"]) == (0, None, [0.0])
-    assert all("there is no F without a load" in text for text in (record["message"], err))
+    assert all("F is not defined without a load" in text for text in (record["message"], err))
 
 
 @pytest.mark.parametrize(

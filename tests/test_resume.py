@@ -273,13 +273,13 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     (tmp_path / "s.toml").write_text(IVP_STUDY)
     assert main(["sweep", "s.toml", "--quiet", "--workers", "1"]) == 130
     assert capsys.readouterr().err.splitlines() == [
-        "escapement: what was finished is in s.h5.partial; continue with --resume",
+        "escapement: finished cases are kept in s.h5.partial; continue with --resume",
         "escapement: error: interrupted",
     ]
     assert main(["sweep", "s.toml", "--quiet"]) == 73
     assert "continue with resume=True (--resume)" in capsys.readouterr().err
     assert main(["sweep", "s.toml", "--resume"]) == 0
     errors = capsys.readouterr().err
-    assert re.search(r"40 cases in s.h5, \d+ of them from before", errors)
+    assert re.search(r"40 cases in s.h5, \d+ of them from an earlier run", errors)
     assert main(["sweep", "s.toml", "--resume", "--json"]) == 0
     assert '"resumed": 40' in capsys.readouterr().out

@@ -120,7 +120,7 @@ REFUSED = [
     ({"sise": 4, "friction": EVEN}, "unknown key 'sise' in [sample]; did you mean 'size'?"),
     ({"size": 4, "frction": EVEN}, "unknown key 'frction' in [sample]; did you mean 'friction'?"),
     ({"size": 4, "friction": EVEN | {"hi": 1}}, "unknown key 'hi' in sample.friction; did you"),
-    ({"size": 4, "friction": 0.1}, "sample.friction must be a table that says how it spreads"),
+    ({"size": 4, "friction": 0.1}, "sample.friction must be a table that says how it varies"),
     ({"size": 4, "friction": {"low": 0.3, "high": 0.2}}, "high must be greater than low = 0.3"),
     ({"size": 4, "friction": {"low": -0.1, "high": 0.2}}, "sample.friction.low must be at least 0"),
     ({"size": 4, "friction": EVEN | {"tolerance": 1}}, "'low' in sample.friction with tolerance"),
@@ -146,7 +146,7 @@ REFUSED = [
         {"size": 4, "load_torque": {"relative_tolerance": 0.1}},
         "must be a part of a nominal value other than 0, got 0; give tolerance in its own unit",
     ),
-    ({"size": 4, "slots": EVEN}, "whole numbers and fractions are not drawn at random"),
+    ({"size": 4, "slots": EVEN}, "whole numbers and fractions cannot be drawn at random"),
     ({"method": "list", "size": 2, "friction": [1]}, 'in [sample] with method "list"'),
     (
         {"method": "list", "friction": [0.1, 0.2], "torque": [1.0]},

@@ -297,7 +297,7 @@ def _storage_error(path: AnyPath, error: Exception, kept: str = "") -> StorageEr
     end = "nothing was left behind, free space or name another disk"
     if kept:
         end = (
-            f"what was finished is kept in {kept}: free space, then continue with resume=True "
+            f"finished cases are kept in {kept}: free space, then continue with resume=True "
             "(--resume)"
         )
     made = StorageError(f"writing {path} failed: {reason}; {end}")

@@ -27,15 +27,15 @@ class Fits(Declared):
         Width of the cut [m]: the cutter runs beside the edges by half of it.
     """
 
-    pin_fit: float = field(default=0.0, metadata=_length("diameter of pin holes less pins'"))
-    shaft_fit: float = field(default=0.0, metadata=_length("diameter of shaft holes less shafts'"))
+    pin_fit: float = field(default=0.0, metadata=_length("diameter of pin holes minus pins'"))
+    shaft_fit: float = field(default=0.0, metadata=_length("diameter of shaft holes minus shafts'"))
     driver_shaft_radius: float = field(default=0.0, metadata=_length(
         "radius of the driver's shaft", 0.0, ", 0 for one that suits the wheel"
     ))  # fmt: skip
     follower_shaft_radius: float = field(default=0.0, metadata=_length(
         "radius of the follower's shaft", 0.0, ", 0 for one that suits the wheel"
     ))  # fmt: skip
-    clearance: float = field(default=0.0, metadata=_length("slot width less pin diameter", 0.0))
+    clearance: float = field(default=0.0, metadata=_length("slot width minus pin diameter", 0.0))
     kerf: float = field(default=0.0, metadata=_length("width of the cut", 0.0))
 
     def __post_init__(self) -> None:

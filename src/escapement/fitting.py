@@ -76,10 +76,10 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], train
     name = "stiffness" if contact == "compliant" else "clearance"
     value = values[name] if contact == "compliant" else mechanism.clearance
     if not hasattr(mechanism, "clearance"):
-        rule = "0 for a mechanism that is no Geneva wheel"
+        rule = "0 for a mechanism that is not a Geneva wheel"
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
     if trains:
-        remedy = "add what the trains carry to the inertias and torques"
+        remedy = "add the inertias and torques of the trains to those of the model"
         raise validate.fail(name, "0 with a barrel or a load train", value, remedy)
     if not mechanism.perfect:
         raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")

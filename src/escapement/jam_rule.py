@@ -106,7 +106,8 @@ def jam_rule(escapement: Escapement) -> JamCycle:
     error = _NEAR if close else _FAR
     near = "just above" if close else "well above"
     message = (
-        f"friction is {near} the limit {limit:.6g}: the period is good to some {error:g} of it"
+        f"friction is {near} the limit {limit:.6g}: "
+        f"the relative error of the period is about {error:g}"
     )
     top = passed.top / clock
     return JamCycle(

@@ -94,7 +94,7 @@ class Figures(Shown):
     last_reversal_angle : the last of them; NaN where there is none [rad].
     critical_friction : Painleve limit, from which on no motion exists [-].
     jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
-    uniqueness_friction : friction from which on another motion exists beside this one [-].
+    uniqueness_friction : friction at and above which the motion is not unique [-].
     beats, beat_error : times of these engagements, and the greatest less the least [s].
     blow_max : greatest energy that is lost in a blow [J].
     motion : the terminal cycle, one engagement or all of these, None where there is none.

@@ -73,15 +73,15 @@ def _bearing_radius(body: str) -> dict[str, Any]:
 
 def _drag(body: str) -> dict[str, Any]:
     return quantity(
-        f"drag of the {body} over the square of its speed", "drag", metavar="C",
-        remedy="give the drag torque over the square of the speed, 0 for none",
+        f"drag of the {body} divided by the square of its speed", "drag", metavar="C",
+        remedy="give the drag torque divided by the square of the speed, 0 for none",
     )  # fmt: skip
 
 
 def _viscous(body: str) -> dict[str, Any]:
     return quantity(
-        f"viscous drag of the {body} over its speed", "viscous", metavar="C",
-        remedy="give the drag torque over the speed, 0 for none",
+        f"viscous drag of the {body} divided by its speed", "viscous", metavar="C",
+        remedy="give the drag torque divided by the speed, 0 for none",
     )  # fmt: skip
 
 
@@ -157,7 +157,7 @@ class Escapement(Declared):
     ))  # fmt: skip
     efficiency: float = field(default=1.0, metadata=quantity(
         "share of the power that the mesh passes on", metavar="E", slotted=False,
-        instead="friction", minimum=1e-3, maximum=1.0, note=", in place of friction",
+        instead="friction", minimum=1e-3, maximum=1.0, note=", instead of friction",
         remedy="give a share of 1, 1 for no loss"
     ))  # fmt: skip
     driver_bearing_friction: float = field(default=0.0, metadata=_bearing_friction("driver"))
@@ -174,19 +174,19 @@ class Escapement(Declared):
     follower_viscous: float = field(default=0.0, metadata=_viscous("follower"))
     spring_rate: float = field(default=0.0, metadata=quantity(
         "torque that the spring loses per driver angle", "rate", metavar="K",
-        remedy="give the loss of torque over the angle, 0 for a constant torque"
+        remedy="give the loss of torque per angle, 0 for a constant torque"
     ))  # fmt: skip
 
     restitution: float = field(default=0.0, metadata=quantity(
-        "rebound impulse of a blow over its impulse of compression", maximum=1.0, below=True,
+        "ratio of rebound impulse to compression impulse in an impact", maximum=1.0, below=True,
         slotted=True, instead="efficiency", metavar="E", remedy="give a restitution, 0 for none"
     ))  # fmt: skip
     stiffness: float = field(default=0.0, metadata=quantity(
-        "force of a slot's wall over the penetration", "stiffness", slotted=True,
+        "force of a slot's wall divided by the penetration", "stiffness", slotted=True,
         instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies"
     ))  # fmt: skip
     damping: float = field(default=0.0, metadata=quantity(
-        "force of a slot's wall over the speed of penetration", "damping", slotted=True,
+        "force of a slot's wall divided by the speed of penetration", "damping", slotted=True,
         instead="efficiency", metavar="D", remedy="give the damping, 0 for none"
     ))  # fmt: skip
     contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
@@ -195,7 +195,7 @@ class Escapement(Declared):
     )))  # fmt: skip
     slip_speed: float = field(default=0.0, metadata=quantity(
         "sliding speed below which friction fades", "slip", slotted=True,
-        instead="efficiency", metavar="V", remedy="give the speed, 0 to leave it to the engine"
+        instead="efficiency", metavar="V", remedy="give the speed, 0 if the engine shall choose it"
     ))  # fmt: skip
     barrel: Train | None = None
     load_train: Train | None = None
@@ -407,7 +407,7 @@ class Run(Declared):
     ))  # fmt: skip
     engagements: int = field(default=20, metadata=quantity(
         "engagements to run", minimum=1, whole=True, axis=False, metavar="N",
-        remedy="give how many to run; the figures of merit need no long motion"
+        remedy="give the number of engagements; the figures of merit need no long motion"
     ))  # fmt: skip
     duration: float | None = field(default=None, metadata=quantity(
         "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",

@@ -28,9 +28,9 @@ class Status(IntEnum):
 MESSAGES = {
     Status.OK: "done",
     Status.NO_TERMINAL: (
-        "no terminal velocity exists: nothing takes more of the drive's work at a higher speed, "
-        "which grows without bound; give a friction greater than 0, "
-        "to a mesh an efficiency below 1 and a ratio that varies"
+        "no terminal velocity exists: no loss grows with the speed, which grows without bound; "
+        "give a friction greater than 0, or without slots an efficiency below 1 and "
+        "a ratio that varies"
     ),
     Status.STALL: "the drive cannot carry the load and the mechanism stops",
     Status.PAINLEVE: "friction is at or above the Painleve limit: no unique rigid motion exists",

@@ -102,7 +102,7 @@ def parser_of(name: str) -> tuple[ModuleType, Parser]:
 def add_common(parser: Parser, own: str | None = None) -> None:
     """Add what every command takes; `own` explains units that are not SI where none are typed."""
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
-    text = "add what happens to FILE as JSON lines, for job scripts"
+    text = "append events to FILE as JSON lines, for job scripts"
     parser.add_argument("--log", type=Path, metavar="FILE", help=text)
     text = own or (
         "units of what goes in and what comes out (default: SI); a number may bring its own: "
@@ -257,13 +257,13 @@ def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
 
 def add_plot(group: ArgumentGroup, text: str) -> None:
     """Add a figure to draw; `_output.check_wanted` looks at its place."""
-    text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, replaced where it exists"
+    text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, replaced if it exists"
     group.add_argument("--plot", type=Path, metavar="FILE", help=text)
 
 
 def add_report(group: ArgumentGroup) -> None:
     """Add a report to write; `_output.check_wanted` looks at its place."""
-    text = "write a report that needs no other file; replaced where it exists"
+    text = "write a report that needs no other file; replaced if it exists"
     group.add_argument("--report", type=Path, metavar="FILE.html", help=text)
 
 

@@ -37,11 +37,11 @@ _LABELS = {
 """What a table calls a key, where that is not the key in words."""
 _NO_LIMIT = "no finite value makes the pin reverse"
 _REASONS = {
-    "stations": "R2/R1 is no fraction with a denominator of at most 1000, so the output never "
+    "stations": "R2/R1 is not a fraction with a denominator of at most 1000, so the output never "
     "stops in the same direction again",
-    "critical_friction": "a mesh has no Painleve limit",
+    "critical_friction": "a mechanism without slots has no Painleve limit",
     "last_reversal_angle": "the pin does not reverse",
-    "inertia_ratio": "there is no F without a load",
+    "inertia_ratio": "F is not defined without a load",
     "reversal_limits": "the follower's deceleration ends at zero, so no inertia ratio lets it "
     "drive up to the end",
     "torque_max_over_mean": "the mean torque is not above zero",

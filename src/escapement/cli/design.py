@@ -10,7 +10,7 @@ from escapement.files import write_file
 from escapement.text import as_csv, print_columns, words
 from escapement.units import printed
 
-UNITS = "units of what is printed (default: those of the wish)"
+UNITS = "units of the printed figures (default: those of the wish)"
 _CHOSEN = {
     "slots": "ratio", "pins": "ratio", "internal": "ratio", "crank_radius": "length",
     "pin_radius": "length", "torque": "torque", "friction": "ratio", "spring_rate": "rate",
@@ -19,10 +19,10 @@ _CHOSEN = {
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    text = "what the timer is to do, and its bounds"
+    text = "file that says what the timer must do, and its bounds"
     parser.add_argument("wish", type=Path, metavar="WISH.toml", help=text)
     rule: dict[str, Any] = {"minimum": 1, "whole": True, "remedy": "give how many"}
-    _arguments.add_number(parser, "count", "most designs to give (default: 40)", "N", **rule)
+    _arguments.add_number(parser, "count", "greatest number of designs (default: 40)", "N", **rule)
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write a line for each design, in SI")
     _arguments.add_plot(output, "draw the designs over the first two objectives")
@@ -60,7 +60,7 @@ def execute(args: Arguments) -> int:
         header = [words(n) + f" ({u})" * (u != "") for n, u in zip(names, units, strict=True)]
         print_columns([header], [[line[name] for name in names] for line in record])
 
-    message = f"{len(lines)} designs of {found.tried} places tried"
+    message = f"{len(lines)} designs, from {found.tried} points tried"
     _output.tell(args, {"designs": record, "message": message}, table_of_designs, message)
     return 0
 

@@ -36,9 +36,9 @@ def configure(parser: Parser) -> None:
     output = parser.add_argument_group("output")
     text = "write the parts: FILE.dxf, or FILE.svg; in inches with --units in-lbf-s, else in mm"
     _arguments.add_output(output, "FILE", text)
-    text = "chords in the place of arcs, for machines that know lines alone"
+    text = "chords instead of arcs, for machines that can only cut lines"
     output.add_argument("--segments", action="store_true", help=text)
-    text = "DXF of release 12, for old programs; it knows no units"
+    text = "DXF of release 12, for old programs; it has no units"
     output.add_argument("--r12", action="store_true", help=text)
     parser.set_defaults(plot=None)
 

@@ -21,7 +21,7 @@ def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
     add("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
-    text = ".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)"
+    text = ".png, .pdf or .svg, replaced if it exists (default: FILE.png beside FILE.h5)"
     add("-o", "--output", type=Path, metavar="OUT", help=text)
     text = (
         "only the cases at these values, in the units of the file or with their own: slots=6 of a "
@@ -75,7 +75,7 @@ def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
         lost = np.isnan(study.results[name]) & answered
         counts[f"without {words(name)}"] = int(np.count_nonzero(lost))
     told = ", ".join(f"{n} {what}" for what, n in counts.items() if n)
-    return told and f"of {study.cases} cases these leave gaps: {told}"
+    return told and f"some of the {study.cases} cases leave gaps in the figure: {told}"
 
 
 def in_units(study: "esc.Study", system: str | None) -> "esc.Study":

@@ -26,10 +26,10 @@ def configure(parser: Parser) -> None:
         "dijksman: gear-driven wheels (1974); "
         "prikhodko: the planetary drive with elliptical gears (2020); all: each after the other",
     )
-    what = "tables (CSV, JSON) and figures, for all a folder of each source in it"
+    what = "tables (CSV, JSON) and figures; with all, each source has a folder in it"
     _arguments.add_folder(parser, what)
     formats = [suffix[1:] for suffix in FORMATS]
-    text = f"of the figures in DIR (default: {formats[0]})"
+    text = f"format of the figures in DIR (default: {formats[0]})"
     kind = one_of("--format", formats)
     parser.add_argument("--format", type=kind, metavar="|".join(formats), help=text)
 

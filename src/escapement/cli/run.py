@@ -28,7 +28,8 @@ def add_study(group: ArgumentGroup) -> None:
     text = "written by escapement sweep, or its CONFIG.toml"
     group.add_argument("--from", dest="study", type=Path, metavar="FILE.h5", help=text)
     text = (
-        "a value of each axis in the units of FILE.h5 or with its own, as friction=0.35,torque=0.1"
+        "a value of each axis, in the units of FILE.h5 or with its own unit: "
+        "friction=0.35,torque=0.1"
     )
     group.add_argument("--select", metavar="NAME=VALUE,...", help=text)
 

@@ -65,7 +65,7 @@ def execute(args: Arguments) -> int:
     def table() -> None:
         below = [spelt(units[name]) for name in cases[0]]
         print_columns([[*map(words, cases[0])], below], ([*case.values()] for case in cases))
-        before = f", {tally.resumed} of them from before" if tally.resumed else ""
+        before = f", {tally.resumed} of them from an earlier run" if tally.resumed else ""
         _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
 
     sizes = dict(zip(plan.dimensions, plan.shape, strict=True))
@@ -73,8 +73,8 @@ def execute(args: Arguments) -> int:
     _output.tell(args, record, table)
     if tally.failed:
         _output.note(
-            f"{tally.failed} of {tally.cases} cases failed: the file's status says why, "
-            f"of one case in words escapement run --from {path} --select"
+            f"{tally.failed} of {tally.cases} cases failed: the status in the file says why; "
+            f"escapement run --from {path} --select explains one case"
         )
     return SOME_FAILED if tally.failed else 0
 
@@ -94,7 +94,7 @@ def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
             tally = write_plan(plan, path, progress=shown, workers=workers, **options)
     except KeyboardInterrupt:
         if (partial := partial_path(path)).exists():
-            _output.note(f"what was finished is in {partial.name}; continue with --resume")
+            _output.note(f"finished cases are kept in {partial.name}; continue with --resume")
             _log.record("saved", file=str(partial))
         raise
     _log.record("saved", file=str(path))

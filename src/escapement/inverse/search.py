@@ -81,7 +81,8 @@ def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
     wheels = wheels_for(wish)
     if not wheels:
         reason = f"no wheel with these slots moves at a friction of {wish.friction[1]:g}"
-        return Designs(wish, (), 0, f"{reason}: all jam, or their pins do not fit; allow less")
+        remedy = "all jam, or their pins do not fit; allow less friction or other slots"
+        return Designs(wish, (), 0, f"{reason}: {remedy}")
     tables = [_sampled(wheel, wish, seed) for wheel in wheels]
     owner = np.repeat(np.arange(len(wheels)), [len(places) for places, _ in tables])
     places = np.concatenate([places for places, _ in tables])
@@ -95,7 +96,8 @@ def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
     found = [_polished(wheels[owner[i]], places[i], wish) for i in good[front]]
     made = [made for wheel, place in found if (made := _made(wheel, place, wish))]
     if not made:
-        return Designs(wish, (), len(places), "designs that seemed to keep to the bounds do not")
+        reason = "designs that seemed to satisfy the bounds do not satisfy them exactly"
+        return Designs(wish, (), len(places), reason)
     costs = np.array([[one.values[name] for name in wish.objectives] for one in made])
     best = sorted((made[i] for i in undominated(costs)), key=lambda d: d.values[wish.objectives[0]])
     return Designs(wish, tuple(best), len(places), "done")
@@ -149,14 +151,14 @@ def _reason(values: Values, wish: Wish) -> str:
             k = int(np.where(others, missed[i], math.inf).argmin())
             told.append((missed[i, k], _told(name, wish.bounds[name], float(values[name][k]))))
     if told:
-        return f"{min(told)[1]}, where all other bounds are kept"
+        return f"{min(told)[1]}, if all other bounds are satisfied"
     k = int(missed.sum(axis=0).argmin())
     several = [
         _told(name, wish.bounds[name], float(values[name][k]))
         for i, name in enumerate(names)
         if missed[i, k] > 0.0
     ]
-    return "; ".join([*several, "no single bound stands in the way: relax several of them"])
+    return "; ".join([*several, "no single bound prevents a design: relax several of them"])
 
 
 def _told(name: str, bound: tuple[float, float], reached: float) -> str:

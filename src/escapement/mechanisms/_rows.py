@@ -72,14 +72,14 @@ class Rows(Kind):
         Numbers(long_name="follower angles", unit="angle", remedy="give a list of angles in rad")
     ))  # fmt: skip
     measured: bool = field(default=False, metadata=setting(
-        Truth(long_name="the rows scatter: a smooth curve goes between them")
+        Truth(long_name="the rows scatter, and a smooth curve goes between them")
     ))  # fmt: skip
     cell_angle: float = field(default=0.0, metadata=quantity(
         "driver angle after which the motion repeats itself", "angle", exclusive=True, axis=False,
         metavar="DEG", remedy="give the angle, after it the motion repeats itself"
     ))  # fmt: skip
     follower_step: float = field(default=0.0, metadata=quantity(
-        "what the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
+        "angle the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
         remedy="give the angle, the follower must have turned on from cell to cell"
     ))  # fmt: skip
 
@@ -124,7 +124,7 @@ class Rows(Kind):
         if distances[widest] > max(_GAP * cell, _MANY[self.measured] * usual):
             gap, whole, after = np.degrees([distances[widest], cell, places[widest]])
             rule = f"and has none for {gap:.3g} of {whole:.4g} degrees after {after:.4g}"
-            remedy = "the curve across is a guess; give rows there"
+            remedy = "the curve there is a guess; give rows there"
             warnings.warn(f"theta must have rows all over the cell, {rule}: {remedy}", stacklevel=4)
 
     def _check_step(self) -> None:
@@ -175,7 +175,7 @@ class Rows(Kind):
         if gap <= self._near:
             raise InvalidValue(
                 "theta must differ from row to row in an exact table, cells taken together; "
-                "leave out what repeats itself, or say that the rows are measured"
+                "leave out repeated rows, or say that the rows are measured"
             )
         spline = table.interpolating(x, rest[[*order, order[0]]])
         if np.ptp(rest) > 0.0:

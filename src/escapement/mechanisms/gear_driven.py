@@ -56,7 +56,7 @@ class GearDriven(ImperfectWheel):
         Lobes that find no slot between two that do, at most 100 000; fewer slots,
         longer dwell.
     solution : int
-        Which mechanism, counted from 1 in order of alpha, where there are several.
+        Which mechanism, counted from 1 in order of alpha, if there are several.
     fixed_radius : float, optional
         Radius R0 of the fixed gear [m]; contact forces and all other lengths need it.
     pin_radius, roller_radius : float
@@ -98,7 +98,7 @@ class GearDriven(ImperfectWheel):
         remedy="the wheel needs 3 stations or more"
     ))  # fmt: skip
     lobes: Any = field(metadata=quantity(
-        "unreal lobes between two lobes of the pin's path", fraction=True, metavar="M",
+        "further lobes that would fit between two lobes of the path", fraction=True, metavar="M",
         maximum=MOST_LOBES, note=", a whole number or a fraction",
         remedy="give a whole number or a fraction such as '1/2'"
     ))  # fmt: skip
@@ -110,12 +110,12 @@ class GearDriven(ImperfectWheel):
         "pins on the planet", whole=True, minimum=1, metavar="P", remedy="give the number of pins"
     ))  # fmt: skip
     unused_lobes: int = field(default=0, metadata=quantity(
-        "lobes without a slot between two that have one", whole=True, maximum=MOST_LOBES,
+        "lobes without a slot between two lobes with a slot", whole=True, maximum=MOST_LOBES,
         metavar="J", remedy="give 0 to use every lobe"
     ))  # fmt: skip
     solution: int = field(default=1, metadata=quantity(
         "place of the mechanism in order of alpha", whole=True, minimum=1, metavar="I",
-        note=", where there are several", remedy="they count from 1"
+        note=", if there are several", remedy="they count from 1"
     ))  # fmt: skip
     fixed_radius: float | None = field(default=None, metadata=quantity(
         "radius of the fixed gear", "length", exclusive=True, axis=False,

@@ -98,7 +98,7 @@ def roller_radius() -> dict[str, Any]:
 def clearance() -> dict[str, Any]:
     """Declaration of the clearance between pin and slot."""
     return quantity(
-        "slot width less pin diameter", "length", metavar="C",
+        "slot width minus pin diameter", "length", metavar="C",
         remedy="give how much wider the slot is, 0 for none",
     )  # fmt: skip
 

@@ -155,7 +155,7 @@ class Curve(NamedTuple):
         if np.any(corner * math.copysign(1.0, width) < -_CORNER):
             place = complex(b[np.argmin(corner * math.copysign(1.0, width))])
             raise InvalidValue(
-                f"a cutter of any width must get into every corner, got one at {place:.6g} that "
+                f"a cutter with a width must reach every corner, got one at {place:.6g} that "
                 "points into the body; cut it with a kerf of 0"
             )
         corners, bulges = [], []

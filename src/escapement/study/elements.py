@@ -51,7 +51,8 @@ def part_lists(
             form = sample.pop(name)
             if not isinstance(form, Mapping):
                 remedy = f"write for example {{ tolerance = 1e-3 }}, or values of {names[0]}"
-                raise validate.fail(f"sample.{name}", "a table of how each spreads", form, remedy)
+                rule = "a table that says how each varies"
+                raise validate.fail(f"sample.{name}", rule, form, remedy)
             sample |= dict.fromkeys(names, form)
         if not any(one in tables.get(where, ()) for where in ("sweep", "sample") for one in names):
             continue

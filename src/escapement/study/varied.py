@@ -175,7 +175,7 @@ def _size(method: str, table: Mapping[str, Any]) -> int:
     size = validate.integer("sample.size", table.get("size"), 1, remedy, MOST_VALUES)
     if method == "sobol" and size & (size - 1):
         below = 1 << (size.bit_length() - 1)
-        remedy = f"only then its points are even: give {below} or {2 * below}"
+        remedy = f"only then its points are evenly spread: give {below} or {2 * below}"
         raise validate.fail("sample.size", "a power of two with method 'sobol'", size, remedy)
     return size
 
@@ -253,12 +253,12 @@ def _drawn(form: Any, parameter: Quantity, nominal: float | None, share: FloatAr
     label = f"sample.{parameter.name}"
     if parameter.whole or parameter.fraction:
         raise InvalidValue(
-            f"{label} must be left out, whole numbers and fractions are not drawn at random; "
+            f"{label} must be left out, whole numbers and fractions cannot be drawn at random; "
             f'write {parameter.name} in [sweep], or use method = "list"'
         )
     if not isinstance(form, Mapping):
         remedy = "write for example { relative_tolerance = 0.05 }"
-        raise validate.fail(label, "a table that says how it spreads", form, remedy)
+        raise validate.fail(label, "a table that says how it varies", form, remedy)
     known_keys(form, (*_BESIDE[""], *WIDTHS), f"in {label}")
     width = next((key for key in _BESIDE if key in form), "")
     known_keys(form, (width, *_BESIDE[width]), f"in {label} with {width or 'two ends'}")

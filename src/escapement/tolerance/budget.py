@@ -150,7 +150,8 @@ def budget_of(
     if indices:
         _add_indices(plan, scatters, indices, int(drawn["seed"]))
     failed = intervals.share(study.results["status"] != Status.OK)
-    message = "done" if failed.value == 0.0 else "cases without an answer count as outside limits"
+    lost = "cases that could not be computed count as outside the limits"
+    message = "done" if failed.value == 0.0 else lost
     sized = int(drawn["size"])
     return Budget(scatters, spreads, study, failed, int(drawn["seed"]), sized, message)
 
@@ -160,7 +161,9 @@ def _add_indices(plan: StudyPlan, scatters: dict[str, Scatter], size: int, seed:
     table = plan.configuration["sample"]
     names = list(plan.sampled)
     if table.get("correlations"):
-        raise InvalidValue("indices must be 0 with correlations, which they do not allow for")
+        raise InvalidValue(
+            "indices must be 0 with correlations, because they assume independent numbers"
+        )
     solved: dict[str, FloatArray] = {}
 
     def evaluate(shares: FloatArray, figure: str) -> FloatArray:
