@@ -1,4 +1,4 @@
-"""What the contact of a motion between walls tells: forces, bounces, blows and jams."""
+"""Forces, bounces, impacts and jams of a motion with clearance or compliant contact."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ _NEARLY_DEAD = 0.01
 _ONE_PLACE = 0.01
 """Stops this close together [rad] are one jam, in which the driver trembles."""
 _SAMPLES = 4000
-"""Times in an engagement at which jams are looked for; a jam lasts far longer than one step."""
+"""Number of times in an engagement at which jams are searched for; a jam lasts much longer than
+one step."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,7 +31,7 @@ class ContactSummary(Shown):
         without touching the other one, of each engagement.
     impulses : impulse of each blow [N s], the greatest first.
     edges, counts : how many blows have an impulse between neighbouring edges [N s].
-    energy : what all blows take [J].
+    energy : energy lost in all blows [J].
     """
 
     _units: ClassVar[dict[str, str]] = {
@@ -85,7 +86,7 @@ def contact_summary(motion: Motion, intervals: int = 20) -> ContactSummary:
     some = impulses[impulses > 0.0]
     edges = np.geomspace(some[-1], some[0], intervals + 1) if some.size else np.zeros(2)
     if some.size:
-        # rounding must leave neither end out
+        # rounding must not exclude either end
         edges[0], edges[-1] = some[-1], some[0]
     counts = np.histogram(some, edges)[0] if some.size and some[0] > some[-1] else np.array([])
     return ContactSummary(top, when, bounces, impulses, edges, counts, float(found.energy.sum()))

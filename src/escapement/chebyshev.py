@@ -3,7 +3,7 @@
 A function is interpolated in Chebyshev points, halving the interval until the
 coefficients have decayed. Its zeros are those of the series, polished on the
 function itself; its derivative and its integral are exact for the series.
-Nothing is asked of the function but values.
+Only values of the function are needed.
 
 Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
 chapters 3, 18 and 19.
@@ -65,7 +65,7 @@ class Series(NamedTuple):
 
     def integrals(self) -> Array:
         """Integral from each edge to the next."""
-        orders = np.arange(0, self.rows.shape[1], 2)  # the odd polynomials give nothing
+        orders = np.arange(0, self.rows.shape[1], 2)  # the integral of odd polynomials is zero
         return np.asarray(np.diff(self.edges) * (self.rows[:, ::2] @ (1.0 / (1.0 - orders**2))))
 
     def limits(self) -> Array:
@@ -155,13 +155,13 @@ def fit(
         rows = interpolate(values)
         scale = max(scale, float(np.abs(values).max()))
         tails = np.abs(rows[:, -tail:]).max(axis=1)
-        # a kernel's table, which has no kinks, is resolved to the greatest value alone
+        # a kernel's table, which has no kinks, is resolved only relative to the greatest value
         floor = np.maximum(decayed * scale, _rounding(values, low, high) if kinks else 0.0)
-        # no point sees a kink close to an end, but the value there does
+        # no point detects a kink close to an end, but the value at the end does
         misses = np.abs(Series(edges, rows).limits() - ends).max(axis=1)
         rough = (tails > floor) | (misses > np.maximum(_JUMP * scale, 4.0 * floor))
         if rough.sum() > MOST_KINKS:
-            # what ripples as rounding does is left at that
+            # ripples of the size of rounding are not resolved further
             rough = np.maximum(misses, tails) > _RIPPLE * scale
         if rough.sum() > (kinks if depth == _DEEPEST else MOST_KINKS):
             raise InvalidValue(
@@ -186,7 +186,7 @@ def fit(
 
 
 def _rounding(values: Array, low: Array, high: Array) -> Array:
-    """What the rounding of x does to the values that `interpolate` gives."""
+    """Error of the values of `interpolate` due to the rounding of x."""
     steps = np.diff(_nodes_and_transform(values.shape[1])[0])
     steepest = np.abs(np.diff(values) / steps).max(axis=1) / (0.5 * (high - low))
     return np.asarray(_NOISE * steepest * np.maximum(np.abs(low), np.abs(high)))
@@ -230,7 +230,7 @@ def extremes(function: Function | Series, series: Series) -> tuple[Extremum, Ext
     """
     edges, rows = series.edges, series.rows
     at_edges, limits = function(edges), series.limits()
-    # a jump's other side is not among the values
+    # the value on the other side of a jump is not among the values
     beside, both = (np.column_stack([x[:-1], x[1:]]) for x in (at_edges, edges))
     jump = np.abs(limits - beside) > _JUMP * np.abs(at_edges).max()
     # between its ends a series stays within its coefficients' sum

@@ -36,13 +36,13 @@ _MISSING = {"", "na", "n/a", "null", "none"}
 
 
 class Columns(NamedTuple):
-    """Angles of input and output, and what else their file tells.
+    """Angles of input and output, and other contents of their file.
 
     angles : of input and output, NaN where a field is empty or says so, each of
         shape (n,) [rad].
     line : line of each row in the file, int, shape (n,).
     units : of both columns, as named by the caller or the headings; None where
-        nothing tells, and the angles were taken for degrees.
+        nothing names them, and degrees were assumed.
     comments : lines that begin with #.
     """
 
@@ -74,9 +74,9 @@ def read_columns(
     Parameters
     ----------
     path : path
-        Text in UTF-8, fields apart by tab, semicolon, comma or blanks; lines that
-        begin with # are comments. Where commas do not part fields they may stand for
-        decimal points. The first line holds names if none of its fields is a number.
+        Text in UTF-8, with fields separated by tab, semicolon, comma or blanks; lines that begin
+        with # are comments. Where commas do not separate fields, they may be decimal points. The
+        first line holds names if none of its fields is a number.
     what : str
         What the file is, for messages.
     names : (str, str), optional
@@ -85,16 +85,16 @@ def read_columns(
     unit : str, optional
         "deg" or "rad". Default: the last word of a column's name, else degrees.
     by_order : bool
-        Whether, of two columns with other names, the input's is taken to be the first.
+        Whether the first of two columns with other names is the input.
     default : str
-        Unit of a column of which nothing tells another.
+        Unit of a column for which no unit is given.
 
     Raises
     ------
     MissingInput
         When there is no such file.
     InputFileError
-        When it cannot be read as such; the message has the line.
+        When it has no such content; the message names the line.
     InvalidValue
         When there is no column of the name given, or the unit is unknown.
     """
@@ -128,7 +128,7 @@ def read_columns(
 
 
 class _Lines:
-    """Lines of a file, the one that was read last, and which of them held no row."""
+    """Lines of a file, the line that was read last, and the lines without a row."""
 
     def __init__(self, path: str | PathLike[str]) -> None:
         self.path, self.number, self.text = path, 0, ""
@@ -149,7 +149,8 @@ class _Lines:
 
 
 def _read(lines: _Lines, find: Callable[[str], _Layout], default: str, plain: bool) -> Columns:
-    """Both columns, of `plain` numbers or of all that is allowed; an error is of the last line."""
+    """Both columns, with `plain` numbers or any allowed field; an error belongs to the last
+    line."""
     rows = iter(lines)
     separator, header, width, places, units = find(next(rows))
     if header:
@@ -222,7 +223,7 @@ def _named_places(
             raise _BrokenLine(rule, f"name the {role}'s column")
         places.append(found[0] if found else None)
     first, second = places
-    # of two columns, the one that is known tells the other
+    # if one of two columns is known, the other one follows
     first = (0 if second is None else 1 - second) if first is None else first
     second = 1 - first if second is None else second
     if first == second:

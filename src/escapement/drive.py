@@ -13,9 +13,9 @@ import numpy as np
 from escapement.jit import inner_jit, jit
 from escapement.scene import Scene
 
-# Behind a spent spring a driver of this squared speed, in units of torque/I_f, is at rest.
+# After the spring is spent a driver of this squared speed, in units of torque/I_f, is at rest.
 REST = 1e-6
-# A knot so close to the end of a stretch [rad] is taken for that end.
+# A knot so close to the end of a stretch [rad] counts as that end.
 KNOT_GAP = 1e-9
 
 
@@ -45,14 +45,14 @@ def cell_after(turned, scene):
 
 @inner_jit
 def _lap(turned, scene):
-    """Angle at which the knots that repeat begin anew before an angle turned, or 0."""
+    """Angle at which the knots that repeat start again before an angle turned, or 0."""
     period = scene.torque[0]
     return np.floor((turned - scene.torque[1]) / period) * period if period > 0.0 else 0.0
 
 
 @inner_jit
 def _first_behind(turned, scene):
-    """Index of the first knot behind an angle, their number where none is."""
+    """Index of the first knot after an angle; the number of knots if there is none."""
     low, high = 0, knots_of(scene)
     while low < high:
         middle = (low + high) // 2
@@ -87,7 +87,8 @@ def torque_at(theta, scene):
 
 @jit
 def next_knot(theta, end, scene):
-    """Driver angle of the first knot behind `theta` in the cell, or the end before it."""
+    """Driver angle of the first knot after `theta` in the cell, or the end if that comes
+    first."""
     if is_constant(scene):
         return end
     start = scene.turned - scene.edges[0]
@@ -109,6 +110,6 @@ def has_knot(scene):
 
 @jit
 def is_spent(theta, scene):
-    """Whether there is no torque left behind a driver angle of the cell, as of a spent spring."""
+    """Whether no torque is left after a driver angle of the cell, as with a spent spring."""
     torque, slope = torque_at(theta + KNOT_GAP, scene)
     return torque <= 0.0 and slope == 0.0

@@ -21,22 +21,22 @@ and the resistance F of the follower are
     F = k w + load + nu_f g sqrt(w),                            k = g' + c_f g |g|
 
 and with the pin's distance R from the follower's axis and its slide V = u R, the sliding speed
-v of the contact, the lever h of the contact force and the ratio p as friction bends it
+v of the contact, the lever arm h of the contact force and the effective ratio p
 
     v = V + s r_p (g - beta),    h = R - sign(v) mu (r_p + s delta) - s b_f sign(g)
     p = g + c,                   c = s (mu |v| + b_d + b_f |g|)/h
     (rho + g p) theta_ddot = D - p F
-    moment of the contact force about the follower's axis, losses taken off
+    moment of the contact force about the follower's axis, without losses
         N h = X/(rho + g p),     X = rho F + g D
 
 An ideal pin has c = s mu |u|. A mesh of efficiency eta has p = g eta^(-s), because power that
 flows back is multiplied by eta. That is the same law with |u| = g, mu_+ = 1/eta - 1 and
 mu_- = 1 - eta. In a dwell the follower is locked, so that g, u and g' are zero.
 
-With load = 0 an ideal one is Meyer's eq. 1-18/1-19, his S being s sign(sin theta). An
-engine integrates the functions of this file over the time (`net_torque` over
-`reduced_inertia`) or over the angle (`energy_rates`); `painleve` asks where
-J_s = rho + g p vanishes.
+With load = 0 the law of an ideal pin is Meyer's eq. 1-18/1-19, where his S is s sign(sin theta).
+An engine integrates the functions of this file over the time (`net_torque` over
+`reduced_inertia`) or over the angle (`energy_rates`); `painleve` asks where J_s = rho + g p
+vanishes.
 """
 
 import numpy as np
@@ -68,7 +68,8 @@ def signed_loss(side, scene):
 
 @inner_jit
 def is_ideal(scene):
-    """Whether a thin pin slides towards the axis, and bearings do not mind the contact force."""
+    """Whether a thin pin slides towards the axis, and no bearing has friction from the contact
+    force."""
     plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
     return plain and (scene.path.table or scene.path.numbers[10] == 0.0)
 
@@ -95,7 +96,7 @@ def is_lossless(scene):
 
 @inner_jit
 def sign_of(value, known=0.0):
-    """Sign of a value, or the `known` one: with it |value| goes on smoothly behind its zero."""
+    """Sign of a value, or the `known` sign, which continues |value| smoothly beyond its zero."""
     return known if known != 0.0 else np.copysign(1.0, value)
 
 
@@ -122,7 +123,7 @@ def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
 
 @inner_jit
 def bend(g, u, radius, side, scene, way=0.0, turn=0.0):
-    """What friction adds to the transmission function, c = p - g; signs are as of `grip`."""
+    """What friction adds to the transmission function, c = p - g; signs are as in `grip`."""
     friction = signed_loss(side, scene)
     # in a dwell u and R are given as zero
     if is_ideal(scene) or radius == 0.0:
@@ -140,13 +141,13 @@ def dragged_slope(g, dg, scene, turn=0.0):
 
 @inner_jit
 def root_of(w, scene):
-    """Speed sqrt(w) where viscous drag asks for it, otherwise 0."""
+    """Speed sqrt(w) if viscous drag needs it, otherwise 0."""
     return np.sqrt(max(w, 0.0)) if is_viscous(scene) else 0.0
 
 
 @inner_jit
 def drive(pull, w, root, scene):
-    """D: torque that is left of the drive at the squared speed w; `root` is as of `root_of`."""
+    """D: torque that is left of the drive at the squared speed w; `root` is as in `root_of`."""
     return pull - scene.driver_drag * w - scene.driver_viscous * root
 
 
@@ -196,7 +197,7 @@ def left_by_blow(scene):
 
     The blow is plastic, on the side s = +1, with friction: the follower takes the impulse
     P = I_d I_f g theta_dot/(I_d + I_f g p), and the driver loses p P. The pin strikes where the
-    engagement begins; there the follower then has the speed that the pin asks for.
+    engagement begins; after the blow the follower has the speed that the pin prescribes there.
     """
     g, c, _k = bent_pose(scene.edges[0], 1.0, scene)
     return scene.rho / reduced_inertia(g, c, scene)
@@ -258,7 +259,7 @@ def losses_per_angle(g, u, radius, k, pull, w, side, scene, way=0.0, turn=0.0):
         moment = contact(g, k, pull, w, root_of(w, scene), scene)
         moment /= reduced_inertia(g, bend(g, u, radius, side, scene, way, turn), scene)
         force = moment / lever
-        # with the sign of N they are smooth where a trial step of a solver passes a reversal
+        # with the given sign of N they stay smooth if a trial step of a solver passes a reversal
         slot = signed_loss(side, scene) * slide * force
         at_driver = side * scene.driver_journal * force
         at_follower = side * scene.follower_journal * ratio * force
@@ -269,7 +270,7 @@ def losses_per_angle(g, u, radius, k, pull, w, side, scene, way=0.0, turn=0.0):
 
 @inner_jit
 def ends_alike(g_in, g_out, rho):
-    """Whether rho + g^2 is the same at both ends of an engagement, but for a table's rounding.
+    """Whether rho + g^2 is the same at both ends of an engagement, except for a table's rounding.
 
     Without friction each engagement then adds the same energy, and no speed is terminal.
     Meyer's published cells are the only ones that end with another g than they begin with.
@@ -287,7 +288,7 @@ def side_at(g, k, pull, w, scene):
     the driver is then about to push the follower, and the side is +1.
     """
     value = contact(g, k, pull, w, root_of(w, scene), scene)
-    # g' below 1e-9 is taken for a table's rounding
+    # g' below 1e-9 counts as a table's rounding
     if abs(value) <= 1e-12 * (1.0 + abs(scene.rho * k * w)):
         value = k if abs(k) > 1e-9 else 1.0
     return 1.0 if value >= 0.0 else -1.0
@@ -306,9 +307,9 @@ def bent_pose(theta, side, scene):
 def rest_speed(theta, side, scene):
     """Driver speed at which a motion counts as at rest: 0, unless viscous drag alone acts on it.
 
-    Behind a spent spring the driver would slow down for ever then. It is at rest once the kinetic
-    energy of both bodies is that of a driver with the squared speed `REST`; the energy falls, so
-    that it never is faster again.
+    With viscous drag and a spent spring the driver would slow down for ever. It counts as at rest
+    once the kinetic energy of both bodies is that of a driver with the squared speed `REST`; the
+    energy falls, so it never becomes faster again.
     """
     if not (is_viscous(scene) and is_spent(theta, scene)):
         return 0.0

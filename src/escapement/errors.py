@@ -20,11 +20,11 @@ class InvalidValue(EscapementError, ValueError):
 
 
 class UnknownArgument(EscapementError, TypeError):
-    """A call has a keyword that there is none of."""
+    """A call has an unknown keyword."""
 
 
 class MissingPackage(EscapementError, ImportError):
-    """A package that something optional needs is not installed."""
+    """A package that an optional function needs is not installed."""
 
 
 class InputFileError(EscapementError):
@@ -40,7 +40,7 @@ class MissingInput(EscapementError, FileNotFoundError):
 
 
 class CannotCreate(EscapementError, OSError):
-    """An output cannot be created where it was asked for."""
+    """An output file cannot be created, or exists already."""
 
     exit_code = 73
 

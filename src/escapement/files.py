@@ -26,15 +26,15 @@ FILMS = (".gif",)
 REPORTS = (".html",)
 """Suffix of a report."""
 CUTS = (".dxf", ".svg")
-"""Suffixes of drawings to cut by."""
+"""Suffixes of drawings for cutting."""
 HDF5 = (".h5", ".hdf5", ".nc")
 """Suffixes of HDF5 files."""
 STUDIES = (*HDF5, ".csv", ".parquet")
-"""Suffixes of what a study may be written to."""
+"""Suffixes of files of studies."""
 MOTIONS = (*HDF5, ".csv")
-"""Suffixes of what a motion may be written to."""
+"""Suffixes of files of motions."""
 
-# A disk tells that it is full, or failing, by one of these.
+# Errors that mean that a disk is full or fails.
 _DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 
@@ -135,7 +135,7 @@ def pending_file(
     try:
         with storing(path):
             yield handle
-            # it must be durable before it gets its name
+            # the data must be durable before the file gets its name
             os.fsync(handle.fileno())
             handle.close()
             check_target(path, force)
@@ -153,7 +153,7 @@ def pending_file(
 def pending_hdf5(
     path: AnyPath, force: bool = False, temporary: Path | None = None
 ) -> Iterator[tuple[Any, "DeferredErrorFile"]]:
-    """A new HDF5 file, open for writing, and the file object below; else as `pending_file`."""
+    """A new HDF5 file, open for writing, and its file object; otherwise like `pending_file`."""
     import h5py
 
     with pending_file(path, force, temporary) as handle:
@@ -161,7 +161,7 @@ def pending_hdf5(
         try:
             with h5py.File(target, "w") as hdf5:
                 yield hdf5, target
-        except RuntimeError as error:  # HDF5 tells a failed device by it
+        except RuntimeError as error:  # HDF5 raises it when a device fails
             raise target.error or OSError(errno.EIO, str(error)) from None
         if target.error is not None:
             raise target.error
@@ -264,7 +264,7 @@ class DeferredErrorFile:
 
 @contextmanager
 def creating(path: AnyPath) -> Iterator[None]:
-    """Turn what the system says into the error for an output that may not be created."""
+    """The error for an output that cannot be created, from the error of the system."""
     try:
         yield
     except EscapementError:
@@ -280,7 +280,7 @@ def creating(path: AnyPath) -> Iterator[None]:
 
 @contextmanager
 def storing(path: AnyPath, kept: Callable[[], str] = str) -> Iterator[None]:
-    """Turn what the system says into the error for a write that failed after it had begun.
+    """The error for a write that failed after it had begun, from the error of the system.
 
     kept : gives the name of the partial results that are left, if any.
     """

@@ -13,18 +13,19 @@ def _length(text: str, least: float = -math.inf, note: str = "") -> dict[str, An
 
 @dataclass(frozen=True, repr=False)
 class Fits(Declared):
-    """What a workshop needs to know beside the mechanism.
+    """Numbers that a workshop needs in addition to the mechanism.
 
     Parameters
     ----------
     pin_fit, shaft_fit : float
-        Diameter of the holes less that of pins and shafts [m]; negative for a press fit.
+        Diameter of the holes minus that of pins and shafts [m]; negative for a press fit.
     driver_shaft_radius, follower_shaft_radius : float
         Radii of the shafts [m]; 0 for one that suits the wheel.
     clearance : float
-        Slot width less pin diameter of a gear-driven wheel [m]; a `Geneva` has its own.
+        Slot width minus pin diameter of a gear-driven wheel [m]; a `Geneva` has its own
+        clearance.
     kerf : float
-        Width of the cut [m]: the cutter runs beside the edges by half of it.
+        Width of the cut [m]: the path of the cutter is offset from the edges by half of it.
     """
 
     pin_fit: float = field(default=0.0, metadata=_length("diameter of pin holes minus pins'"))

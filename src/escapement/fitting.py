@@ -1,4 +1,4 @@
-"""Which numbers of a model fit together, and which fit its mechanism."""
+"""Checks whether numbers of a model fit together, and whether they fit its mechanism."""
 
 from __future__ import annotations
 
@@ -104,12 +104,12 @@ def check_trains(owner: Any, running_down: bool) -> None:
 
 @per_class
 def _numbers_of_contact(owner: type) -> list[Quantity]:
-    """What only a slot has, or only a mesh."""
+    """Numbers that only mechanisms with slots have, or only those without."""
     return [entry for entry in quantities(owner).values() if entry.slotted is not None]
 
 
 def check_losses(owner: Declared, meshed: bool) -> None:
-    """Refuse a loss that its mechanism cannot have: a slot has friction, a mesh an efficiency."""
+    """Refuse a loss that the mechanism cannot have: slots have friction, gears an efficiency."""
     for entry in _numbers_of_contact(type(owner)):
         value = getattr(owner, entry.key)
         if value != entry.default and not entry.fits(meshed):

@@ -1,4 +1,4 @@
-"""Where power turns back through the trains of a motion."""
+"""Where the direction of power in the trains of a motion changes."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from escapement.mechanism import FloatArray
 from escapement.trajectory import Events
 
 _SAMPLES = 129
-"""Places of a piece at which the torque in a train is looked at."""
+"""Places of a piece at which the torque in a train is evaluated."""
 _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, repr=False)
 class FlowChanges(Events):
-    """Changes of sign of what a train passes on.
+    """Changes of the direction of power in trains.
 
     train : "barrel" or "load_train". forward : whether power flows on towards the load from then.
     """
@@ -31,10 +31,10 @@ class FlowChanges(Events):
 def flow_changes_of(motion: Any) -> FlowChanges:
     """Every change of sign, in the order of time, of the torque in either train.
 
-    Of a barrel it is T - I_b theta_ddot, of a load train M + I_l phi_ddot, with the numbers that
-    driver and follower see. Where a sign changes from one piece of the motion to the next, as at a
-    pin reversal, that is the instant. Two changes between neighbours of 129 places of a piece are
-    missed.
+    Of a barrel it is T - I_b theta_ddot, of a load train M + I_l phi_ddot, with the numbers
+    referred to driver and follower. If a sign changes from one piece of the motion to the next,
+    as at a pin reversal, the change is at the boundary. Two changes between neighbouring places
+    of 129 in a piece are missed.
     """
     trains = [n for n in ("barrel", "load_train") if getattr(motion.escapement, n) is not None]
     found = sorted(row for train in trains for row in _changes(motion, train))
@@ -55,7 +55,7 @@ def _changes(motion: Any, train: str) -> Iterator[tuple[float, int, float, float
             continue
         times = np.linspace(start, end, _SAMPLES)
         values = _passed(motion, piece, times, train)
-        # what is rounding beside the greatest has no sign
+        # values of the size of rounding have no sign
         clear = np.flatnonzero(np.abs(values) > _ROUNDING * np.abs(values).max())
         last = -1
         for i in clear.tolist():

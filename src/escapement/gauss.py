@@ -1,9 +1,9 @@
 """Sixteen Gauss points on [-1, 1]: quadrature, Legendre series and their roots.
 
 The functions take rows of N values, which are fields of a record. The `count` that some of
-them take is N as the workspace of an engine gives it: the compiler unrolls a loop
-whose length it knows, and makes vector code of one whose length it does not know. `count & N`
-is 16 too, and tells it that the length is a multiple of the vector's.
+them take is N as the workspace of an engine gives it: the compiler unrolls a loop of known
+length, and makes vector code from a loop of unknown length. `count & N` is 16 too, and tells the
+compiler that the length is a multiple of the vector's.
 """
 
 import numpy as np

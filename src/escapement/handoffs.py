@@ -1,4 +1,4 @@
-"""The handoffs of a motion from pin to pin, and where the contact point changes its way."""
+"""The handoffs of a motion from pin to pin, and where the sliding of the contact reverses."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from escapement.trajectory import Events, Handoffs, NoTrajectory
 
 
 def handoffs_of(escapement: Escapement, time: FloatArray, speed: FloatArray) -> Handoffs:
-    """The handoffs at times [s], behind which the driver has these speeds [rad/s]."""
+    """The handoffs at times [s], after which the driver has these speeds [rad/s]."""
     meetings, own = escapement.meetings, escapement.without_trains.inertia
     engagement = np.arange(1, speed.size + 1)
-    # of each engagement in turn, what does not depend on the speed: a column
+    # a column for each quantity that does not depend on the speed, of each engagement in turn
     rows = []
     for meeting, scene in zip(meetings, escapement.scenes, strict=True):
         start = float(scene.edges[0])
@@ -69,7 +69,7 @@ def slide_changes_of(motion: Any) -> Events:
     ]
     rows = zip(angle, side, which, strict=True)
     here = [abs(x - places[k].get(s, np.nan)) < 1e-9 for x, s, k in rows]
-    # at a reversal the other wall takes over, and the contact point is another one
+    # at a reversal the other wall takes over, and the contact point changes
     kept = np.array(here) & (side == trajectory.sign[pieces - 1])
     columns = engagement, start, found.theta, found.theta_dot
     return Events(*(column[kept] for column in columns))

@@ -1,4 +1,4 @@
-"""Every number and choice that an escapement was made of."""
+"""Every number and setting from which an escapement was made."""
 
 from collections.abc import Iterator
 from fractions import Fraction
@@ -16,7 +16,7 @@ Input = tuple[str, Any, str]
 def inputs_of(escapement: Escapement) -> Iterator[Input]:
     """Every number and choice of an escapement: its name, its value in SI and its unit.
 
-    Of what a mechanism may do without, friction and load are told even where they are 0.
+    Optional numbers that are 0 are left out, except friction and load.
     """
     mechanism: Any = escapement.mechanism
     yield "kind", mechanism.kind, "ratio"
@@ -24,7 +24,7 @@ def inputs_of(escapement: Escapement) -> Iterator[Input]:
         for name, entry in declared(type(owner)).items():
             value = getattr(owner, entry.key)
             if isinstance(entry, Numbers):
-                # errors are told where there are any; the angles of a table are too many
+                # errors are listed if there are any; the angles of a table are too many
                 value = [*value] if value and not entry.required else None
             told = value is not None and not entry.idle(value)
             if told and entry.fits(mechanism.meshed):

@@ -1,9 +1,9 @@
 """Rigid bodies beyond the Painleve limit: a jam stops the driver, which starts again from rest.
 
 Where the force would change to the wall behind the pin and J_- is not positive there, or where
-J_- falls to zero while that wall carries the force, no rigid motion exists. The rule is what walls
-that yield do in the limit of great stiffness: the pin wedges, all kinetic energy is lost at once,
-and the driver starts from rest with the front wall.
+J_- falls to zero while that wall carries the force, no rigid motion exists. The rule is the
+behaviour of compliant walls in the limit of great stiffness: the pin wedges, all kinetic energy
+is lost at once, and the driver starts from rest with the front wall.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ _RTOL = 1e-11
 _GRID = 2001
 _BEFORE = 1e-7
 _CLOSE, _NEAR, _FAR = 1.2, 0.05, 0.03
-"""Below this multiple of the limit the first error is to be expected, above it the second [-]."""
+"""Below this multiple of the limit the first error is expected, above it the second [-]."""
 _SAME = 1e-9
-"""Cycles whose handoff speeds agree to this share are taken for one [-]."""
+"""Cycles whose handoff speeds agree to this share count as one [-]."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -35,8 +35,8 @@ class JamCycle(Shown):
 
     period [s]; handoff_velocity, velocity_max [rad/s].
     jam_angles : driver angles from dead centre at which it jams [rad].
-    error : relative error of the period that is to be expected [-].
-    message : what that rests on.
+    error : expected relative error of the period [-].
+    message : the reason for this error.
     """
 
     _units: ClassVar[dict[str, str]] = {
@@ -64,9 +64,9 @@ class _Passed(NamedTuple):
 def jam_rule(escapement: Escapement) -> JamCycle:
     """Terminal cycle of rigid bodies beyond the Painleve limit, by the rule for jams.
 
-    It is an approximation: walls that yield follow it in the limit of great stiffness, slowly, and
-    just above the limit the mechanism jams or does not by the least of causes. Compliant contact
-    (`stiffness`, `damping`) gives an answer without this rule.
+    It is an approximation: with growing stiffness compliant walls approach it slowly, and just
+    above the limit the smallest change decides whether the mechanism jams. Compliant contact
+    (`stiffness`, `damping`) gives the motion without this rule.
 
     Parameters
     ----------
@@ -77,14 +77,14 @@ def jam_rule(escapement: Escapement) -> JamCycle:
     Returns
     -------
     JamCycle
-        Its `error` is that of the period: the greatest that was found with four slots against
-        walls of 1e7 and 1e8 torque/r^2.
+        Its `error` is that of the period: the greatest one found with four slots, compared with
+        walls of stiffness 1e7 and 1e8 torque/r^2.
 
     Raises
     ------
     InvalidValue
-        Below the limit, for other mechanisms, with a torque that changes, and where the motion
-        finds no cycle.
+        Below the limit, for other mechanisms, with a torque that changes, and if the motion does
+        not reach a cycle.
     """
     limit = friction_limits(escapement)[0]
     if escapement.friction < limit:
@@ -193,7 +193,7 @@ def _hold(scene: Any, theta: float, speed: float, end: float) -> tuple[float, fl
         return _at(scene, x, max(float(y[0]), 0.0) ** 0.5, -1.0)[1]
 
     turns.terminal, turns.direction = True, 1.0  # type: ignore[attr-defined]
-    # where J vanishes the acceleration has no limit, and the speed has one
+    # where J vanishes the acceleration is unbounded, but the speed is finite
     last = goal - _BEFORE * (goal - theta) if lost.size else goal
     found = solve_ivp(
         slope, (theta, last), [speed**2, 0.0], "Radau", events=[turns], rtol=1e-9, atol=1e-12

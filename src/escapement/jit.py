@@ -56,10 +56,10 @@ def _cache_directory() -> str | None:
 
 
 class Notice:
-    """Explains the wait of a first use: one line, at a terminal drawn again as kernels are done.
+    """Explains the wait on first use: one line, which a terminal updates as kernels are compiled.
 
-    A terminal's line goes when nothing is compiled any more, so it disturbs no bar of progress.
-    Numba compiles under a lock, so calls never meet.
+    A terminal removes the line when compiling ends, so that it does not disturb a progress bar.
+    Numba compiles under a lock, so calls never overlap.
 
     silent : whether it says nothing; the environment variable ESCAPEMENT_QUIET asks for that.
     spent : time that compiling took so far [s].
@@ -90,7 +90,7 @@ class Notice:
         text = "escapement: compiling for this machine, once"
         # standard error may be None, or closed
         with contextlib.suppress(AttributeError, OSError, ValueError):
-            # of the workers of a cluster on this machine, each would say the same
+            # each worker of a cluster on this machine would print the same
             if self.silent or parent_process() is not None:
                 return
             if sys.stderr.isatty():
@@ -121,7 +121,7 @@ def _watch_cache(dispatcher: Any) -> None:
     def load_or_say(signature: Any, context: Any) -> Any:
         rtsys.initialize(context)
         found = None
-        # where another process is writing the file, or a disk fails, the kernel is compiled
+        # if another process is writing the file, or a disk fails, the kernel is compiled
         with contextlib.suppress(OSError):
             found = load(signature, context)
         if found is None:
@@ -157,10 +157,10 @@ def jit(function: Any = None, **traits: bool) -> Any:
         as much as the work of a short kernel.
     reorders : the kernel's sums may be reordered, so that they become vector code. No
         other arithmetic is ever changed.
-    inlined : its code becomes part of every caller before types are found, so that it is not
-        compiled once more on its own.
-    inner : only kernels call it, so it gets no entrance for Python; compiling those would
-        take a fifth of all time.
+    inlined : its code becomes part of every caller before types are inferred, so that it is not
+        compiled separately.
+    inner : only kernels call it, so no entry point for Python is compiled; these would take a
+        fifth of all time.
 
     Division by zero follows IEEE 754 (`error_model="numpy"`), since kernels report
     through a status code and never raise.
@@ -189,6 +189,6 @@ inner_jit = partial(jit, inner=True)
 
 
 def as_python(kernel: Any) -> Any:
-    """Give the Python function of a kernel, for calls shorter than entering compiled code."""
-    # where Numba compiles nothing, a kernel is that function itself
+    """The Python function of a kernel, for calls that are shorter than entering compiled code."""
+    # if Numba is switched off, a kernel is that function itself
     return getattr(kernel, "py_func", kernel)

@@ -1,4 +1,4 @@
-"""Modules that are loaded when they are first used: what declares a number loads nothing."""
+"""Modules that are loaded when they are first used, so that declarations load nothing."""
 
 from collections.abc import Iterable, Sequence
 from importlib import import_module
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class Lazy:
-    """Stands for a module until an attribute of it is asked for.
+    """Stands for a module until an attribute of it is used.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Lazy:
 
 
 def offered(package: str, names: Sequence[str], modules: Iterable[str], name: str) -> Any:
-    """What a package offers as `name`, from the first of its modules that has it.
+    """The attribute `name` of a package, from the first of its modules that has it.
 
     For the package's own `__getattr__`: importing the package loads none of them.
     """

@@ -17,11 +17,11 @@ from escapement.trajectory import NoTrajectory
 class Ledger(Shown):
     """Where the work of the drive went over a motion [J].
 
-    work is that of the drive, which a spring gives of the energy that it holds. It is
-    kinetic + load + elastic + all that is lost, up to `residual`, which is a share of the work or
-    of the kinetic energy at the start, whichever is greater. Lost is what goes into friction in
-    the slot or the mesh, into either bearing, into drag on either body, into trains and into
-    blows. elastic is what walls that yield hold at the end more than at the start.
+    work is the work of the drive; with a spring it is taken from the energy of the spring. It
+    equals kinetic + load + elastic + all losses, up to `residual`, which is relative to the work
+    or to the kinetic energy at the start, whichever is greater. Losses are friction in the slot
+    or the gears, friction in both bearings, drag on both bodies, and the losses of trains and
+    blows. elastic is the increase of the energy stored in compliant walls.
     """
 
     _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES, "blows", "elastic"), "J")
@@ -42,7 +42,7 @@ class Ledger(Shown):
 
 
 def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = None) -> Ledger:
-    """Energy balance of a motion from start to end; `progress` is as of `write_motion`."""
+    """Energy balance of a motion from start to end; `progress` is as in `write_motion`."""
     escapement = motion.escapement
     if isinstance(motion.trajectory, NoTrajectory):
         return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
@@ -52,7 +52,7 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
     jumps = blows = 0.0
     if len(escapement.meetings) > 1:
-        # a handoff at the end of the motion is still to come, unless the motion stops behind it
+        # a handoff at the end of the motion does not count, unless the motion stops after it
         last = motion.trajectory.around(np.array([motion.end_time])).engagement[-1]
         passed = motion.handoffs.engagement <= last
         jumps = float(motion.handoffs.jump[passed].sum())

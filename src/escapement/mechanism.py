@@ -54,10 +54,10 @@ _MECHANISM = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
 
 
 def is_mechanism(thing: object) -> bool:
-    """Whether a thing, not a class, has all that a mechanism has; none of it is evaluated.
+    """Whether an object, not a class, has all attributes of a mechanism; none is evaluated.
 
-    `isinstance` would ask for the path, which a mechanism that has a geometry and no
-    dynamics refuses.
+    `isinstance` would evaluate the path, which a mechanism with a geometry but no dynamics
+    refuses.
     """
     own = vars(thing) if hasattr(thing, "__dict__") else {}
     has = (hasattr(type(thing), name) or own.get(name) is not None for name in _MECHANISM)
@@ -65,7 +65,7 @@ def is_mechanism(thing: object) -> bool:
 
 
 def checked(mechanism: Any, perfect: bool = True) -> Any:
-    """`mechanism`, or the error that it is none; errors of parts must not be lost unsaid."""
+    """`mechanism`, or an error if it is not one; errors of parts must not be ignored silently."""
     if not is_mechanism(mechanism):
         raise validate.fail("mechanism", "a mechanism", mechanism, "give for example Geneva(4)")
     if perfect and not getattr(mechanism, "perfect", True):

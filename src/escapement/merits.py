@@ -1,6 +1,6 @@
-"""The figures of merit that there are, each with its unit and what it is.
+"""All figures of merit, each with its unit and a description.
 
-`metrics` reads them off a motion; reports, studies, files and plots take them from here.
+`metrics` computes them from a motion; reports, studies, files and plots use these names.
 """
 
 from typing import NamedTuple
@@ -9,7 +9,7 @@ from escapement.units import unit_name
 
 
 class Result(NamedTuple):
-    """A number of every case: its kind of unit, what it is, and how a file stores it."""
+    """A number of every case: its kind of unit, its description, and its type in a file."""
 
     kind: str
     long_name: str
@@ -47,4 +47,4 @@ FIGURES = {
 }
 """Scalar figures of merit in the order in which they are reported."""
 TRANSIENT = ("rise_time", "rise_time_63", "rise_time_98", "settling_time")
-"""Those that depend on how the motion begins."""
+"""Figures that depend on the start of the motion."""

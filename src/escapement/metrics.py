@@ -27,20 +27,20 @@ SETTLING_BAND = 0.01
 FALL_63, FALL_98 = math.exp(-1.0), 0.02
 """Shares of the first deviation at which `rise_time_63` and `rise_time_98` are read [-]."""
 LEAST_RATIO = 1e-9
-"""A deviation of the handoff speed that has fallen further than this is lost in rounding [-]."""
+"""A deviation of the handoff speed below this is lost in rounding [-]."""
 MAX_ENGAGEMENTS = 1_000_000
 """A rise or settling time beyond this many engagements is not given."""
 BOUNDLESS = 1e-12
-"""Of w: a table's ratio is constant to rounding where an engagement gains less than this [-].
-Its mesh then loses nothing that grows with the speed, and no speed is terminal."""
+"""Relative gain of w in an engagement below which a table's ratio is constant to rounding [-].
+Then no loss in the gears grows with the speed, and no terminal speed exists."""
 
 _NAN = math.nan
 _NEAREST = 1e-9
-"""Of a piece: the search for a peak begins this close to its ends."""
+"""The search for a peak begins this close to the ends of a piece, relative to its length."""
 
 
 def _peak(place: int, meaning: str) -> cached_property[float]:
-    """A figure that is one of the peaks of the terminal engagement."""
+    """A figure that is a peak value of the terminal engagement."""
     peak = cached_property(lambda figures: float(figures._peaks[place]))
     peak.__doc__ = meaning
     return peak
@@ -48,9 +48,9 @@ def _peak(place: int, meaning: str) -> cached_property[float]:
 
 @dataclass(frozen=True)
 class Spread:
-    """How engagements differ that do not repeat themselves.
+    """Scatter of engagements that do not repeat.
 
-    engagements : how many the means are taken over.
+    engagements : number of engagements over which the means are taken.
     deviation, interval : standard deviation of a figure from one engagement to the next, and
         half the interval that holds its mean with 95 %, by name, in the unit of the figure.
     """
@@ -75,11 +75,11 @@ class Figures(Shown):
     rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
         half an engagement or so, where a change of the design brings an earlier extremum
         into the band or takes one out.
-    settling_time : first extremum from which on every engagement's extremes
-        are within 1 % [s]; it jumps likewise.
-    rise_time_63, rise_time_98 : when the deviation of the handoff speed from its terminal
-        value has fallen to 1/e and to 0.02 of that at the start [s], see `fall_times`. They
-        do not jump.
+    settling_time : first extremum after which every engagement's extremes are within 1 % [s]; it
+        jumps in the same way.
+    rise_time_63, rise_time_98 : times at which the deviation of the handoff speed from its
+        terminal value has fallen to 1/e and to 0.02 of that at the start [s], see `fall_times`.
+        They do not jump.
     handoff_velocity : driver speed at the terminal handoff [rad/s].
     contraction : factor by which the cycle shrinks a small deviation of the squared handoff
         speed from its terminal value [-].
@@ -88,18 +88,17 @@ class Figures(Shown):
     contact_moment_max : greatest magnitude of the moment on the follower [N m].
     contact_force_max : greatest magnitude of the force on the pin [N]; NaN
         without a crank radius.
-    energy_residual : energy unaccounted for over the terminal cycle, of the
-        work done [-].
+    energy_residual : energy unaccounted for over the terminal cycle, as a share of the work [-].
     reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
     last_reversal_angle : the last of them; NaN where there is none [rad].
-    critical_friction : Painleve limit, from which on no motion exists [-].
+    critical_friction : Painleve limit; at and above it no motion exists [-].
     jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
     uniqueness_friction : friction at and above which the motion is not unique [-].
-    beats, beat_error : times of these engagements, and the greatest less the least [s].
+    beats, beat_error : durations of these engagements, and the longest minus the shortest [s].
     blow_max : greatest energy that is lost in a blow [J].
     motion : the terminal cycle, one engagement or all of these, None where there is none.
-    spread : how the engagements differ where they never repeat themselves, else None. The
-        velocities and the period are then means.
+    spread : scatter of engagements that never repeat, otherwise None. Velocities and period are
+        then means.
     status, message : outcome, and its reason in a sentence.
     """
 
@@ -149,17 +148,17 @@ class Figures(Shown):
 
     @property
     def beat_error(self) -> float:
-        """Greatest less least of the beats [s]."""
+        """Greatest minus least of the beats [s]."""
         return max(self.beats) - min(self.beats) if self.beats else _NAN
 
     @property
     def blow_max(self) -> float:
-        """Greatest energy that a blow of the cycle takes [J]."""
+        """Greatest energy lost in a blow of the cycle [J]."""
         return _NAN if self.motion is None else float(self.motion.impacts.energy.max(initial=0.0))
 
     @property
     def energy_residual(self) -> float:
-        """Energy unaccounted for, of the work done [-]."""
+        """Energy unaccounted for, as a share of the work [-]."""
         return _NAN if self.motion is None else self.motion.ledger.residual
 
     @property
@@ -188,9 +187,9 @@ def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, fl
 
     They are the times at which |v - v_terminal|/|v_0 - v_terminal| has fallen to 1/e and to
     0.02. At time 0 it is 1, at each handoff v is the speed there, and in between its
-    logarithm is linear in time. Motions do not cross, so that it falls from handoff to
-    handoff; should rounding say otherwise, the first time counts. Below 1e-9 it is taken
-    for 1e-9, as its digits are lost.
+    logarithm is linear in time. Motions do not cross, so it falls from handoff to handoff; if
+    rounding makes it rise, the first time counts. Values below 1e-9 count as 1e-9, because their
+    digits are lost.
 
     Parameters
     ----------
@@ -205,7 +204,7 @@ def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, fl
         0 where the motion starts at the terminal speed, to within the motion's rtol; NaN
         where it ends too early.
     """
-    # imperfect parts come back to the same speed after a whole pattern
+    # with imperfect parts the speed repeats after a whole pattern
     size = len(motion.escapement.meetings)
     speeds, times = (x[size - 1 :: size] for x in (motion.handoff_velocities, motion.handoff_times))
     deviation = np.abs(np.append(start, speeds) - terminal)
@@ -244,7 +243,7 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
     terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
     extremes, size = _extremes(extrema), len(motion.escapement.meetings)
     if size > 1:
-        # each engagement of a pattern tends to extremes of its own, those of the last round
+        # each engagement of a pattern converges to its own extremes, those of the last round
         kinds = np.array([extrema.engagement % size, extrema.maximum])
         last = extremes[extrema.engagement[extremes] >= motion.handoff_times.size - size]
         final = np.full((size, 2), _NAN)
@@ -261,7 +260,7 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
 
 
 def transient_length(contraction: float, start: float) -> int:
-    """Cycles after which the deviation is far below the settling band.
+    """Number of cycles after which the deviation is far below the settling band.
 
     `start` is the initial over the terminal speed. Each cycle multiplies the deviation of w by
     the contraction.
@@ -273,8 +272,8 @@ def transient_length(contraction: float, start: float) -> int:
 def _extremes(extrema: Extrema) -> np.ndarray:
     """Indices of the extrema that are the greatest or the least of their engagement.
 
-    Other extrema tend to limits of their own and say nothing of the terminal
-    extremes. An extremum on a handoff belongs to the engagement that begins there.
+    Other extrema converge to other limits and are not comparable with the terminal extremes. An
+    extremum on a handoff belongs to the engagement that begins there.
     """
     heights = np.where(extrema.maximum, extrema.theta_dot, -extrema.theta_dot)
     order = np.lexsort((-heights, extrema.maximum, extrema.engagement))
@@ -288,7 +287,7 @@ def find_peaks(motion: Motion) -> list[float]:
     They are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
     without a crank radius.
     """
-    # one engine finds them itself, and the motion of the other is sampled
+    # one engine computes them itself; the motion of the other is sampled
     found = getattr(motion.trajectory, "peaks", None)
     if found is None:
         return _sampled_peaks(motion)
@@ -304,8 +303,8 @@ def _sampled_peaks(motion: Motion) -> list[float]:
         names.append("contact_force")
     bounds = np.append(motion.trajectory.start, motion.end_time)
     pieces = np.arange(bounds.size - 1)[:, None]
-    # The first grid serves all quantities. Each later one is the quantity's own and lies
-    # between the neighbours of the greatest value so far, down to 1e-6 of a piece.
+    # The first grid is the same for all quantities. Later grids are separate for each quantity
+    # and lie between the neighbours of its greatest value so far, down to 1e-6 of a piece.
     grid = _first_grid(motion, pieces, bounds)[None]
     for size in (33, 33, 33, 0):
         state = motion.within(pieces, grid)
@@ -325,7 +324,7 @@ def _sampled_peaks(motion: Motion) -> list[float]:
 
 
 def _first_grid(motion: Motion, pieces: np.ndarray, bounds: np.ndarray) -> FloatArray:
-    """Times within each piece between which no peak is missed; one row a piece.
+    """Times within each piece, close enough that no peak is missed; one row for each piece.
 
     A light driver's acceleration peaks within an angle of sqrt(rho) of the ends of a
     piece, and a slow driver passes much of the angle in little of the time. Hence the

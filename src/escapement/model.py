@@ -103,40 +103,41 @@ class Escapement(Declared):
     load_torque : float
         Constant torque opposing the follower while it moves [N m], >= 0.
     efficiency : float
-        Share of the power that a mesh passes on, either way [-], in [0.001, 1]. It stands
-        for friction in a mechanism without a slot; a slotted one has 1.
+        Share of the power that gears pass on, in either direction [-], in [0.001, 1]. It replaces
+        friction in a mechanism without slots; a mechanism with slots has 1.
     driver_bearing_friction, follower_bearing_friction : float
-        Coefficient of friction of the journals, which carry the force of the contact [-].
+        Coefficient of friction of the journals, which carry the contact force [-].
     driver_bearing_radius, follower_bearing_radius : float
         Radii of the journals [m]. The driver of a gear-driven wheel has none, because its
         bearing carries the force of the mesh as well.
     driver_bearing_torque : float
         Torque of the driver's bearing that does not depend on the contact [N m].
     driver_drag, follower_drag : float
-        Drag torque over the square of the speed, as of air [N m s^2/rad^2].
+        Drag torque divided by the square of the speed, as in air [N m s^2/rad^2].
     driver_viscous, follower_viscous : float
-        Drag torque over the speed, as of oil [N m s/rad].
+        Drag torque divided by the speed, as in oil [N m s/rad].
     spring_rate : float
-        Torque that a spring loses per driver angle turned since the start of the motion
-        [N m/rad], >= 0, down to none: a spent spring pulls no more.
+        Torque that a spring loses per driver angle turned since the start of the motion [N
+        m/rad], >= 0, until its torque is zero.
     barrel : Train, optional
         Train between a barrel and the driver. `torque` and `spring_rate` are then those of the
         barrel, and the angles of a `TorqueCurve` its angles.
     load_train : Train, optional
-        Train behind the follower. `load_torque` is then that on its last shaft.
+        Train after the follower. `load_torque` then acts on its last shaft.
 
     restitution : float
-        Rebound impulse of a blow over its impulse of compression [-], in [0, 1).
+        Ratio of the impulse of rebound to that of compression in a blow [-], in [0, 1).
     stiffness : float
-        Force of a wall of the slot over the penetration of the pin [N/m]; 0 for rigid bodies.
+        Force of a wall of the slot divided by the penetration of the pin [N/m]; 0 for rigid
+        bodies.
     damping : float
-        Force of a wall over the speed of penetration [N s/m].
+        Force of a wall divided by the speed of penetration [N s/m].
     contact_law : str
         "linear", or "hunt-crossley", whose force grows with the power 1.5 of the penetration.
     slip_speed : float
         Sliding speed below which the friction of a compliant contact fades [m/s].
 
-    Lengths need the length of the mechanism, `crank_radius` or `fixed_radius`.
+    Lengths can be given only if the mechanism has a size, `crank_radius` or `fixed_radius`.
 
     Source: Meyer (1973), chapter I; all from the load torque on are extensions.
     """
@@ -241,7 +242,7 @@ class Escapement(Declared):
         if isinstance(self.torque, TorqueCurve):
             return self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
         torque, rate = self.seen["torque"], self.seen["spring_rate"]
-        # a rate that takes nothing within any motion is none
+        # a rate that changes no motion counts as 0
         if rate > torque / MOST_UNEQUAL:
             spent = max(torque / rate, 1.0 / MOST_UNEQUAL)
             return TorqueCurve((0.0, spent), (torque, 0.0))
@@ -263,7 +264,7 @@ class Escapement(Declared):
 
     @cached_property
     def without_trains(self) -> Escapement:
-        """An escapement that moves alike and has no trains: itself, unless it has some."""
+        """An escapement with the same motion and without trains; itself if it has none."""
         if self.barrel is self.load_train is None:
             return self
         found, none = self.seen, cast(Any, dict.fromkeys(PLACES))
@@ -299,7 +300,7 @@ class Escapement(Declared):
 
     @property
     def held(self) -> Escapement:
-        """The escapement with the torque of its start for good."""
+        """The escapement with the torque of its start as a constant torque."""
         if self.curve is None:
             return self
         torque = self.torque.torque[0] if isinstance(self.torque, TorqueCurve) else self.torque
@@ -338,7 +339,7 @@ class Escapement(Declared):
         return {}
 
     def __getstate__(self) -> dict[str, Any]:
-        """Another process derives the scene and what hangs on it anew."""
+        """Another process computes the scene and everything that depends on it again."""
         derived = ("meetings", "scenes", "scene", "joint", "kept", "_begins", "seen")
         return {key: value for key, value in vars(self).items() if key not in derived}
 
@@ -346,8 +347,8 @@ class Escapement(Declared):
     def time_unit(self) -> float:
         """Natural unit of time, sqrt(I_f / torque) [s].
 
-        In it the motion depends on the mechanism, friction and the ratios of inertias,
-        lengths, torques and drag alone: torque is a pure change of clock.
+        In this unit the motion depends only on the mechanism, friction and the ratios of
+        inertias, lengths, torques and drag: the torque changes only the unit of time.
         """
         return math.sqrt(self.seen["follower_inertia"] / self.torque_unit)
 
@@ -377,19 +378,20 @@ class Escapement(Declared):
         return self.torque_unit * turned if self.curve is None else self.curve.work(turned)
 
     def load_work(self, turned: Any) -> Any:
-        """Work that the load takes while the follower turns by angles [rad] on its way [J]."""
+        """Work done against the load while the follower turns by angles [rad] [J]."""
         return self.seen["load_torque"] * turned
 
 
 def model_settings() -> dict[str, Setting]:
-    """All that an escapement is declared by beside its mechanism, by the names that studies use."""
+    """All declared numbers of an escapement without its mechanism, by the names that studies
+    use."""
     return {**declared(Escapement), **declared(Inertia), **train_numbers()}
 
 
 def escapement_of(mechanism: Mechanism, values: Mapping[str, Any]) -> Escapement:
     """The escapement with these values by the names of `model_settings` [SI].
 
-    What is None or not there has its default; errors are those of `Escapement`.
+    Values that are None or missing have their default; errors are those of `Escapement`.
     """
     given = {name: value for name, value in values.items() if value is not None}
     inertias = {entry.key: given.get(name) for name, entry in declared(Inertia).items()}
@@ -399,7 +401,7 @@ def escapement_of(mechanism: Mechanism, values: Mapping[str, Any]) -> Escapement
 
 @dataclass(frozen=True)
 class Run(Declared):
-    """Numbers of a run rather than of what runs."""
+    """Numbers of a run, which are not part of the escapement."""
 
     initial_speed: float = field(default=0.0, metadata=quantity(
         "driver speed at the first pin entry", "speed",

@@ -1,4 +1,4 @@
-"""A motion as a piecewise solution, whichever engine computed it.
+"""A motion as a piecewise solution, the same for every engine.
 
 Within a piece one side of the slot carries the force and the transmission is
 analytic. The engine supplies position and speed. Acceleration, follower motion
@@ -42,12 +42,11 @@ class State:
     """Driver, follower and contact at the times `t`: arrays of one shape.
 
     t [s]; theta, phi [rad]; theta_dot, phi_dot [rad/s]; theta_ddot, phi_ddot
-    [rad/s^2]; contact_moment N h [N m], what the contact turns the follower with, less the
+    [rad/s^2]; contact_moment N h [N m], the moment of the contact on the follower minus the
     friction of its bearing, > 0 where the driver pushes it forward; contact_force N [N], None
-    without a crank radius.
-    driver_bearing_reaction, follower_bearing_reaction [N]: forces that the bearings carry, None
-    without a crank radius, and of a gear-driven wheel's driver. power_lost [W]: arrays by the
-    names in `dynamics.LOSSES`.
+    without a crank radius. driver_bearing_reaction, follower_bearing_reaction [N]: forces that
+    the bearings carry, None without a crank radius, and of a gear-driven wheel's driver.
+    power_lost [W]: arrays by the names in `dynamics.LOSSES`.
     """
 
     t: FloatArray
@@ -79,7 +78,7 @@ def _on_grid(name: str, meaning: str) -> cached_property[FloatArray]:
     return column
 
 
-# a frozen one takes longer to make than an engagement takes to solve
+# creating a frozen instance would take longer than solving an engagement
 @dataclass(eq=False, repr=False)
 class Motion(Shown):
     """Motion of an escapement, exact between its handoffs and reversals.
@@ -95,8 +94,8 @@ class Motion(Shown):
     end_time : float
         Length of the motion [s].
     handoff_times, handoff_velocities : ndarray, shape (engagements,)
-        End of each completed engagement [s] and the driver speed there [rad/s], behind the
-        blow where there is one.
+        End of each completed engagement [s] and the driver speed there [rad/s], after the blow if
+        there is one.
     status, message : Status, str
         How it ended, and the reason in a sentence.
     """
@@ -140,33 +139,33 @@ class Motion(Shown):
 
     @property
     def impacts(self) -> Handoffs | Impacts:
-        """Every blow: between pin and slot where there is clearance, else those of handoffs."""
+        """Every blow: with clearance those between pin and slot, otherwise those of handoffs."""
         own: Impacts | None = getattr(self.trajectory, "impacts", None)
         return blows_among(self.handoffs) if own is None else own
 
     @cached_property
     def slide_changes(self) -> Events:
-        """Every instant at which the contact point ceases to slide one way and slides the other.
+        """Every instant at which the contact point reverses its direction of sliding.
 
-        There it crosses the line of centres; of a pin without width that is dead centre.
+        There it crosses the line of centres; for a pin without a radius this is dead centre.
         """
         return slide_changes_of(self)
 
     @cached_property
     def flow_changes(self) -> FlowChanges:
-        """Every instant at which the power through a train turns back, or forward again."""
+        """Every instant at which the direction of the power through a train changes."""
         return flow_changes_of(self)
 
     def at(self, t: ArrayLike) -> State:
         """State at any times within the motion [s].
 
-        On the boundary of two pieces the later one is taken, where the contact
-        moment and the acceleration jump.
+        At the boundary of two pieces, where contact moment and acceleration may jump, the state
+        is that of the later piece.
 
         Raises
         ------
         InvalidValue
-            Where a time is not finite or lies outside [0, end_time].
+            If a time is not finite or lies outside [0, end_time].
         """
         if np.ma.is_masked(t):
             raise fail("t", "free of masked values", t, "give only the valid values")
@@ -182,7 +181,7 @@ class Motion(Shown):
                 f"t must be between 0 and the end of the motion, {self.end_time!r} s, got "
                 f"{float(times[outside].flat[0])!r}; simulate a longer motion or drop the time"
             )
-        # of a long motion, the engagements alone that hold these times are solved
+        # in a long motion only the engagements that contain these times are solved
         return self._at(self.trajectory.around(times), times)
 
     def within(self, piece: ArrayLike, t: ArrayLike) -> State:
@@ -269,7 +268,8 @@ class Motion(Shown):
 
     @cached_property
     def t(self) -> FloatArray:
-        """Default grid of times [s]: a hundred even ones an engagement, and all events.
+        """Default grid of times [s]: a hundred equally spaced times per engagement, and all
+        events.
 
         The exact times of handoffs, reversals and extrema of the driver speed are among
         them, so that the samples show every peak of `theta_dot` in full, and the start of
@@ -287,7 +287,8 @@ class Motion(Shown):
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
 
     def parts(self) -> "Iterator[Motion]":
-        """A long motion as several of some engagements each, itself where it is short.
+        """A long motion as several motions of some engagements each; a short one is its only
+        part.
 
         Their times and angles are those of the whole; the end of each is the start of the next.
         """
@@ -348,7 +349,7 @@ class Motion(Shown):
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float, invalid: str = "") -> Motion:
-    """A motion without pieces, and why: what is `invalid`, or else the Painleve limit."""
+    """A motion without pieces, and the reason: `invalid`, or else the Painleve limit."""
     message = invalid or painleve_message(escapement) or ""
     none, status = np.empty(0), Status.INVALID if invalid else Status.PAINLEVE
     return Motion(escapement, engine, rtol, NoTrajectory(), 0.0, none, none, status, message)

@@ -1,4 +1,4 @@
-"""The numbers of a scene in natural units, from what an escapement is declared by.
+"""The numbers of a scene in natural units, from the declared numbers of an escapement.
 
 The follower's inertia, the driving torque and the root of their ratio are the units of inertia,
 torque and time; the crank radius is that of length.
@@ -29,7 +29,7 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
     values : Mapping
         What `Escapement` and `Inertia` declare, by the names that studies use [SI].
     meshed : bool
-        Whether the mechanism loses by the efficiency of a mesh, not by friction in a slot.
+        Whether the losses of the mechanism are given by an efficiency, not by friction in a slot.
     """
     follower, torque = values["follower_inertia"], values["torque"]
     found = {
@@ -63,10 +63,10 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
 
 
 def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:
-    """Friction and radius of what touches the slot: of the pin, or of a roller on it.
+    """Friction and radius of the body that touches the slot: the pin, or a roller on it.
 
-    A roller turns on the pin, whose friction then is that between the two. A massless one that
-    rolls on the wall acts as a pin of its own radius with less friction.
+    A roller turns on the pin, and the friction then acts between the two. A massless roller that
+    rolls on the wall acts like a pin of its radius with less friction.
     """
     friction, pin, roller = values["friction"], values["pin_radius"], values["roller_radius"]
     rolls = np.asarray(roller) > 0.0
@@ -77,8 +77,9 @@ def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:
 
 
 def slid(values: Mapping[str, Any], friction: float) -> float:
-    """Friction between a roller and its pin that acts in the slot as `friction` does, as `rolling`
-    tells; without a roller that itself. It is infinite where no friction brings as much.
+    """Friction between a roller and its pin that has the effect of `friction` in the slot, see
+    `rolling`; without a roller `friction` itself. It is infinite if no friction has such an
+    effect.
     """
     roller = values.get("roller_radius")
     if not roller:

@@ -1,10 +1,10 @@
 """The Painleve limit: the friction at which the equation of motion loses its solution.
 
 Where the reduced inertia J_s = rho + g p_s vanishes the rigid problem has two solutions or
-none. The side in question is the one that holds the follower back, s = -1. Behind dead centre,
-where the force changes to this side, there is no solution beyond the limit. Before it the
-motion on the side s = +1 goes on, but another one exists as well. Of an ideal pin the limits of
-both halves are the same, and in closed form.
+none. The side in question is the one that holds the follower back, s = -1. After dead centre,
+where the force changes to this side, there is no solution beyond the limit. Before it the motion
+on the side s = +1 goes on, but another one exists as well. For an ideal pin the limits of both
+halves are equal, and known in closed form.
 """
 
 from typing import Any
@@ -23,11 +23,11 @@ from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
 
 GRID = 32
-"""Intervals in which the least margin of an engagement is looked for."""
+"""Number of intervals in which the least margin of an engagement is searched for."""
 GOLDEN = 0.6180339887498949
 _LIMITS = "painleve.limits"
 GREATEST = 1e3
-"""No limit is looked for beyond this friction."""
+"""No limit is searched for beyond this friction."""
 
 
 @jit
@@ -43,7 +43,7 @@ def _stationary(g1, g2, rho, end):
     """g between 0 and `end` at which (rho + g^2)/(|g| |u|) is stationary on the circle.
 
     It is a root of the cubic in `critical_friction`. The cubic is negative at 0 and positive at
-    g1 and g2, of which `end` is one, so Newton's method kept in that bracket cannot fail.
+    g1 and g2, one of which is `end`, so Newton's method in this bracket cannot fail.
     """
     total, product = g1 + g2, g1 * g2
     low, high = min(0.0, end), max(0.0, end)
@@ -79,7 +79,7 @@ def painleve_limit(path, rho, entry, exit_):
         turn = np.arcsin(np.sqrt(x)) / abs(c[0])
         for theta in (-turn, turn):
             place = min(max(theta, entry), exit_)
-            # the angle lies outside the engagement by more than its rounding
+            # the angle lies outside the engagement by more than rounding
             if abs(place - theta) > 1e-15 * abs(theta):
                 continue
             # |u| comes from the circle: with a light driver the minimum lies so close to the
@@ -92,7 +92,7 @@ def painleve_limit(path, rho, entry, exit_):
 
 @jit
 def margin(theta, scene):
-    """J_s h_s for s = -1, of which neither factor may vanish: (rho + g^2) h - |g| h |c|."""
+    """J_s h_s for s = -1, (rho + g^2) h - |g| h |c|; neither factor may vanish."""
     g, u, _dg, radius = pose_at(scene.path, theta)
     slide, lever = grip(g, u, radius, -1.0, scene)
     lost = scene.mu_minus * slide + scene.driver_journal + scene.follower_journal * abs(g)
@@ -101,7 +101,8 @@ def margin(theta, scene):
 
 @jit
 def least_margin(scene, low, high):
-    """Least `margin` between two driver angles, or the lever of the other side where that is < 0.
+    """Least `margin` between two driver angles, or the lever arm of the other side if that is <
+    0.
 
     The minimum is bracketed on an even grid and found by golden section.
     """
@@ -133,7 +134,8 @@ def least_margin(scene, low, high):
 
 @inner_jit
 def beyond_painleve(scene):
-    """Whether friction is at or above the Painleve limit, in any flow of power through trains."""
+    """Whether friction is at or above the Painleve limit, for any direction of power in the
+    trains."""
     if not is_lossy(scene):
         return _beyond(scene)
     count = 0
@@ -147,16 +149,16 @@ def _beyond(scene):
     """Whether friction is at or above the Painleve limit of a scene.
 
     (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| is at most the radius of the circle that
-    (g, u) runs on. This bound settles most scenes. For most others the stationary g on the
-    circle is enough, without the driver angle that belongs to it. A mesh has no such limit,
-    because J_s = rho + g^2 eta is positive.
+    (g, u) runs on. This bound settles most scenes. For most others the stationary g on the circle
+    is enough, without its driver angle. A mechanism without slots has no such limit, because J_s
+    = rho + g^2 eta is positive.
     """
     if scene.path.table:
         return False
     if not is_ideal(scene):
         return not least_margin(scene, 0.0, scene.edges[-1]) > 0.0
-    # Where g > 0 the side s = -1 may lose its J. One of Meyer's published cells also has g < 0,
-    # where s = +1 may, but its pins have one mu and the limit there is higher.
+    # Where g > 0, J may vanish on the side s = -1. One of Meyer's published cells also has g < 0,
+    # where J may vanish for s = +1, but its pins have one mu and the limit there is higher.
     mu, rho = scene.mu_minus, scene.rho
     g1, g2 = circle(scene.path)
     if mu * abs(g1 - g2) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
@@ -174,7 +176,7 @@ def _beyond(scene):
 def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
     """Painleve limit: least friction at which no motion exists [-].
 
-    There J_s reaches zero behind dead centre. At or above it the rigid-body problem has no
+    There J_s reaches zero after dead centre. At or above it the rigid-body problem has no
     solution or two. The load torque does not move it. Minimum over the engagement of
     (rho + g^2)/(|g| |u|); on a slotted path u^2 = (g1 - g)(g - g2), so the
     stationary points are roots of the cubic
@@ -182,7 +184,7 @@ def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
         S g^3 + (4 rho - 2 P) g^2 - 3 rho S g + 2 rho P = 0,  S = g1 + g2, P = g1 g2,
 
     which for the external Geneva is T g^3 + (T + 2 rho) g^2 - 3 rho T g - rho T = 0
-    with T = tan^2(pi/n). With pins that have a width the minimum is searched for.
+    with T = tan^2(pi/n). For pins with a radius the minimum is found numerically.
 
     Returns
     -------
@@ -193,9 +195,9 @@ def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
 
 
 def friction_limits(escapement: Escapement) -> tuple[float, float]:
-    """Frictions from which no motion exists, and from which another motion exists beside it [-].
+    """Frictions at which motion ceases to exist, and at which it ceases to be unique [-].
 
-    Of an ideal pin the two are the same. With a roller it is the friction inside the roller.
+    For an ideal pin the two are equal. With a roller they are frictions inside the roller.
     """
     kept = escapement.kept
     if _LIMITS not in kept:
@@ -210,7 +212,7 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
 
 
 def _flows_of(escapement: Escapement) -> list[Scene]:
-    """The scenes of an escapement, each in every flow of power through trains that lose some."""
+    """The scenes of an escapement, each for every direction of power through lossy trains."""
     if not as_python(is_lossy)(escapement.scene):
         return [*escapement.scenes]
     return [scene_in_flow(scene, float(i)) for scene in escapement.scenes for i in range(FLOWS)]
@@ -226,10 +228,10 @@ def _rubbed(scene, friction):
 
 @jit
 def _friction_limit(scene, low, high, most):
-    """Least friction in the slot at which the margin vanishes between two driver angles; `most`
-    where that is more.
+    """Least friction in the slot at which the margin vanishes between two driver angles, up to
+    `most`.
 
-    Found by the rule of false position, a stale end of whose bracket counts half (Illinois).
+    It is found by the Illinois variant of the rule of false position.
     """
     a, at_a = 0.0, least_margin(_rubbed(scene, 0.0), low, high)
     if not at_a > 0.0:
@@ -259,7 +261,7 @@ def _friction_limit(scene, low, high, most):
 
 
 def _limit(escapement: Escapement, before: bool) -> float:
-    """Least friction at which the margin vanishes before or behind a dead centre."""
+    """Least friction at which the margin vanishes before or after a dead centre."""
     most = GREATEST
     for scene in _flows_of(escapement):
         ends = (scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])
@@ -288,7 +290,7 @@ def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> f
         # over the friction, which may be as great as a double
         return np.asarray((rho + found.g**2) / friction - np.abs(found.g * found.u))
 
-    # where it only touches zero, rounding may leave none
+    # if the function only touches zero, rounding may leave no root
     return float(min(zeros(reduced_inertia, breaks), default=angle))
 
 
@@ -327,11 +329,11 @@ def _remedy(escapement: Escapement) -> str:
 
 
 def uniqueness_note(escapement: Escapement) -> str | None:
-    """What to say of a motion beside which another one exists; None of all others."""
+    """The message for a motion that is not unique; None for all others."""
     if all(as_python(is_ideal)(scene) for scene in escapement.scenes):
         return None
     if escapement.contact == "compliant":
-        # between walls that yield there is one motion
+        # with compliant contact there is one motion
         return None
     limit = friction_limits(escapement)[1]
     if escapement.friction < limit:

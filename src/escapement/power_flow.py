@@ -1,17 +1,18 @@
-"""Gear trains that lose power: what driver and follower see of them depends on its direction.
+"""Gear trains that lose power: their effect depends on the direction of the power.
 
-A barrel passes eta q of the torque q = T - I_b theta_ddot that reaches its mesh with the driver
-where it drives, q > 0, and takes q/eta from the driver where that drives it. The train behind the
-follower costs z/eta_l where it takes z = M + I_l phi_ddot, z > 0, and gives eta_l z back where it
-drives the follower. With the factors e_b = eta or 1/eta, and e_l = 1/eta_l or eta_l, either is an
-escapement without trains, of driver inertia I_d + e_b I_b, torque e_b T, follower inertia
-I_f + e_l I_l and load e_l M: see `in_flow`. Which of the four combinations holds follows from the
-signs of q and z that it gives itself. theta_ddot is the root of one function that is continuous,
-linear between the places where a sign changes, and increasing below the Painleve limit of every
-combination; therefore one combination holds, and theta_ddot does not jump where it changes.
+The barrel delivers the torque q = T - I_b theta_ddot. Where q > 0 the driver receives eta q;
+where the driver drives the barrel, the torque on it is q/eta. The train after the follower
+requires z = M + I_l phi_ddot. Where z > 0 the follower supplies z/eta_l; where the train drives
+the follower, it receives eta_l z. With the factors e_b = eta or 1/eta, and e_l = 1/eta_l or
+eta_l, each combination is an escapement without trains, of driver inertia I_d + e_b I_b, torque
+e_b T, follower inertia I_f + e_l I_l and load e_l M: see `in_flow`. The combination that holds is
+the one whose q and z have the signs that it assumes. theta_ddot is the root of one function that
+is continuous, linear between the places where a sign changes, and increasing below the Painleve
+limit of every combination; therefore exactly one combination holds, and theta_ddot does not jump
+where it changes.
 
-Inertias and torques are as the driver and the follower see them, in natural units; those of a
-`Scene` contain what the trains carry as if nothing were lost.
+Inertias and torques are referred to the driver and the follower, in natural units; those of a
+`Scene` include the trains as if nothing were lost.
 """
 
 import numpy as np
@@ -22,7 +23,7 @@ from escapement.jit import inner_jit, jit
 from escapement.scene import Scene
 
 UNKNOWN = -1.0
-"""The flow of a scene that holds what both trains carry as if nothing were lost."""
+"""The flow of a scene that includes both trains as if nothing were lost."""
 FLOWS = 4
 """Combinations of signs: 1 is added where q < 0, and 2 where z < 0."""
 
@@ -43,7 +44,7 @@ def factors(flow, scene):
 
 @inner_jit
 def weight(scene):
-    """Follower inertia of a scene of one flow over that of the scene it was made of."""
+    """Follower inertia of a scene of one flow, divided by that of its original scene."""
     if scene.flow == UNKNOWN:
         return 1.0
     return 1.0 + (factors(scene.flow, scene)[1] - 1.0) * scene.load_train
@@ -53,8 +54,8 @@ def weight(scene):
 def in_flow(scene, flow):
     """The scene of one flow, by its number, as if there were no trains.
 
-    Its unit of inertia is its own follower's, and its unit of time that of the scene it is made of:
-    torques and moments of `dynamics` are by `weight` too small.
+    Its unit of inertia is that of its own follower, but its unit of time that of the original
+    scene: torques and moments from `dynamics` have to be multiplied by `weight`.
     """
     barrel, train = factors(flow, scene)
     unit = 1.0 / (1.0 + (train - 1.0) * scene.load_train)
@@ -76,7 +77,7 @@ def scene_in_flow(scene, flow):
 
 @inner_jit
 def through_trains(g, dg, rate, torque, w, scene):
-    """q and z at a driver acceleration: what reaches either mesh; `torque` is T."""
+    """q and z, the torques that reach the trains, at a driver acceleration; `torque` is T."""
     load = scene.load
     if scene.flow != UNKNOWN:
         load *= weight(scene) / factors(scene.flow, scene)[1]
@@ -85,7 +86,7 @@ def through_trains(g, dg, rate, torque, w, scene):
 
 @inner_jit
 def _misses(flow, q, z):
-    """How far q and z have other signs than a flow says."""
+    """How far q and z violate the signs of a flow."""
     back, given = flow == 1.0 or flow == 3.0, flow >= 2.0
     return max(q if back else -q, z if given else -z, 0.0)
 
@@ -111,15 +112,15 @@ def flow_at(theta, side, w, scene):
 
 @inner_jit(inlined=True)
 def flowing(theta, side, w, scene):
-    """The scene of the flow at a driver angle; a scene whose trains lose nothing is its own."""
+    """The scene of the flow at a driver angle; the scene itself if its trains lose nothing."""
     return in_flow(scene, flow_at(theta, side, w, scene)) if is_lossy(scene) else scene
 
 
 @inner_jit
 def within_flow(g, k, rate, pull, w, scene):
-    """q and z, positive while they have the signs that the flow of a scene says.
+    """q and z, made positive while they have the signs of the flow of a scene.
 
-    `pull` is that of the drive, less the bearing's torque, in this scene.
+    `pull` is the torque of the drive minus that of the bearing, in this scene.
     """
     barrel = factors(scene.flow, scene)[0]
     torque = (pull + scene.bearing) * weight(scene) / barrel

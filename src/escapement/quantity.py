@@ -1,11 +1,10 @@
-"""Whatever a user may set, each declared once, beside the field that holds it.
+"""Declarations of everything that a user may set, each beside the field that holds it.
 
     torque: float = field(metadata=quantity("driving torque", "torque", exclusive=True, ...))
 
-From the declaration follow the check in the constructor, the option of the command line, the
-key of a study file and its check, the axis of a study, and units, name and label in files and
-figures. A class that declares its fields so derives from `Declared`; `declared` gives what it
-has declared.
+The check in the constructor, the option of the command line, the key of a study file, the axis of
+a study, and units, name and label in files and figures are derived from the declaration. A class
+that declares its fields in this way derives from `Declared`; `declared` gives its declarations.
 """
 
 import contextlib
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _KEY = "setting"
-_LAST_WHOLE = 2.0**53  # beyond it a double no longer tells whole numbers apart
+_LAST_WHOLE = 2.0**53  # beyond this a double cannot represent every whole number
 _METAVARS = {"torque": "M", "inertia": "I", "length": "R", "speed": "W", "time": "S"}
 
 
@@ -37,21 +36,21 @@ def per_class(function: Callable[[type], T]) -> Callable[[type], T]:
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What a user may set: its words, and where it stands.
+    """Something that a user may set: its description, and its place.
 
-    long_name : what it is.
+    long_name : description in words.
     remedy : what to do about a value that breaks the rule.
     name : of the option and the axis; by default that of the field.
-    note : what the help of the command line adds.
-    metavar : what stands for its value there.
-    typical : value that the command line takes where none is typed, in place of the default.
+    note : addition to the description in the help of the command line.
+    metavar : name of its value there.
+    typical : value that the command line uses instead of the default if none is typed.
     required : whether files and the command line must give it.
     axis : whether a study may vary it.
     unit : its kind, as in `escapement.units.factor`.
     system : unit system of numbers that are read without a unit.
-    slotted : True for what only a mechanism with a slot has, False for what only one without
-        it has; there it keeps its default.
-    instead : name of what the other mechanisms have in its place.
+    slotted : True if only mechanisms with slots have it, False if only mechanisms without have
+        it; all others keep its default.
+    instead : name of the setting that other mechanisms have instead.
     key, section, default : filled in from the class that declares it: name of the field, table
         of a study file ("" is the top level), and default, None where there is none.
     """
@@ -84,7 +83,7 @@ class Setting:
 
     @property
     def help(self) -> str:
-        """What the command line says of it."""
+        """Its description on the command line."""
         units_shown = dict.fromkeys(units.printed(self.unit, system) for system in units.SYSTEMS)
         unit = f" [{', '.join(units_shown)}]" if any(units_shown) else ""
         taken = self.typical if self.required else self.default
@@ -93,17 +92,18 @@ class Setting:
         return self.long_name + self.note + unit + told
 
     def fits(self, meshed: bool) -> bool:
-        """Whether a mechanism without a slot (`meshed`), or one with it, has this."""
+        """Whether a mechanism without slots (`meshed`), or one with slots, has this."""
         return self.slotted is None or self.slotted is not meshed
 
     def idle(self, value: Any) -> bool:
-        """Whether `value` is the zero of what need not be told: a bearing that does not rub."""
+        """Whether `value` is a zero that need not be shown, such as that of a bearing without
+        friction."""
         told = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
         plain = isinstance(self.default, str) and not self.required and value == self.default
         return plain or (not told and value == self.default == 0.0)
 
     def check(self, label: str, value: Any) -> Any:
-        """`value` as Python is to hold it; raises InvalidValue where it breaks the rule."""
+        """`value` as Python stores it; raises InvalidValue if it breaks the rule."""
         return value
 
     def read(self, label: str, value: Any) -> Any:
@@ -115,7 +115,8 @@ class Setting:
         return self.check(label, text)
 
     def to_si(self, values: Any) -> Any:
-        """Values that were read, in SI; what has no unit, as a whole number, stays."""
+        """Values that were read, in SI; values without a unit, such as whole numbers, are
+        unchanged."""
         scale = units.factor(self.unit, self.system)
         return values if scale == 1.0 else values * scale
 
@@ -125,8 +126,8 @@ class Quantity(Setting):
     """A number.
 
     minimum, maximum, exclusive, below, whole, fraction : the rule. An exclusive minimum is not
-        reached, nor is the maximum where `below` is true; a fraction may be text, "1/2".
-    function : whether a function that gives the number will do.
+        allowed itself, nor is the maximum if `below` is true; a fraction may be text, "1/2".
+    function : whether a function that gives the number is allowed.
     """
 
     minimum: float = 0.0
@@ -191,7 +192,7 @@ class Quantity(Setting):
 
         if self.fraction:
             return np.array([self.read(f"{label}[{i}]", x) for i, x in enumerate(values.tolist())])
-        # an axis may be long: only the first number that breaks the rule is checked alone
+        # an axis may be long: only the first number that breaks the rule is checked separately
         good = np.isfinite(values) & self._within(values)
         if self.whole:
             good &= (values == np.rint(values)) & (values <= _LAST_WHOLE)
@@ -240,7 +241,7 @@ class Choice(Setting):
 
 
 class Numbers(Setting):
-    """A list of numbers, with units or without; the constructor that takes them looks closer."""
+    """A list of numbers, with units or without; the constructor checks them further."""
 
     def read(self, label: str, value: Any) -> tuple[float, ...]:
         """`value` as a list of finite numbers."""
@@ -269,7 +270,7 @@ class Numbers(Setting):
 
 
 class InputFile(Setting):
-    """A file to read; the command line alone has such an option."""
+    """A file to read; only the command line has such an option."""
 
     def parse(self, label: str, text: str) -> Path:
         """The path."""
@@ -294,7 +295,7 @@ class Declared(Shown):
     """Table of a study file that holds the fields; "" is the top level."""
 
     def __new__(cls, *args: Any, **keywords: Any) -> Self:
-        """Refuse a keyword that there is none of, and name the nearest."""
+        """Refuse an unknown keyword, and name the nearest known one."""
         # Python's own TypeError would not name the nearest
         known = cls.__init__.__code__.co_varnames[1:]
         for name in keywords:
@@ -304,7 +305,7 @@ class Declared(Shown):
         return object.__new__(cls)
 
     def _shown(self) -> list[tuple[str, Any, str]]:
-        """What differs from its default."""
+        """The settings that differ from their defaults."""
         entries = {entry.key: entry for entry in declared(type(self)).values()}
         rows = []
         for name, value, _ in super()._shown():
@@ -315,11 +316,11 @@ class Declared(Shown):
         return rows
 
     def check_fields(self) -> None:
-        """Put the checked value of every declared field in the place of what was given."""
+        """Replace the value of every declared field by the checked value."""
         values = vars(self)
         for entry in declared(type(self)).values():
             value = values[entry.key]
-            # a default is known to obey its rule, and most fields hold theirs
+            # a default is known to obey its rule, and most fields have their default
             if value is not entry.default or entry.required:
                 values[entry.key] = entry.check(entry.name, value)
 
@@ -331,7 +332,7 @@ def declared(owner: type) -> dict[str, Setting]:
     for field in fields(owner):
         if (entry := field.metadata.get(_KEY)) is None:
             continue
-        # a declaration may have a default for files that the constructor has not
+        # a declaration may have a default for files where the constructor has none
         open_ = field.default is MISSING
         default = entry.default if open_ else field.default
         found[entry.name or field.name] = replace(
@@ -352,7 +353,7 @@ def quantities(owner: type) -> dict[str, Quantity]:
 
 
 def like(owner: type, name: str, **changes: Any) -> dict[str, Setting]:
-    """Metadata of a field that holds the same as another class's, but for `changes`."""
+    """Metadata of a field that holds the same as another class's, except for `changes`."""
     return {_KEY: replace(declared(owner)[name], section="", key="", **changes)}
 
 

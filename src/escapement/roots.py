@@ -1,4 +1,5 @@
-"""How kernels find a root in a bracket: Newton's method, with bisection where it leaves."""
+"""Root finding in a bracket for kernels: Newton's method, with bisection where it leaves the
+bracket."""
 
 from escapement.jit import inner_jit
 
@@ -18,7 +19,7 @@ def newton_in_bracket(x, value, slope, low, high, rising):
 
     Returns
     -------
-    x, low, high : the next place, and the bracket that is left.
+    x, low, high : the next place, and the remaining bracket.
     """
     if (value < 0.0) == rising:
         low = x

@@ -1,7 +1,7 @@
-"""How a timer runs down: its turns, its rate and the place where it stops.
+"""The run-down of a timer: its turns, its rate and the place where it stops.
 
 With a spring the driver runs ever more slowly. The engine computes a long run by quasi-static
-theory where that is as exact as `rtol`: see `engines.energy.rundown`.
+theory if that is as exact as `rtol`: see `engines.energy.rundown`.
 """
 
 import math
@@ -26,12 +26,12 @@ MOST = LONGEST["energy"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rundown(Shown):
-    """A run from its start to the turns or the time asked for, or to its stop.
+    """A run from its start to the requested turns or time, or to its stop.
 
     Parameters
     ----------
     escapement : Escapement
-        What runs down.
+        The timer.
     times : array, shape (n,)
         End of each engagement [s], its dwell included.
     nominal_period : float
@@ -79,18 +79,19 @@ class Rundown(Shown):
 
     @property
     def rate_errors(self) -> FloatArray:
-        """Rate over that of the nominal period, less 1 [-], shape (n,); below 0 it is slow."""
+        """Rate divided by the rate of the nominal period, minus 1 [-], shape (n,); negative if
+        slow."""
         return self.nominal_period / self.periods - 1.0
 
     @property
     def lateness(self) -> FloatArray:
-        """Time less that of as many nominal periods [s], shape (n,)."""
+        """Time minus that of the same number of nominal periods [s], shape (n,)."""
         return self.times - self.nominal_period * np.arange(1, self.times.size + 1)
 
     def time_of(self, turns: float) -> float:
-        """Time at which the driver has turned so often [s].
+        """Time at which the driver has made this number of turns [s].
 
-        Between the ends of two engagements it is interpolated linearly, which is right to the
+        Between the ends of two engagements it is interpolated linearly, which neglects the
         variation of the speed within an engagement.
 
         Raises
@@ -117,8 +118,8 @@ def rundown(
 ) -> Rundown:
     """Let a timer run down.
 
-    Of a spring, thousands of engagements come from series through a few of them, where these are
-    as exact as the tolerance asks for; elsewhere each is computed. See docs/rundown.md.
+    With a spring, thousands of engagements are computed from series through a few of them if
+    these are as exact as the tolerance; otherwise each is computed. See docs/rundown.md.
 
     Parameters
     ----------
@@ -132,7 +133,7 @@ def rundown(
     initial_speed : float
         Driver speed at the first pin entry [rad/s], >= 0.
     rtol : float, optional
-        Relative error asked for in times, as of `simulate`.
+        Requested relative error of times, as in `simulate`.
 
     Returns
     -------
@@ -159,7 +160,7 @@ def rundown(
     times, status, message = motion.handoff_times, motion.status, motion.message
     whole = times.size
     if status in (Status.OK, Status.SPENT):
-        # behind a spent spring the driver turns on for a while, of no use to a timer
+        # after the spring is spent the driver turns on for a while, of no use to a timer
         ends = escapement.angle_before(np.arange(1, whole + 1))
         whole = int(np.searchsorted(ends, spent, side="right"))
     end = float(times[whole - 1]) if whole else 0.0
@@ -198,12 +199,12 @@ def _engagements(turns: float | None, escapement: Escapement, spent: float) -> i
     if count > MOST:
         rule = f"at most {MOST * cell / (2.0 * math.pi):g}, ten million engagements"
         raise validate.fail("turns", rule, turns, "run fewer")
-    # an engagement of imperfect parts ends a little before or behind its cell
+    # an engagement of imperfect parts ends slightly before or after its cell
     return count + int(escapement.angle_before(count) < angle)
 
 
 def _last_stretch(motion: Motion, begin: float, spent: float) -> tuple[float, float]:
-    """When a run ends that goes on behind a handoff at `begin` [s], and where [rad].
+    """Time [s] and angle [rad] at which a run ends that continues after a handoff at `begin` [s].
 
     It ends with the motion, or where the spring is spent.
     """

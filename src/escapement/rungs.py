@@ -1,7 +1,7 @@
-"""The same design on the rungs of the model, and by how much these differ.
+"""The same design computed with simpler and fuller models, called rungs, and their differences.
 
-From the ideal mechanism over real losses and clearance with rigid impact to walls that yield,
-each rung holds more of the real mechanism and takes longer.
+The rungs are the ideal mechanism, real losses, clearance with rigid impact, and compliant
+contact. Each includes more of the real mechanism and takes longer to compute.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from escapement.status import Status
 from escapement.text import Shown
 
 ENOUGH = 1e-3
-"""A rung whose period differs by less than this share from the next one's is enough for it."""
+"""A rung is sufficient if its period differs by less than this share from that of the next."""
 _FIGURES = ("period", "velocity_max", "velocity_min", "contact_force_max")
 _LOSSES = (
     *("driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction"),
@@ -37,7 +37,7 @@ class Rungs(Shown):
     figures : the `Figures` of each rung, by its name: "ideal", "losses", "impact", "compliant";
         only those for which the design has numbers.
     changes : by rung and figure, relative to the rung before.
-    message : which rung is enough for the period, and what stands in the way of an answer.
+    message : which rung is enough for the period, and why figures are missing.
     """
 
     figures: dict[str, Figures]
@@ -55,8 +55,8 @@ def compare_rungs(escapement: Escapement) -> Rungs:
     Parameters
     ----------
     escapement : Escapement
-        The design with all that is known of it. Its clearance and its stiffness make the upper
-        rungs, and its bearings, drags, pins of width and errors of parts the second.
+        The design with all known numbers. Its clearance and its stiffness belong to the upper
+        rungs; its bearings, drags, pin radii and errors of parts belong to the second.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def compare_rungs(escapement: Escapement) -> Rungs:
     Raises
     ------
     InvalidValue
-        When the argument is no escapement.
+        When the argument is not an escapement.
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")

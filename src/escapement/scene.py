@@ -1,8 +1,8 @@
-"""What an engine sees of an escapement: a few dimensionless numbers and a path.
+"""The input of an engine: a few dimensionless numbers and a path.
 
-The follower's inertia I_f, the driving torque tau and the time sqrt(I_f/tau) are the units
-of inertia, torque and time; angles are in radians. Two escapements with equal scenes move
-alike but for their clocks.
+The follower's inertia I_f, the driving torque tau and the time sqrt(I_f/tau) are the units of
+inertia, torque and time; angles are in radians. Two escapements with equal scenes have the same
+motion except for the unit of time.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class Path(NamedTuple):
     def corners(self) -> NDArray[np.float64]:
         """Driver angles [rad], shape (k,), at which the transmission of a table is not smooth.
 
-        They follow its pieces. A pin path has none, because its mechanism names them among its
-        breaks.
+        They follow its pieces. A pin path has none, because they are among the breaks of its
+        mechanism.
         """
         if not self.table:
             return self.numbers[:0]
@@ -45,28 +45,28 @@ class Path(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """An escapement in natural units; `dynamics` alone knows what its law means.
+    """An escapement in natural units; the equation of motion is in `dynamics`.
 
     path : transmission of the mechanism.
     edges : driver angles [rad], shape (k,), ascending, from pin entry to pin exit; the motion
-        is smooth between neighbours but for pin reversals.
+        is smooth between neighbours except for pin reversals.
     dwell : driver angle after the exit in which the follower is locked [rad].
     torque : the torque of the drive, linear between knots, as the file `drive` lays it out.
-    turned : driver angle turned before the cell that is looked at [rad].
+    turned : driver angle turned before the current cell [rad].
     rho : inertia ratio I_d/I_f.
     mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
         other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
     load : load torque over driving torque.
     bearing : constant torque of the driver's bearing over driving torque.
-    driver_drag, follower_drag : drag that grows with the square of the speed, over I_f.
+    driver_drag, follower_drag : drag that grows with the square of the speed, divided by I_f.
     driver_viscous, follower_viscous : viscous drag, over sqrt(I_f tau).
     pin : radius of the pin, or of its roller, in the path's unit of length.
     driver_journal, follower_journal : friction of the bearings over the force in the contact,
         mu_b r_b sqrt(1 + mu^2), in the path's unit of length.
     gain : factor on the torque; 1 but in `power_flow`.
-    flow : in which directions power flows through trains that lose some, see `power_flow`.
-    barrel, load_train : inertias of barrel and last shaft that driver and follower see, over I_f;
-        rho and I_f contain them.
+    flow : directions of power through lossy trains, see `power_flow`.
+    barrel, load_train : inertias of barrel and last shaft referred to driver and follower,
+        divided by I_f; rho and I_f contain them.
     barrel_efficiency, load_train_efficiency : of their trains.
     """
 
@@ -96,9 +96,9 @@ class Scene(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """The joint of pin and slot where they do not fit exactly or are not rigid, in natural units.
+    """The contact of pin and slot with clearance or compliance, in natural units.
 
-    play : half of what the slot is wider than the pin, in crank radii r.
+    play : half the difference between slot width and pin diameter, in crank radii r.
     restitution : rebound impulse over the impulse of compression.
     stiffness : of either wall, over torque/r^2; 0 for a rigid one.
     damping : of either wall, over sqrt(I_f torque)/r^2.
@@ -115,11 +115,12 @@ class Joint(NamedTuple):
 
 
 class Meeting(NamedTuple):
-    """A pin in a slot: what the engagements of a mechanism differ in.
+    """A pin in a slot: the data in which the engagements of a mechanism differ.
 
     path, edges, dwell : as of a `Scene`.
     late : driver angle by which its angle 0 lies behind the nominal dead centre [rad].
-    turned : the follower angle [rad] from driver angles, less what it turns from pin to pin.
+    turned : function from driver angles to the follower angle [rad], minus its steps from pin to
+        pin.
     kind : how it begins: "overlap", "pick-up" or "strike", see `mechanisms.pattern`.
     jump : by how much the follower jumps ahead there [rad].
     radius : distance of the pin from the follower's axis there, in the path's unit of length.
@@ -136,7 +137,7 @@ class Meeting(NamedTuple):
 
 
 def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]:
-    """Driver angles between which the motion is smooth but for reversals [rad], ascending.
+    """Driver angles between which the motion is smooth except for reversals [rad], ascending.
 
     They are the breaks of the mechanism and the corners of a table, since no quadrature for
     smooth functions is accurate across one. An edge is left out where it lies within 1e-9 of
@@ -151,7 +152,7 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
 
 def writeable(path: Path) -> Path:
     """A copy of a path; kernels are compiled for contiguous arrays that may be written to."""
-    # read-only arrays and those with gaps have types of their own, for which nothing is compiled
+    # read-only arrays and non-contiguous ones have other types, for which nothing is compiled
     return Path(path.table, np.array(path.numbers, dtype=float))
 
 

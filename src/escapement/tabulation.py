@@ -51,7 +51,7 @@ def cell_before(turned, theta, scene):
 def losses_at(g, u, radius, k, pull, w, side, here, way=0.0, turn=0.0):
     """Contact force N, and the work lost per driver angle in each of `dynamics.LOSSES`.
 
-    `here` is the scene of the flow, whose pull and k these are; signs are as of `dynamics.grip`.
+    `here` is the scene of the flow, whose pull and k these are; signs are as in `dynamics.grip`.
     """
     unit, barrel, train = weight(here), 0.0, 0.0
     force, slot, at_driver, at_follower, drag, air = losses_per_angle(

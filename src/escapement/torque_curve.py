@@ -88,7 +88,7 @@ class TorqueCurve(Shown):
         path : path
             Columns apart by commas, semicolons, tabs or blanks. A line of headings may come
             first, without any number; angles are in degrees where theirs ends in deg. Lines
-            that start with # are passed over.
+            that start with # are skipped.
         periodic : bool
             Whether the curve repeats.
 

@@ -68,7 +68,7 @@ class Impacts(Events):
     """Blows between pin and slot; `theta_dot` is the driver speed behind each.
 
     wall : +1 the wall that pushes the follower forward, -1 the one that holds it back; 0 where
-        the follower is stopped and locked behind the exit of the pin.
+        the follower is stopped and locked after the exit of the pin.
     speed_before : driver speed before the blow [rad/s].
     approach_speed : speed with which pin and wall approach each other [m/s].
     impulse : of the normal force [N s].

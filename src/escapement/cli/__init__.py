@@ -1,9 +1,9 @@
 """Command line: picks a command, runs it, turns every error into one line.
 
 A command is a module of this package: its docstring is the summary in its help, and it has
-`configure(parser)` and `execute(args) -> exit code`; its `UNITS`, if any, explains units that
-are not SI where none are typed. Only the module asked for is imported, and it imports nothing
-heavy before its arguments are understood, so that help answers at once.
+`configure(parser)` and `execute(args) -> exit code`; its `UNITS`, if any, explains default units
+that are not SI. Only the module of the command is imported, and it imports nothing heavy before
+its arguments are parsed, so that help appears at once.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ COMMANDS = {
 }
 
 SOME_FAILED = 3
-"""Exit code where the work is done and some cases have no answer."""
+"""Exit code if the work is done and some cases could not be computed."""
 INTERRUPTED, TERMINATED = 130, 143
 """Exit codes after Ctrl-C, and after SIGTERM, by which job schedulers end a process."""
 
@@ -69,7 +69,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _answer(argv: Sequence[str]) -> int:
-    """Run one command; whatever goes wrong becomes one line and an exit code."""
+    """Run one command; every error becomes one line and an exit code."""
     try:
         import warnings
 
@@ -111,20 +111,20 @@ def program() -> NoReturn:
     try:
         import signal
 
-        # a shell's background job ignores Ctrl-C, and is to go on doing so
+        # a background job of a shell ignores Ctrl-C, and must continue to do so
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, strike)
         if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
             signal.signal(signal.SIGTERM, strike)
         code = main()
     except BaseException:
-        # libraries that are being loaded turn Ctrl-C into errors of their own
+        # libraries that are being loaded turn Ctrl-C into their own errors
         if not struck:
             raise
         code = _complain(*_STRUCK[struck[-1]])
         _end_log(code)
     if code in (INTERRUPTED, TERMINATED):
-        # an orderly exit would wait for threads that nobody wants any more; all files are closed
+        # an orderly exit would wait for threads that are no longer needed; all files are closed
         os._exit(code)
     sys.exit(code)
 

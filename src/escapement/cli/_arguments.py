@@ -61,14 +61,14 @@ class Parser(argparse.ArgumentParser):
         """Parsed arguments; SystemExit where help was asked for and given."""
         known = self._option_string_actions
         for name in (word.partition("=")[0] for word in argv):
-            # argparse would first tell of what is missing, which a misspelt option is not
+            # argparse would first report a missing argument, although an option was misspelt
             passes = name in known or name[:2] in known or _NEGATIVE.match(name)
             if _OPTION.match(name) and not passes:
                 longer = [word for word in known if word.startswith(name)] or known
                 remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
                 raise UsageError(f"unknown option {name!r}; {remedy}")
         args = self.parse_args(argv)
-        # numbers wait for --units, wherever it stands
+        # numbers are converted when --units is known, which may stand anywhere
         for name, value in vars(args).items():
             if callable(value):
                 setattr(args, name, value(args.units or SYSTEMS[0]))
@@ -100,7 +100,7 @@ def parser_of(name: str) -> tuple[ModuleType, Parser]:
 
 
 def add_common(parser: Parser, own: str | None = None) -> None:
-    """Add what every command takes; `own` explains units that are not SI where none are typed."""
+    """Add the options of every command; `own` explains default units that are not SI."""
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     text = "append events to FILE as JSON lines, for job scripts"
     parser.add_argument("--log", type=Path, metavar="FILE", help=text)
@@ -130,7 +130,7 @@ def reader(label: str, entry: Setting) -> Callable[[str], Any]:
         try:
             return entry.parse(label, text)
         except InvalidValue as error:
-            # argparse takes a ValueError for its own, and drops what it says
+            # argparse treats a ValueError as its own, and drops its message
             raise UsageError(str(error)) from None
 
     return read
@@ -142,7 +142,7 @@ def one_of(label: str, allowed: Sequence[str]) -> Callable[[str], Any]:
 
 
 def add_setting(group: ArgumentGroup, entry: Setting, **keywords: Any) -> None:
-    """Add the option of something declared; what is not typed is None, unless `keywords` say."""
+    """Add the option of a declaration; by default an option that is not typed is None."""
     keywords = {"default": None, "help": entry.help} | keywords
     if isinstance(entry, Truth):
         keywords["action"] = "store_true"
@@ -164,7 +164,7 @@ def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> No
 
 
 def typed(args: Arguments, settings: Mapping[str, Setting]) -> dict[str, Any]:
-    """What was typed of some settings, or else is typical of them, in SI, by the key of each."""
+    """Typed values of some settings, or their typical ones, in SI, by the key of each."""
     return {settings[name].key: value for name, value in typed_by_name(args, settings).items()}
 
 
@@ -172,7 +172,7 @@ def typed_by_name(args: Arguments, settings: Mapping[str, Setting]) -> dict[str,
     """As `typed`, by the names of the options."""
     found = {}
     for name, entry in settings.items():
-        # the classes have defaults of their own for what was not typed
+        # the classes have their own defaults for numbers that were not typed
         if (value := getattr(args, name)) is not None:
             found[name] = replace(entry, system=args.units).to_si(value)
         elif entry.typical is not None:
@@ -191,8 +191,8 @@ def read_escapement(args: Arguments) -> Any:
 def add_mechanism(parser: Parser, file: str = "") -> None:
     """Add the mechanism: its kind, and the options of every kind.
 
-    In place of the kind there may be the name of a file, which then is a `Path`, with the suffix
-    that `file` ends in.
+    Instead of the kind there may be the name of a file, which then is a `Path`; its suffix is
+    that of `file`.
     """
     listing = "; ".join(f"{name}: {kind_of(name).summary}" for name in KINDS)
     text = f"mechanism, {DEFAULT_KIND} where none is given. {listing}"
@@ -244,7 +244,7 @@ def owners() -> dict[str, list[str]]:
 
 
 def add_output(group: ArgumentGroup, file: str, text: str) -> None:
-    """Add a file to write, never over another unless it may: `_output.check_wanted` looks."""
+    """Add a file to write; `_output.check_wanted` checks whether it may replace another."""
     group.add_argument("-o", "--output", type=Path, metavar=file, help=text)
     group.add_argument("--force", action="store_true", help=f"replace {file} where it exists")
 
@@ -256,19 +256,19 @@ def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
 
 
 def add_plot(group: ArgumentGroup, text: str) -> None:
-    """Add a figure to draw; `_output.check_wanted` looks at its place."""
+    """Add a figure to draw; `_output.check_wanted` checks its place."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, replaced if it exists"
     group.add_argument("--plot", type=Path, metavar="FILE", help=text)
 
 
 def add_report(group: ArgumentGroup) -> None:
-    """Add a report to write; `_output.check_wanted` looks at its place."""
+    """Add a report to write; `_output.check_wanted` checks its place."""
     text = "write a report that needs no other file; replaced if it exists"
     group.add_argument("--report", type=Path, metavar="FILE.html", help=text)
 
 
 def require(args: Arguments, settings: Mapping[str, Setting], where: str = "") -> None:
-    """Raise UsageError where a setting that is required was not typed."""
+    """Raise UsageError if a required setting was not typed."""
     lacking = [
         option(name)
         for name, entry in settings.items()

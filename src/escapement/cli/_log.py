@@ -1,4 +1,4 @@
-"""What a command does as JSON lines in the file of --log, for job scripts."""
+"""Events of a command as JSON lines in the file of --log, for job scripts."""
 
 import json
 import sys
@@ -25,7 +25,7 @@ def start(path: Path, arguments: Sequence[str]) -> None:
     Raises
     ------
     CannotCreate
-        When the file cannot be written, or is one that no --log began.
+        When the file cannot be written, or is not a log that --log began.
     """
     global _file, _begun
     check_target(path, force=True, writable=True)
@@ -58,7 +58,7 @@ def record(event: str, **fields: Any) -> None:
         _file.write(json.dumps({"time": now, "event": event} | fields) + "\n")
         _file.flush()
     except OSError as error:
-        # the work is worth more than its log, whose last line may fail again as it is closed
+        # the work must go on without its log; closing the log may fail in the same way
         with suppress(OSError):
             _file.close()
         _file = None

@@ -1,6 +1,6 @@
-"""What commands have in common on the way out: JSON, tables, notes, and the places of files.
+"""Output of all commands: JSON, tables, notes, and checks of the files to write.
 
-Places are looked at before anything is computed for them.
+The places of files are checked before anything is computed.
 """
 
 import os
@@ -34,7 +34,7 @@ _LABELS = {
     "greatest_follower_inertia": "greatest follower inertia without reversal",
     "least_load_torque": "least load torque without reversal",
 }
-"""What a table calls a key, where that is not the key in words."""
+"""Names of keys in tables, where a name is not the key in words."""
 _NO_LIMIT = "no finite value makes the pin reverse"
 _REASONS = {
     "stations": "R2/R1 is not a fraction with a denominator of at most 1000, so the output never "
@@ -49,7 +49,7 @@ _REASONS = {
     "greatest_follower_inertia": _NO_LIMIT,
     "least_load_torque": _NO_LIMIT,
 }
-"""Why a number is missing, of those for which there is but one reason."""
+"""Why a number is missing, for numbers with only one possible reason."""
 
 
 def tell(args: Arguments, record: Record, table: Callable[[], None], message: str = "") -> None:
@@ -70,8 +70,8 @@ def print_json(record: Record) -> None:
 def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> None:
     """Print numbers in SI in the user's units; a list of objects becomes a table of its own.
 
-    A `message` is added, and shown on stderr too, where there is a warning, which is what the
-    user should know of the numbers, or where a number is missing.
+    If there is a warning about the numbers, or a number is missing, a `message` is added, which
+    is also shown on stderr.
     """
     shown = _shown(record, kinds, args.units)
     message = "; ".join([*filter(None, [warning]), *not_given(record)])
@@ -115,7 +115,7 @@ def _shown(record: Record, kinds: Kinds, system: str) -> dict[str, Any]:
 
 def not_given(record: Mapping[str, Any]) -> list[str]:
     """Why numbers are missing from what a command found."""
-    # what is not a number or not finite becomes None, as in JSON
+    # values that are not finite numbers become None, as in JSON
     found = {key: plain(value) for key, value in record.items() if key in _REASONS}
     return [
         f"{key} is not given: {_REASONS[key]}"
@@ -125,7 +125,7 @@ def not_given(record: Mapping[str, Any]) -> list[str]:
 
 
 def in_units(value: Any, quantity: str, system: str) -> Any:
-    """An SI value in the user's units; what has no unit, or is None, stays as it is."""
+    """An SI value in the user's units; a value without a unit, or None, stays as it is."""
     scale = factor(quantity, system)
     if isinstance(value, list):
         return [in_units(one, quantity, system) for one in value]
@@ -140,7 +140,7 @@ def note(message: str) -> None:
 
 def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
     """Save a figure, which `plot` makes with `escapement.plots`, where one was asked for."""
-    # a plotting library is loaded for a figure alone
+    # the plotting library is loaded only for a figure
     if path is not None:
         esc.plots.save(plot(esc.plots), path)
         _log.record("saved", file=str(path))
@@ -156,7 +156,7 @@ def write_report(args: Arguments, escapement: Any, **options: Any) -> None:
 def check_wanted(
     args: Arguments, file: str = "FILE", formats: tuple[str, ...] | None = None
 ) -> None:
-    """Look at the places that --output with --force, and --plot name, where they do.
+    """Check the places that --output with --force, and --plot, name.
 
     None of them may be an input of the command.
 
@@ -193,7 +193,7 @@ def check_wanted(
 
 
 def check_output(path: Path, *others: Path, force: bool = False, picture: bool = False) -> None:
-    """Look whether a file can be put at `path`.
+    """Check whether a file can be written at `path`.
 
     Parameters
     ----------
@@ -204,21 +204,21 @@ def check_output(path: Path, *others: Path, force: bool = False, picture: bool =
     force : bool
         Whether an existing file may be replaced.
     picture : bool
-        Whether it is a picture. Pictures are made from data: one that is not read-only is
-        replaced without asking.
+        Whether it is a picture. A picture can be drawn again from its data, so one that is not
+        read-only is replaced without asking.
 
     Raises
     ------
     CannotCreate
-        When it cannot be put there.
+        When it cannot be written there.
     InvalidValue
-        When the suffix of a picture is that of none.
+        When the suffix is not that of a picture.
     """
     if picture:
         file_format(path)
     folder = check_target(path, force or picture, writable=picture).parent
     for other in others:
-        # links are followed, or a result would replace what it is computed from
+        # links are followed; otherwise a result could replace its own input
         if os.path.realpath(path) == os.path.realpath(other):
             raise CannotCreate(f"output {path} must not be {other} too; give it a name of its own")
     _try_writing(path, folder)
@@ -239,7 +239,7 @@ def folder(path: Path | None) -> Iterator[None]:
 
 
 def _try_writing(path: Path, folder: Path) -> None:
-    """Make `folder` where it is not there, and a file without a name in it, which goes again."""
+    """Make `folder` if it is missing, and test it with a temporary file, which is removed."""
     with creating(path):
         folder.mkdir(exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

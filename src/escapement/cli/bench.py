@@ -25,7 +25,7 @@ def execute(args: Arguments) -> int:
     """Measure, print, and fill the folder."""
     from escapement.benchmark import work_precision
 
-    # ten seconds of measuring are a look, and are not kept unless a folder is named
+    # the results of ten seconds are not kept unless a folder is named
     usual = FOLDER if args.output is None and not args.quick else None
     folder = args.output or usual
     with _output.folder(usual and usual.parent), _output.folder(folder):

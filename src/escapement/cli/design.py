@@ -1,4 +1,4 @@
-"""Timers that meet a wish, of which none is better in everything than another."""
+"""Timers for a given period or run time, none of them better in everything than another."""
 
 from pathlib import Path
 from typing import Any
@@ -66,7 +66,7 @@ def execute(args: Arguments) -> int:
 
 
 def _line(one: "esc.Design") -> dict[str, Any]:
-    """What is chosen for a design, and its figures, in SI."""
+    """The chosen numbers of a design, and its figures, in SI."""
     timer, wheel = one.timer, one.timer.mechanism
     chosen = {name: getattr(wheel, name, None) for name in _CHOSEN}
     own = {name: getattr(timer, name) for name in ("torque", "friction", "spring_rate")}

@@ -37,7 +37,8 @@ def execute(args: Arguments) -> int:
 
 
 def summarise(result: "DriveTorque") -> dict[str, Any]:
-    """What `drive-torque` reports, by JSON key, in SI; what does not exist is not finite."""
+    """Numbers that `drive-torque` reports, by JSON key, in SI; one that does not exist is NaN or
+    infinite."""
     from escapement.constant_speed.extrema import limits_without_reversal
 
     try:

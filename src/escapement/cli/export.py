@@ -1,4 +1,4 @@
-"""Parts of a mechanism as a DXF or SVG file to cut by, after a check of the motion."""
+"""Parts of a mechanism as a DXF or SVG file for cutting, after a check of the motion."""
 
 import math
 from typing import Any
@@ -51,7 +51,7 @@ def execute(args: Arguments) -> int:
             raise UsageError(f"--{name} must come with --output FILE, got none; name a file")
     given = _arguments.typed(args, _FITS)
     if "clearance" not in kind_of(args.kind or DEFAULT_KIND).options() and args.clearance:
-        # a Geneva has a clearance of its own, for which the option stands
+        # a Geneva wheel has its own clearance, which this option sets
         given["clearance"] = factor("length", args.units) * args.clearance
         args.clearance = None
     fits, mechanism = Fits(**given), _arguments.read_mechanism(args)
@@ -92,7 +92,7 @@ def _summary(args: Arguments, mechanism: Any, fits: Fits, gaps: Any) -> dict[str
 
 
 def _warning(mechanism: Any, fits: Fits) -> str:
-    """What a drawing without play should be known to have."""
+    """A warning for a drawing without clearance."""
     if mechanism.meshed or getattr(mechanism, "clearance", fits.clearance):
         return ""
     return "warning: the slots are as wide as the pins; give a --clearance to make them"

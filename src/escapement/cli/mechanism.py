@@ -51,7 +51,7 @@ def execute(args: Arguments) -> int:
     try:
         _ = mechanism.path
     except InvalidValue as error:
-        # a geometry that no motion can be computed for is reported all the same
+        # the geometry is reported even if no motion can be computed for it
         warnings.append(f"warning: {error}")
     _output.report(args, record, kinds, "; ".join(warnings))
     return 0

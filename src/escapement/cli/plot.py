@@ -1,4 +1,4 @@
-"""The right figures for what a file holds: a study or a motion."""
+"""Figures that suit the study or the motion in a file."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -39,7 +39,7 @@ def execute(args: Arguments) -> int:
     _output.check_output(path, args.file, picture=True)
     from escapement.motion_file import is_motion, read_motion
 
-    # a file of a motion says so itself; every other one is taken for a study
+    # a file of a motion says so itself; every other one counts as a study
     holds, gaps = "motion", ""
     if is_motion(args.file):
         given = {"--select": args.select, "--result": args.result, "--units": args.units}
@@ -66,7 +66,7 @@ def execute(args: Arguments) -> int:
 
 
 def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
-    """How many cases have no number to draw, and why; "" for none."""
+    """How many cases have no number to draw, and why; "" if there are none."""
     import numpy as np
 
     counts = {label: n for label, n in study.outcomes.items() if label != Status.OK.label}

@@ -55,7 +55,7 @@ def execute(args: Arguments) -> int:
 
 
 def _reproduce(source: str, folder: Path | None, args: Arguments) -> dict[str, Any]:
-    """Recompute one source, write and print what is wanted; its record."""
+    """Recompute one source, and write and print the results; returns its record."""
     with _output.folder(folder):
         made = import_module(f"escapement.sources.{source}").reproduce(args.units)
         if folder is not None:

@@ -17,14 +17,14 @@ from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
 from escapement.units import SYSTEMS, printed
 
-# engagements from which writing them takes seconds, and shows its progress; more are not drawn,
-# as it would take minutes and a gigabyte, and nothing could be told apart
+# From this number of engagements on, writing takes seconds and shows its progress. Longer motions
+# are not drawn: it would take minutes and a gigabyte, and the curves could not be distinguished.
 _LONG = 10_000
 _START = {"initial_speed": declared(Run)["initial_speed"]}
 
 
 def add_study(group: ArgumentGroup) -> None:
-    """Add the options by which a case of a study takes the place of mechanism and model."""
+    """Add the options that choose a case of a study instead of mechanism and model."""
     text = "written by escapement sweep, or its CONFIG.toml"
     group.add_argument("--from", dest="study", type=Path, metavar="FILE.h5", help=text)
     text = (
@@ -51,7 +51,7 @@ def configure(parser: Parser) -> None:
 
 
 def model() -> dict[str, Setting]:
-    """What an escapement and its motion are made of, beside the mechanism."""
+    """The settings of an escapement and its motion, without the mechanism."""
     every = model_settings() | _START
     return dict(sorted(every.items(), key=lambda item: not item[1].required))
 
@@ -67,7 +67,7 @@ def execute(args: Arguments) -> int:
             f"--plot must come with at most {_LONG} engagements, got {count}; "
             "run fewer, or write the motion with --output"
         )
-    # the figures are those of the terminal cycle, however short the motion
+    # the figures belong to the terminal cycle and do not depend on the length of the motion
     figures = esc.terminal(escapement, **settings)
     _write(motion, args)
     _output.write_report(args, escapement, initial_speed=settings["initial_speed"])
@@ -78,7 +78,7 @@ def execute(args: Arguments) -> int:
     told: dict[str, Any] = {"units": args.units}
     for name, value, unit in inputs:
         both = {system: _output.in_units(value, unit, system) for system in SYSTEMS}
-        # a number without a unit, or with the same in both systems, is told once
+        # a number without a unit, or with the same unit in both systems, is given once
         alike = len({printed(unit, system) for system in SYSTEMS}) == 1
         told[name] = value if alike else both
     record = _summarise(motion, figures, args.units)
@@ -99,7 +99,7 @@ def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
             raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
         start = {"initial_speed": 0.0} | _arguments.typed(args, _START)
         return _arguments.read_escapement(args), given | start
-    # whatever the study says must not be said twice
+    # nothing that the study sets may be typed as well
     twice = ["KIND"] if args.kind is not None else []
     names = [*model(), *_arguments.owners()]
     twice += [option(name) for name in names if getattr(args, name) is not None]
@@ -112,7 +112,7 @@ def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
         raise UsageError(
             f"--select must name a case that can be built, got {args.select!r}: {error}"
         ) from None
-    # another engine than the study's does not take its tolerances
+    # the tolerances of the study are not used for another engine
     own = {} if "engine" in given else plan.solver.given
     return escapement, own | given | {"initial_speed": plan.values(case)["initial_speed"]}
 
@@ -170,7 +170,8 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
 
 
 def _residual(motion: "esc.Motion") -> float:
-    """What the energy balance leaves, as a share of the work; of a long motion it takes a while."""
+    """Residual of the energy balance, as a share of the work; for a long motion this takes a
+    while."""
     from escapement.ledger import ledger_of
     from escapement.progress import Progress
 
@@ -180,13 +181,14 @@ def _residual(motion: "esc.Motion") -> float:
 
 
 def _print_table(inputs: list[Input], record: dict[str, Any], units: str) -> None:
-    """What was simulated, with units in both systems, and what came of it."""
+    """The inputs, in both systems of units, and the results."""
     from escapement.merits import FIGURES
 
     (other,) = (system for system in SYSTEMS if system != units)
     rows = []
     for name, value, unit in inputs:
-        # speeds are the same in both systems: only this row tells of numbers typed in the other
+        # speeds are equal in both systems: only these rows show that numbers were typed in the
+        # wrong one
         shown = printed(unit, units)
         if shown != printed(unit, other):
             shown += f" = {show(_output.in_units(value, unit, other))} {printed(unit, other)}"

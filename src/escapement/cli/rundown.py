@@ -60,7 +60,7 @@ def execute(args: Arguments) -> int:
 
 
 def _columns(run: "esc.Rundown") -> tuple[Any, ...]:
-    """What is told of each engagement."""
+    """The columns for each engagement."""
     return run.turns, run.times, run.mean_speeds, run.rate_errors, run.lateness
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 UNITS = "units of the axes printed (default: those of the study)"
 
 _ROWS = 12
-_RESULTS = 5  # so many of them have room in a table
+_RESULTS = 5  # greatest number of results in a printed table
 
 
 def configure(parser: Parser) -> None:
@@ -80,7 +80,7 @@ def execute(args: Arguments) -> int:
 
 
 def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
-    """Run the study; a request to end is answered with how to go on."""
+    """Run the study; if it is interrupted, tell how to continue."""
     from escapement.jit import notice
     from escapement.progress import Progress
     from escapement.study.run import write_plan
@@ -106,9 +106,9 @@ def some_cases(
 ) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """At most a dozen cases of a study file, spread evenly over every dimension.
 
-    Only those are read, however large the file, and the first five of their results. Numbers
-    are in `units`, or in the study's where that is None. Returned as well: the unit of every
-    column.
+    Only these cases are read, and the first five of their results, so that a large file takes no
+    longer. Numbers are in `units`, or in the study's units if that is None. The unit of every
+    column is returned as well.
     """
     import h5py
     import numpy as np
@@ -176,9 +176,9 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     Raises
     ------
     UsageError, InvalidValue
-        When the selection cannot be understood, or names no case or more than one.
+        When the selection cannot be understood, or does not name exactly one case.
     MissingInput, InputFileError
-        When the file is no study.
+        When the file is not a study.
     """
     import numpy as np
 
@@ -192,7 +192,7 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     if written and "sample" in configuration and "case" in wanted:
         if not (case := wanted.pop("case")).is_integer():
             raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
-        # another version of SciPy may draw other numbers: take those that were computed
+        # another version of SciPy may draw other numbers: use the stored ones
         row = read_sample_case(path, int(case))
         configuration["sample"] = {"method": "list"} | {name: [row[name]] for name in row}
     try:
@@ -219,7 +219,7 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
 
 
 def parse_selection(selection: str, system: str) -> dict[str, float]:
-    """Values by name of "friction=0.35,torque=0.1"; UsageError where it reads otherwise.
+    """Values by name from "friction=0.35,torque=0.1"; UsageError for any other form.
 
     Values without a unit are in those of `system`.
     """

@@ -146,7 +146,7 @@ def drive_torque(
     load_torque : float or callable
         Torque opposing the follower while it moves [N m], >= 0; or a function
         from an array of follower angles, zero at dead centre [rad], to the
-        torque there [N m] of either sign, smooth but for up to 5000 kinks and jumps.
+        torque there [N m] of either sign, smooth except for up to 5000 kinks and jumps.
         What is narrower than 1/3000 of a Geneva wheel's step may be passed over.
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.

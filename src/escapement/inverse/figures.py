@@ -108,7 +108,7 @@ def frictions(wish: Wish) -> FloatArray:
 
 
 def natural_figures(wheel: Geneva, ratios: FloatArray, wish: Wish) -> FloatArray:
-    """A row of `NATURAL` for each ratio, logarithms but for the jam margin."""
+    """A row of `NATURAL` for each ratio, logarithms except for the jam margin."""
     timer = Escapement(wheel, Inertia(1.0, 1.0), torque=1.0)
     three = frictions(wish)
     study = sweep(timer, driver_inertia=ratios, friction=three, results=_SAMPLED)

@@ -190,7 +190,7 @@ def load_wish(path: AnyPath) -> tuple[Wish, str]:
 
 
 def wish_of(content: dict[str, Any]) -> tuple[Wish, str]:
-    """A wish from the content of its file, and its unit system; errors as of `load_wish`."""
+    """A wish from the content of its file, and its unit system; errors as in `load_wish`."""
     system = validate.choice("units", content.pop("units", units.SYSTEMS[0]), units.SYSTEMS)
     keys = ("units", *NUMBERS, *RANGES, "internal", "objectives", "bounds")
     validate.known_keys(content, keys, "in a wish")

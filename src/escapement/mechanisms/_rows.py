@@ -210,7 +210,7 @@ class Rows(Kind):
 
     @cached_property
     def _near(self) -> float:
-        """Driver angles nearer each other than this are the same but for their rounding [rad]."""
+        """Driver angles nearer each other than this are equal except for rounding [rad]."""
         spacing = self.cell_angle / len(self.theta)
         rounding = min(2.0 * last_digit(self._angles[0]), 0.01 * spacing)
         return max(_CLOSE * self.cell_angle, rounding)

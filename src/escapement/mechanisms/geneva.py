@@ -44,7 +44,7 @@ class Geneva(ImperfectWheel):
         By how much the axes are too far apart [m]; negative where they are too close.
     pin_angle_errors, slot_angle_errors : sequence of float
         Of each pin, by how much it crosses the line of centres late; of each slot, by how much
-        it stands ahead in the sense of rotation [rad]. Pin 0 meets slot 0 first.
+        it stands ahead in the direction of rotation [rad]. Pin 0 meets slot 0 first.
     crank_radius_errors, slot_offsets : sequence of float
         Of each pin, by how much its crank is too long; of each slot, how far its line runs
         ahead of the follower's axis [m].

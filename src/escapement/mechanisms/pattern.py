@@ -69,7 +69,7 @@ MEETING = np.dtype((np.record, np.dtype([
 lengths in crank radii."""
 
 CLOSE = 1e-13
-"""Angles that differ by less are the same [rad]: the parts may be perfect but for rounding."""
+"""Angles that differ by less are the same [rad]: the parts may be perfect except for rounding."""
 FITS = np.int64(-1)
 
 
@@ -247,7 +247,7 @@ def pattern_of(
 ) -> tuple[np.ndarray, int]:
     """The pattern of pins and slots, and its first impossible engagement, -1 if there is none.
 
-    Arguments as of `lay_pattern`.
+    Arguments as in `lay_pattern`.
     """
     pattern = np.zeros(math.lcm(len(pins), len(slots)), MEETING)
     return pattern, int(lay_pattern(arms, turns, longer, pin, pins, slots, pattern))

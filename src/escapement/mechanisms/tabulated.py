@@ -88,7 +88,7 @@ class Tabulated(Rows):
         path : path
             Two columns, apart by commas, semicolons, tabs or blanks: driver and follower
             in degrees. A line of headings may come first, without any number, and tell
-            otherwise: phi_rad,theta_rad say. Lines that start with # are passed over.
+            otherwise: phi_rad,theta_rad say. Lines that start with # are skipped.
         **options
             `measured`; `cell_angle` and `follower_step` in radians.
 

@@ -208,7 +208,7 @@ def is_motion(path: str | PathLike[str]) -> bool:
 def read_motion(path: str | PathLike[str]) -> Motion:
     """Read a motion.
 
-    Handoffs and events are as written. The state at any time is computed anew from
+    Handoffs and events are as written. The state at any time is computed again from
     the samples at reversals and handoffs. A motion with clearance is simulated again.
 
     Raises

@@ -48,7 +48,7 @@ class Part(NamedTuple):
         return self.moments.area * thickness * density
 
     def inertia(self, thickness: float, density: float) -> float:
-        """Moment of inertia about its axis [kg m^2]; arguments as of `mass`."""
+        """Moment of inertia about its axis [kg m^2]; arguments as in `mass`."""
         return self.moments.second * thickness * density
 
     def check(self) -> None:

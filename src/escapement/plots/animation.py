@@ -89,7 +89,7 @@ def animate(
         marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
 
     show(0)
-    # a layout made anew for every picture would let the axes tremble
+    # a layout made again for every picture would let the axes tremble
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return FuncAnimation(figure, show, frames=count, interval=1e3 / rate)

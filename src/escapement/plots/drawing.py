@@ -97,7 +97,7 @@ def bodies(
     Parameters
     ----------
     shown : iterable of Body or Disc
-        What to draw; bodies without a look are passed over.
+        What to draw; bodies without a look are skipped.
     looks : mapping
         Properties of the patch by the body's name, for "pin-k" by "pin".
     **look

@@ -65,7 +65,7 @@ def report(
 
 
 def page(escapement: Escapement, budget: Budget | None, title: str, initial_speed: float) -> str:
-    """The text of a report; arguments as of `report`."""
+    """The text of a report; arguments as in `report`."""
     kind = getattr(escapement.mechanism, "kind", type(escapement.mechanism).__name__)
     name = title or f"A {kind} escapement"
     figures = simulation.terminal(escapement, initial_speed=initial_speed)

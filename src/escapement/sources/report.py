@@ -1,7 +1,7 @@
 """A source's printed numbers and equations beside the true ones, and how they are shown.
 
 In every report, table and legend *printed* is what stands in the paper, and *true* is what
-should stand there, computed anew. A printed number has so many digits and no more, so the true
+should stand there, computed again. A printed number has so many digits and no more, so the true
 value is rounded to as many before the two are compared. Where they differ, rules are tried,
 from the strictest to the loosest, until one gives the printed digits.
 """
@@ -57,7 +57,7 @@ def digits(printed: str) -> tuple[float, float]:
 def like(printed: str, value: float, *, cut: bool = False) -> str:
     """`value` with as many digits as are printed, rounded or cut off."""
     unit = digits(printed)[1]
-    # what is a whole number of units but for the last bit is not cut to the number below
+    # what is a whole number of units except for the last bit is not cut to the number below
     count = math.floor(value / unit + (1e-9 if cut else 0.5))
     # angles are counted in whole minutes
     if "'" in printed:

@@ -110,7 +110,7 @@ class StudyPlan:
 
     @property
     def fixed(self) -> dict[str, float]:
-        """Numbers that are the same in every case, in the user's units, but for idle zeros."""
+        """Numbers that are the same in every case, in the user's units, except for idle zeros."""
         varied = {name for along in self.varied.values() for name in along}
         found = {}
         for name, entry in settings_of(self.build, self.meshed).items():

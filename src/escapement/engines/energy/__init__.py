@@ -31,7 +31,7 @@ Files, in the order in which they are best read:
     cells      g, |u| and g' on the first halvings of each interval, tabulated once
     sampling   E, w, X, J theta_ddot and dt/dx at the points, and the signs they have there
     solve      alpha and beta of a panel, for one side of the slot; a start from rest
-    locate     the x of a reversal or an extremum, and the motion behind a reversal
+    locate     the x of a reversal or an extremum, and the motion after a reversal
     events     reversals, extrema and breaks as they are noted and made exact
     passage    what the steps of a march hand on
     march      one engagement from entry to exit

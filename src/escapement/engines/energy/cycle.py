@@ -104,7 +104,7 @@ def extrapolate(w, better, before):
 
 @inner_jit
 def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
-    """Terminal cycle by Newton's method from w; fills `out` but for the times of the transient.
+    """Terminal cycle by Newton's method from w; fills `out` except for the times of the transient.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The x of a reversal or an extremum in a panel, and the motion there and behind a reversal.
+"""The x of a reversal or an extremum in a panel, and the motion there and after a reversal.
 
 Reversals are roots of X, extrema are roots of J theta_ddot; both are known at the panel's
 points. Two sets of weights at such an x interpolate a row of values there, and give its
@@ -136,7 +136,7 @@ def reversal_at(scene, work, panel, side, x, slope, w):
 
 @inner_jit
 def solve_behind(scene, work, panel, side):
-    """Solve a panel for the side -s that carries the force behind a reversal.
+    """Solve a panel for the side -s that carries the force after a reversal.
 
     With viscous drag the solution is that through the E of the reversal, whose weights are in
     the workspace.
@@ -218,9 +218,9 @@ def pass_reversal(scene, work, panel, side, reversal, strict, trend, source):
 
 @inner_jit
 def _run_behind(scene, work, panel, solution, side, energy, reversal, trend):
-    """Fill the workspace with the motion behind a reversal; returns the number of bad points.
+    """Fill the workspace with the motion after a reversal; returns the number of bad points.
 
-    A point is bad where there is no speed. Behind the reversal it is also bad where the force
+    A point is bad where there is no speed. After the reversal it is also bad where the force
     is back on the first side or, if extrema matter, where theta_ddot has another sign than at
     the reversal: a panel with a reversal must hold neither of these.
     """

@@ -86,7 +86,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         scene = flowing(first.left, 1.0, w, own)
         panels.fill_again(store, panels.FIRST_PANEL, scene, cells)
     state = _enter(scene, first, w, rising, used)
-    # a driver at rest that is not accelerated stays at rest; behind a spent spring one that
+    # a driver at rest that is not accelerated stays at rest; after the spring is spent one that
     # hardly turns would come to rest after any time
     at_rest = w == 0.0 or (w <= REST and is_spent(first.left, scene))
     if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
@@ -220,7 +220,7 @@ def _pass_over(scene, work, panel, starting, state, request):
         split, reversal = _single_reversal(
             work, panel, against, left, right, negligible, starting or tail > request.strict
         )
-        # what turns back behind a reversal would not be seen
+        # what turns back after a reversal would not be seen
         split |= reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN
     if not split:
         passed, split = _time_over(
@@ -379,7 +379,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         kind = np.int64(EventKind.REVERSAL)
         used = note(events, used, kind, instant.angle, time, instant.w)
         if extremum.final == 0.0:
-            # behind a spent spring nothing acts on the driver here, which is an extremum too
+            # after the spring is spent nothing acts on the driver here, which is an extremum too
             kind = extremum_kind(state.rising)
             used = note(events, used, kind, instant.angle, time, instant.w)
         trend = extremum.final if request.detail > Detail.TIME else 0.0
@@ -396,7 +396,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """MarchState at the right end of a panel, which is the left end of the one at `following`."""
-    # behind a reversal theta_ddot keeps its sign, see `_check`, unless it vanishes there
+    # after a reversal theta_ddot keeps its sign, see `_check`, unless it vanishes there
     if passage.reversal >= 0:
         after = inside.after_reversal
         rising = extremum.final if extremum.final != 0.0 else -state.rising

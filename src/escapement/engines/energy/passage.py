@@ -141,7 +141,7 @@ class Inside(NamedTuple):
 
     split : whether the panel must be halved first.
     used : number of events noted.
-    after_reversal : the motion behind the reversal, where there is one.
+    after_reversal : the motion after the reversal, where there is one.
     """
 
     split: bool

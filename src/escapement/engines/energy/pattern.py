@@ -146,7 +146,7 @@ def engage(case, place, w, rising, request, turned=0.0):
 
 @jit(allocates=True)
 def pattern_handoffs(addresses, shared, none, meetings, w, limit, rtol, clock, times, speeds):
-    """As `handoffs.handoffs`; speeds are those behind a blow."""
+    """As `handoffs.handoffs`; speeds are those after a blow."""
     case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
     if status != OK:
         return status, 0, 0.0

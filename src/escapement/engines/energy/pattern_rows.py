@@ -55,7 +55,7 @@ def solve_patterns(
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
     extent : a `figures.Extent`, how far the transient is followed.
-    table, status : results, with `FIGURES` columns; NaN where there is none, but for the place of
+    table, status : results, with `FIGURES` columns; NaN if there is none, except for the place of
         a stall, see `_figures`.
     """
     m, n = pins.shape[1], slots.shape[1]
@@ -84,7 +84,7 @@ def _divisor(a, b):
 
 @jit(allocates=True)
 def solve_pattern(addresses, shared, none, meetings, w, rtol, extent, out):
-    """Figures of one pattern into `out`; returns its status. Arguments as of `solve_patterns`."""
+    """Figures of one pattern into `out`; returns its status. Arguments as in `solve_patterns`."""
     case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
     return _figures(case, w, rtol, extent, out) if status == OK else status
 

@@ -42,7 +42,7 @@ ROUNDING = 1e-15
 STEEPEST = 20.0
 # Newton's method for viscous drag squares its error in each of so many steps at most.
 MOST_STEPS = 40
-# A squared speed that is not positive is taken for this one.
+# A squared speed that is not positive counts as this one.
 TINY = 1e-200
 # This is the greatest |b| for which `_exponentials` is accurate to rounding.
 SERIES = 0.7

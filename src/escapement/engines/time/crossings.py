@@ -70,7 +70,7 @@ def _root_between(function: Observable, dense: Any, low: float, high: float) -> 
 def _dips(f: FloatArray) -> dict[int, float]:
     """Samples beside which |f| may reach zero twice, and how far beyond it; the last come first.
 
-    They are the minima of |f| between samples of one sign, but for those of which a parabola
+    They are the minima of |f| between samples of one sign, except for those of which a parabola
     through three samples stays clear of zero.
     """
     size, side = np.abs(f), np.sign(f)

@@ -160,7 +160,7 @@ def slope(x, y, anchor, unit, side, way, turn, losses, plain):
     """Derivative of y by x, in the units of a piece.
 
     y = (angle from `anchor`, speed / unit, each of `losses` / unit^2), and x = time * unit;
-    the scene comes as `scene.scene_tuple` gives it. `way` and `turn` are as of `dynamics.grip`.
+    the scene comes as `scene.scene_tuple` gives it. `way` and `turn` are as in `dynamics.grip`.
     A trial step may pass the end of a piece, where |v| and |g| have corners that would make the
     solver reject it; with the signs of the piece the law goes on smoothly.
     """

@@ -120,7 +120,7 @@ def _gain(motion: Motion, w: float) -> float:
     escapement, mechanism = motion.escapement, motion.escapement.mechanism
     driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
     if (size := len(escapement.meetings)) > 1:
-        # a pattern ends as it begins, behind the handoff, and takes its blows besides
+        # a pattern ends as it begins, after the handoff, and takes its blows besides
         handoffs, scene = motion.handoffs, escapement.scene
         turned = size * mechanism.follower_step - handoffs.jump.sum()
         work = escapement.drive_work(size * mechanism.cell_angle) - escapement.load_work(turned)
