@@ -114,7 +114,7 @@ REFUSED = [
     (
         {"method": "sobol", "size": 1000, "friction": EVEN},
         "sample.size must be a power of two with method 'sobol', got 1000; only then its points "
-        "are even: give 512 or 1024",
+        "are evenly spread: give 512 or 1024",
     ),
     ({"size": 4, "seed": -1, "friction": EVEN}, "sample.seed must be a whole number of at least 0"),
     ({"sise": 4, "friction": EVEN}, "unknown key 'sise' in [sample]; did you mean 'size'?"),

@@ -1,9 +1,9 @@
 """A block of a study: the unit that is computed, kept, sent and written as a whole.
 
 A block is one HDF5 chunk of every result, already encoded as HDF5's filters would encode it.
-It holds a fixed range of cases, so that neither its bytes nor those of the file depend on who
-computed it. Other threads can work while a chunk is encoded here, which HDF5 would not let
-them do, and an encoded chunk is a plain string of bytes that carries its own checksum.
+It holds a fixed range of cases, so that neither its bytes nor those of the file depend on the
+process that computed it. Other threads can work while a chunk is encoded here, which they could
+not if HDF5 encoded it, and an encoded chunk is a plain string of bytes with its own checksum.
 """
 
 import math
@@ -23,18 +23,19 @@ CELLS = 65536
 _CASES = {"energy": (1024, 16384), "ivp": (4, 4), "contact": (4, 4)}
 """Fewest and most cases of a block: `energy` takes up to 0.25 s for one, the others about 2 s.
 
-A block costs a call and a chunk, which take as long as tens of fast cases; smaller blocks
-would make that cost count.
+A block costs a call and a chunk, which take as long as tens of fast cases; with smaller blocks
+this cost would matter.
 """
 _BLOCKS = 64  # blocks of a large study, so that up to 64 cores have work
 
 
 @dataclass(frozen=True)
 class Tiling:
-    """A grid cut so that every chunk holds consecutive cases in C order.
+    """A grid divided so that every chunk holds consecutive cases in C order.
 
-    shape : of the grid. tile : of a chunk; 1 before the axis that is cut, whole after it.
-    row : number of cases along that axis and those after it, which are cut into chunks.
+    shape : shape of the grid.
+    tile : shape of a chunk; 1 before the axis that is divided, whole after it.
+    row : number of cases along that axis and those after it, which are divided into chunks.
     """
 
     shape: tuple[int, ...]
@@ -90,7 +91,7 @@ def encode(values: NDArray[np.generic], cells: int) -> bytes:
     padded = np.zeros(cells, values.dtype)
     padded[: values.size] = values
     planes = padded.view(np.uint8).reshape(cells, values.dtype.itemsize).T
-    # Shuffled doubles are runs of equal bytes and noise: to match runs alone takes a third
+    # Shuffled doubles consist of runs of equal bytes and noise: matching only runs takes a third
     # of the time of a full search.
     deflate = zlib.compressobj(1, zlib.DEFLATED, 15, 9, zlib.Z_RLE)
     data = deflate.compress(planes.tobytes()) + deflate.flush()
@@ -106,7 +107,7 @@ def decode(data: bytes, dtype: DTypeLike) -> NDArray[Any]:
 
 def fletcher32(data: bytes) -> int:
     """Checksum of HDF5's fletcher32 filter: sums of big-endian words mod 65535."""
-    # Modulo 65535 a swap of bytes is a factor of 256, so that little-endian words do as well.
+    # Modulo 65535 a swap of bytes is a factor of 256, so little-endian words can be used.
     words = np.frombuffer(data + bytes(-len(data) % 512), "<u2").astype(np.uint32)
     # The second sum has the weights size, size - 1, ..., 1. The word in row i and column j has
     # the weight (size - 256 i) - j, so the sums of rows and columns, which fit 32 bits, suffice.
@@ -128,9 +129,9 @@ class Block(NamedTuple):
     """The results of one chunk of cases.
 
     number : place among the chunks.
-    failed : number of its cases without an answer.
-    data : what is kept of it: for a file the encoded results in the order of the file, one
-        after the other behind their number and sizes; for memory an array of each.
+    failed : number of its cases that could not be computed.
+    data : for a file the number and sizes of the encoded results, followed by these results in
+        the order of the file; for memory an array of each result.
     """
 
     number: int
@@ -152,7 +153,7 @@ def blocks_of(frame: Study) -> Tiling:
 
 
 def encode_block(cut: Tiling, number: int, columns: Mapping[str, NDArray[Any]]) -> Block:
-    """A block made of its results in the order of the file, shape (n,) each."""
+    """A block made from its results in the order of the file, shape (n,) each."""
     chunks = [encode(values, cut.cells) for values in columns.values()]
     sizes = np.array([len(chunks), *map(len, chunks)], "<u4")
     data = b"".join((sizes.tobytes(), *chunks))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-_COPIED = 64  # values of an axis that the configuration has itself; of more it has the name
+_COPIED = 64  # a longer axis is not copied into the configuration, which then has its name
 _TABLES = ("sweep", "sample")
 _NOT_SET = object()
 
@@ -15,7 +15,7 @@ _NOT_SET = object()
 def short_configuration(
     configuration: Mapping[str, Any], columns: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """A configuration that names the datasets of long axes in place of copying their values.
+    """A configuration that names the datasets of long axes instead of copying their values.
 
     The checksum of the values stays, so that different studies differ in it.
     """
@@ -31,7 +31,7 @@ def short_configuration(
 
 
 def whole_configuration(configuration: Mapping[str, Any], columns: Any) -> dict[str, Any]:
-    """The configuration that was made short, with the values of all axes, of an open file."""
+    """The shortened configuration of an open file, with the values of all axes restored."""
 
     def whole(_: str, form: Any) -> Any:
         named = isinstance(form, dict) and "dataset" in form
@@ -48,7 +48,8 @@ def _with_forms(configuration: Mapping[str, Any], change: Any) -> dict[str, Any]
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
-    """Where the configurations or attributes of two studies differ first; "" where they do not."""
+    """The first difference of the configurations or attributes of two studies; "" if there is
+    none."""
     parts = ("configuration", "attributes")
     return next(filter(None, (_first_difference(there[part], here[part]) for part in parts)), "")
 

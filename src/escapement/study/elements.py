@@ -1,8 +1,8 @@
 """The numbers of a list, such as the angle error of each slot, as parameters of a study.
 
 A study that varies one of them has a parameter for each number of the list, "slot_angle_errors_0"
-and so on. What a sample says of the list as a whole it says of each, and each is drawn alone.
-"slot_angle_errors_factor" multiplies all numbers of the list.
+and so on. A distribution of the whole list in a sample applies to each number, and each is drawn
+independently. "slot_angle_errors_factor" multiplies all numbers of the list.
 """
 
 import math
@@ -18,19 +18,19 @@ Content = Mapping[str, Any]
 def part_lists(
     content: Content, settings: Mapping[str, Setting], counts: Mapping[str, int]
 ) -> tuple[Content, dict[str, Setting]]:
-    """The content of a study, and its settings, with the lists that vary taken apart.
+    """The content of a study, and its settings, with lists that vary split into their numbers.
 
     Parameters
     ----------
     content : Mapping
         Of a study file.
     settings : Mapping
-        What a study may say, lists included.
+        Settings of a study, including lists.
     counts : Mapping
         How many numbers each list has, by its name.
     """
     found = dict(settings)
-    # what is no table is refused later, by name
+    # a value that is not a table is refused later, by name
     tables = {
         name: dict(table)
         for name in ("mechanism", "sweep", "sample")
@@ -72,7 +72,7 @@ def part_lists(
 
 
 def joined(name: str, values: Mapping[str, Any]) -> Any:
-    """A setting of a case; a list is put together from its numbers, times its factor."""
+    """A setting of a case; a list is made from its numbers, times its factor."""
     found = values.get(name)
     if f"{name}_0" in values:
         count = sum(key.startswith(f"{name}_") and key[-1].isdigit() for key in values)

@@ -10,7 +10,7 @@ from escapement.study.block import CELLS, Block, blocks_of
 from escapement.study.result import Study
 
 FILTERS: dict[str, Any] = {"compression": "gzip", "shuffle": True, "fletcher32": True}
-"""Of every dataset that has chunks."""
+"""Filters of every dataset that has chunks."""
 
 
 def write_hdf5(
@@ -28,7 +28,7 @@ def write_hdf5(
 
 
 def _create_datasets(hdf5: Any, frame: Study, tile: tuple[int, ...]) -> list[Any]:
-    """Everything but results; returns their datasets, which are empty."""
+    """Write everything except the results; returns their datasets, which are empty."""
     hdf5.attrs.update(frame.root)
     for name, values in frame.axes.items():
         _create_line(hdf5, name, values).make_scale(name)
@@ -41,7 +41,7 @@ def _create_datasets(hdf5: Any, frame: Study, tile: tuple[int, ...]) -> list[Any
         for name, result in frame.results.items()
     ]
     for dataset in results:
-        # as the CF conventions have it
+        # as the CF conventions prescribe
         dataset.attrs["coordinates"] = " ".join([*frame.sampled, *frame.fixed])
     for name, dataset in hdf5.items():
         along, attributes = frame.described(name)

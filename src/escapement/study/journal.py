@@ -1,7 +1,7 @@
-"""Finished blocks beside the file to come: rows of a SQLite database, each with a checksum.
+"""Finished blocks of an unfinished file: rows of a SQLite database, each with a checksum.
 
-Row -1 says which study this is, the others are blocks by their numbers. The checksum of a row
-also covers the study, so that a damaged or foreign row is never taken for good.
+Row -1 identifies the study, the others are blocks by their numbers. The checksum of a row also
+covers the study, so that a damaged or foreign row is never accepted.
 """
 
 import errno
@@ -26,7 +26,8 @@ from escapement.study.configuration import difference
 from escapement.study.result import Study
 
 SYNC_EVERY = 1.0
-"""Seconds of finished work that a crash of the machine may cost; of the process, none."""
+"""Seconds of finished work that a crash of the machine may cost; a crash of the process costs
+none."""
 
 _PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet
 _OLD = b"escapement partial results, "  # how the partial results of version 0.1 begin
@@ -38,7 +39,8 @@ _HEAD = -1  # number of the row that says which study this is
 _PRAGMAS = ("journal_mode = WAL", "synchronous = NORMAL", "wal_autocheckpoint = 0")
 # A page of 16384 bytes is twice as fast for large rows as the 4096 of SQLite.
 _NEW = ("page_size = 16384", *_PRAGMAS, f"application_id = {_APPLICATION}")
-# Errors of the machine. All others mean damage: a wrong byte can make SQLite say almost anything.
+# Errors of the machine. All others mean damage: a wrong byte can cause almost any error of
+# SQLite.
 _MACHINE = "BUSY", "FULL", "IOERR", "CANTOPEN", "NOMEM", "READONLY"
 _ENDS = ("-wal", "-journal", "")
 """Of the names of the log, the journal of SQLite, and the database itself."""
@@ -59,11 +61,11 @@ _REFUSALS = {
 
 
 class Damaged(OSError):
-    """The database cannot be read, and the machine is not to blame."""
+    """The database is damaged; this is not an error of the machine."""
 
 
 class Journal:
-    """The partial results at `path`, for this process alone; created where there are none.
+    """The partial results at `path`, locked for this process; created if there are none.
 
     Parameters
     ----------
@@ -95,7 +97,7 @@ class Journal:
         self._open()
 
     def begin(self, frame: Study, numerics: str, blocks: int) -> Study:
-        """Find which of the blocks are here, or start anew.
+        """Find the blocks that are there, or start again.
 
         Parameters
         ----------
@@ -114,8 +116,8 @@ class Journal:
         Raises
         ------
         CannotCreate
-            When there are results of another study, or the user has to say what becomes
-            of those that are here.
+            When there are results of another study, or results for which the user must give
+            `resume` or `force`.
         """
         attributes = dict(frame.attributes)
         fixed = {name: attributes.pop(name) for name in _FIXED_AT_START}
@@ -154,7 +156,7 @@ class Journal:
         return replace(frame, attributes=frame.attributes | head["fixed"])
 
     def append(self, block: Block) -> None:
-        """Keep a finished block; on an error the others are as before."""
+        """Keep a finished block; after an error the other blocks are unchanged."""
         self._put(block)
         self.failed[block.number] = block.failed
         if time.monotonic() >= self._next_sync:
@@ -169,22 +171,23 @@ class Journal:
             raise FileNotFoundError(errno.ENOENT, message, str(self.path))
 
     def block(self, number: int) -> Block:
-        """A block that is here; raises OSError where it was damaged since."""
+        """A stored block; raises OSError if it was damaged since."""
         block = self._read(number)
         if block is None:
             raise OSError(errno.EIO, f"block {number} of {self.path} is damaged")
         return block
 
     def close(self) -> None:
-        """Let others have it; one that never got a block goes."""
+        """Release it for other processes; a new one without a block is deleted."""
         self._database.close()
         if self._begun and not self.failed:
             self.remove()
 
     def remove(self) -> None:
         """Delete it."""
-        # Where the files can go first, SQLite does not write its log into the database in vain.
-        # The database goes last, because another process may begin once its name is free.
+        # If the files can be deleted first, SQLite does not write its log into the database
+        # needlessly.
+        # The database is deleted last, because another process may start once its name is free.
         with suppress(OSError):
             _remove(self.path)
         self._database.close()
@@ -197,7 +200,7 @@ class Journal:
         while True:
             try:
                 self._database = _connect(self.path)
-                # The owner before may have removed the file while this process waited for it.
+                # The previous owner may have removed the file while this process waited for it.
                 self._inode = self.path.stat().st_ino
                 return
             except FileNotFoundError:
@@ -214,7 +217,7 @@ class Journal:
             time.sleep(0.05)
 
     def _replace_damaged(self) -> None:
-        """Remove a database that SQLite cannot open, where it is ours and may go."""
+        """Remove a database that SQLite cannot open, if it is ours and may be deleted."""
         with open(self.path, "rb") as file:
             head = file.read(1 << 17)
         marked = _TABLE.encode() in head or head[68:72] == _APPLICATION.to_bytes(4, "big")
@@ -227,14 +230,14 @@ class Journal:
         _remove(self.path)
 
     def _renew(self, head: Block) -> None:
-        """Copy a head and what is whole to a new database, which takes the place of this one."""
+        """Copy a head and all intact rows to a new database, which replaces this one."""
         new = self.path.with_name(self.path.name + "-new")
         _remove(new)
         with closing(_connect(new)) as database, _os_errors(new):
             for block in chain([head], map(self.block, self.failed)):
                 database.execute(*_insertion(block, self._key))
         self._database.close()
-        # What waits in the log of the old database must not go into the new one.
+        # The log of the old database must not be applied to the new one.
         _remove(self.path, _ENDS[:-1])
         os.replace(new, self.path)
         self._open()
@@ -244,7 +247,7 @@ class Journal:
             return self._database.execute(text, values).fetchall()
 
     def _value(self, query: str) -> Any:
-        """What a query gives, None where the database is damaged."""
+        """The result of a query, None if the database is damaged."""
         with suppress(Damaged):
             return self._execute(query)[0][0]
         return None
@@ -253,7 +256,7 @@ class Journal:
         self._execute(*_insertion(block, self._key))
 
     def _read(self, number: int) -> Block | None:
-        """The block of a row, None where it is missing or damaged."""
+        """The block of a row, None if it is missing or damaged."""
         query = f"SELECT failed, data, checksum FROM {_TABLE} WHERE number = ?"
         # a damaged row may hold values of other types, or out of range
         with suppress(Damaged, ValueError, TypeError, OverflowError, struct.error):
@@ -272,12 +275,12 @@ class Journal:
 
 
 def _connect(path: Path) -> sqlite3.Connection:
-    """An open and locked database with our table; `Damaged` where another one is there."""
+    """An open and locked database with our table; raises `Damaged` if there is another one."""
     with _os_errors(path):
         database = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
         try:
-            # The order counts: a lock held before the log is opened needs no shared memory, so
-            # that the log works on network mounts too.
+            # The order matters: if the lock is held before the log is opened, no shared memory is
+            # needed, so the log works on network mounts too.
             database.execute("PRAGMA locking_mode = EXCLUSIVE").fetchone()
             database.execute("BEGIN EXCLUSIVE")
             tables = dict(database.execute("SELECT name, sql FROM sqlite_master").fetchall())
@@ -299,7 +302,7 @@ def _os_errors(path: Path) -> Iterator[None]:
     """Turn errors of SQLite into OSError, which `Damaged` is a kind of."""
     try:
         yield
-    except UnicodeDecodeError:  # SQLite complains in the words of a damaged schema
+    except UnicodeDecodeError:  # the message of SQLite contains a damaged schema
         raise Damaged(errno.EIO, "the table is damaged") from None
     except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
@@ -317,7 +320,7 @@ def _insertion(block: Block, key: int) -> tuple[str, tuple[Any, ...]]:
 
 
 def _checksum(block: Block, key: int) -> int:
-    """Of a row; that of the head is free of the study, whose name it is."""
+    """Checksum of a row; that of the head does not include the study, which it identifies."""
     own = struct.pack("<qqI", block.number, block.failed, 0 if block.number == _HEAD else key)
     return zlib.crc32(block.data, zlib.crc32(own))
 

@@ -10,7 +10,7 @@ from escapement.study.stored import Stored
 
 
 class _Lazy(BackendArray):
-    """What xarray asks for slices of a stored array."""
+    """Gives xarray slices of a stored array."""
 
     def __init__(self, stored: Stored) -> None:
         self.stored, self.shape, self.dtype = stored, stored.shape, stored.dtype

@@ -1,4 +1,4 @@
-"""From a study file, its content, or a design in Python to a plan."""
+"""Makes a plan from a study file, its content, or a design in Python."""
 
 import re
 import tomllib
@@ -35,7 +35,7 @@ MOST_CASES = 10**12
 _TOP = ("title", "units", "results", "mechanism", "inertia", *PLACES, "sweep", "sample", "solver")
 _NUMBERS = declared(Escapement)
 _SOLVER = declared(Solver)
-# what else people write for a number, and what to tell them
+# other ways in which people write a number, and the remedy
 _HABITS = {
     r"(?m)^\s*\w+\s*=\s*[-+]?\d*,\d": "write a decimal point, as 0.1",
     r"(?m)^\s*\w+\s*=\s*[-+.\d]+(e[-+]?\d+)? ?[a-zA-Z]": "put a number with its unit in quotes: "
@@ -61,7 +61,8 @@ def load_plan(path: AnyPath) -> StudyPlan:
 
 
 def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
-    """The plan of a study file, and tables of it that are not the study's; errors as above."""
+    """The plan of a study file, and its tables that do not belong to the study; errors as
+    above."""
     check_input(path, "study file")
     try:
         # editors on Windows begin a file with a byte order mark
@@ -81,7 +82,7 @@ def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
         if isinstance(torque := content.get("torque"), dict) and isinstance(
             torque.get("file"), str
         ):
-            # its name is meant from where the study lies
+            # its path is relative to the study file
             torque["file"] = Path(path).parent / torque["file"]
         return parse_plan(content), others
     except InvalidValue as error:
@@ -96,8 +97,8 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     configuration : Mapping
         The content of a study file, in the units that it names.
     mechanism : Mechanism, optional
-        Replaces what the [mechanism] table says: for mechanisms of the user's
-        own, which no table can describe.
+        Replaces the [mechanism] table, for mechanisms of the user's own, which no table can
+        describe.
 
     Raises
     ------
@@ -161,7 +162,7 @@ def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
     """Refuse lengths without that of the mechanism, and a factor on a list that has no errors."""
     greatest: dict[str, float] = {}
     for name, value in values.items():
-        # a list that varies is known by its numbers
+        # a list that varies is identified by its numbers
         name = re.sub(r"_\d+$", "", name)
         greatest[name] = max(greatest.get(name, 0.0), float(np.max(np.abs(value), initial=0.0)))
     for name in values:
@@ -176,7 +177,7 @@ def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
 def _with_first_torque(
     configuration: Mapping[str, Any],
 ) -> tuple[Mapping[str, Any], TorqueCurve | None]:
-    """The configuration with a number for the torque, and the curve that it begins, if any.
+    """The configuration with a number for the torque, and the torque curve, if there is one.
 
     The results of a study are those of the torque at the start of the motion.
     """
@@ -207,8 +208,8 @@ def plan_from(
     Parameters
     ----------
     escapement : Escapement
-        The nominal design; an axis replaces its value. What was left to the
-        mechanism, such as the pins of `Geneva(slots=4)`, follows the axes.
+        The nominal design; an axis replaces its value. Settings that the mechanism chose, such as
+        the pins of `Geneva(slots=4)`, are chosen again in each case.
     axes : Mapping
         Name of each axis and its values [SI]: numbers, or start, stop and num.
     sample : Mapping, optional
@@ -244,11 +245,11 @@ def plan_from(
 
 
 def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
-    """A mechanism as a [mechanism] table, or itself where no kind fits it."""
+    """A mechanism as a [mechanism] table, or the mechanism itself if it is of no known kind."""
     for name in KINDS:
         if type(mechanism) is kind_of(name):
             return {"kind": name} | _chosen(mechanism), None
-    # the numbers tell apart two mechanisms whose repr is the same
+    # the numbers distinguish two mechanisms with the same repr
     cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
     checksum = zlib.crc32(np.concatenate([mechanism.path.numbers, cell]).tobytes())
     # an address in memory differs from process to process
@@ -305,7 +306,7 @@ def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setti
     for name, entry in settings.items():
         keys[entry.section].append(entry.key)
         place = f"[{entry.section}]" if entry.section else "the top level"
-        # what a mechanism lacks, such as an efficiency, may also be a number of a train
+        # a number that the mechanism lacks, such as an efficiency, may belong to a train
         key = homes.get(entry.key, place) if entry.section in PLACES else place
         homes |= {name: f"{place} as {entry.key!r}", entry.key: key}
     for section, known in keys.items():
@@ -319,7 +320,7 @@ def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setti
 
 
 def _fixed(configuration: Mapping[str, Any], settings: Mapping[str, Setting]) -> dict[str, Any]:
-    """Fixed and nominal values, default ones of numbers included; what varies needs none."""
+    """Fixed and nominal values, including defaults; parameters that vary need none."""
     varied = {**_table(configuration, "sweep"), **_table(configuration, "sample")}
     fixed, missing = {}, []
     for name, entry in settings.items():
@@ -357,11 +358,11 @@ def _varied(
 
 
 def _results(configuration: Mapping[str, Any]) -> dict[str, list[str]]:
-    """The figures of merit to keep, where they are not those of every study."""
+    """The figures of merit to keep, if they differ from the default ones."""
     given = configuration.get("results", DEFAULT)
     if isinstance(given, str) or not isinstance(given, Sequence) or not given:
         raise validate.fail("results", "a list of names", given, 'for example ["period"]')
-    # the status is kept whatever is chosen, and a name that stands twice is kept once
+    # the status is always kept, and a name that is given twice is kept once
     every = (validate.choice("results", name, (*FIGURES, "status")) for name in given)
     names = [name for name in dict.fromkeys(every) if name != "status"]
     return {"results": names} if names != [*DEFAULT] else {}

@@ -1,4 +1,4 @@
-"""A study as a value: its configuration, what is fixed, what varies, and how it is solved."""
+"""The plan of a study: its configuration, fixed numbers, varied numbers, and solver."""
 
 import math
 import re
@@ -42,18 +42,18 @@ def _unit_kinds() -> dict[str, str]:
 
 def unit_kind(name: str) -> str:
     """Kind of unit, a key of `escapement.units`, of a parameter or a result of any study."""
-    # numbers of a list end with their place
+    # the name of a number from a list ends with its index
     return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
 
 def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
-    """All that a study may say of an escapement, its mechanism first.
+    """All settings of an escapement in a study, those of its mechanism first.
 
-    build : the class of its mechanism, or a mechanism of the user's own, which stays as it is.
-    meshed : whether it has no slot, and loses in a mesh.
+    build : the class of its mechanism, or a mechanism of the user's own, which is not changed.
+    meshed : whether it has no slots, and its losses are given by an efficiency.
     """
     own = declared(build) if isinstance(build, type) else {}
-    # what cannot be an axis stands first in the configuration
+    # settings that cannot be an axis stand first in the configuration
     ordered = dict(sorted(own.items(), key=lambda item: item[1].axis))
     words = {n: e for n, e in declared(Escapement).items() if not isinstance(e, Quantity)}
     return ordered | {n: e for n, e in (words | model_numbers()).items() if e.fits(meshed)}
@@ -61,7 +61,7 @@ def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
 
 @dataclass(frozen=True, eq=False)
 class StudyPlan:
-    """Everything a study needs to run, and nothing it computes.
+    """Everything that a study needs to run, without its results.
 
     Cases are numbered in C order over the dimensions: the axes, then the cases of the
     sample, which vary fastest.
@@ -69,7 +69,7 @@ class StudyPlan:
     Attributes
     ----------
     configuration : dict
-        The study as plain JSON, of which `parse_plan` makes the same plan.
+        The study as plain JSON, from which `parse_plan` makes the same plan.
     build : type or Mechanism
         The class of the mechanism; or a mechanism that no configuration can describe.
     meshed : bool
@@ -83,9 +83,9 @@ class StudyPlan:
     solver : Solver
         Engine and tolerances.
     fingerprint : str
-        Of the numbers drawn for a sample; "" where nothing was drawn.
+        Fingerprint of the numbers drawn for a sample; "" if nothing was drawn.
     curve : TorqueCurve, optional
-        The torque over the driver angle in SI, of which `fixed_si` has the first.
+        The torque over the driver angle in SI; `fixed_si` has its first value.
     """
 
     configuration: dict[str, Any]
@@ -140,7 +140,7 @@ class StudyPlan:
 
     @cached_property
     def results(self) -> dict[str, Result]:
-        """What the study keeps of every case, by name, its status last."""
+        """The results that the study keeps of every case, by name, the status last."""
         return kept(self.configuration)
 
     def unit(self, name: str) -> str:
@@ -148,7 +148,7 @@ class StudyPlan:
         return units.unit_name(unit_kind(name), self.configuration["units"])
 
     def long_name(self, name: str) -> str:
-        """What a parameter, a dimension or a result is."""
+        """Description of a parameter, a dimension or a result."""
         if name in self.results:
             return self.results[name].long_name
         if name == CASE:
@@ -164,13 +164,13 @@ class StudyPlan:
         ]
 
     def every(self, name: str) -> Any:
-        """All values in SI that a parameter takes: an array, or what is fixed."""
+        """All values in SI of a parameter: an array, or its fixed value."""
         return next(
             (along[name] for along in self._varied_si if name in along), self.fixed_si[name]
         )
 
     def columns(self, cases: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
-        """What varies over some cases, in SI.
+        """The parameters that vary over some cases, in SI.
 
         Parameters
         ----------
@@ -201,8 +201,8 @@ class StudyPlan:
         Raises
         ------
         InvalidValue
-            When the parameters are legal one by one and not together, such as
-            more pins than the slots allow.
+            When the parameters are allowed separately but not together, such as more pins than
+            the slots allow.
         """
         return self.built(self.values(case))
 
@@ -222,7 +222,7 @@ class StudyPlan:
         return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank or 0.0}
 
     def mechanism(self, case: int, ideal: bool = False) -> Mechanism:
-        """The mechanism of one case, or one like it with thin pins and perfect parts.
+        """The mechanism of one case, or the same with thin pins and perfect parts.
 
         Errors as `escapement`.
         """
@@ -256,6 +256,6 @@ class StudyPlan:
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""
         varied = (self.parameters[name] for along in self.varied.values() for name in along)
-        # where its numbers vary, a case that cannot be built gets a status instead
+        # if its numbers vary, a case that cannot be built gets a status instead
         if all(entry.section != "mechanism" for entry in varied):
             _ = self.mechanism(0).path

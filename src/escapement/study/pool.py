@@ -14,7 +14,7 @@ from escapement.errors import InvalidValue, StorageError
 LOCAL = "local"
 _LOCAL_CLUSTER = {"threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
 _PATIENCE = 15.0  # s to find a scheduler
-_TICK = 1.0  # s between two looks whether the scheduler is still there
+_TICK = 1.0  # s between two checks whether the scheduler is still there
 _CONNECTED = "running"  # status of a client
 
 T = TypeVar("T")
@@ -24,9 +24,9 @@ class Pool(NamedTuple):
     """Threads or a cluster.
 
     executor : where tasks are submitted.
-    ahead : number of tasks that may be on their way.
-    share : puts a value where all tasks find it, and gives what to submit in its place.
-    alive : whether anybody is there to solve anything.
+    ahead : greatest number of tasks that are submitted and not finished.
+    share : makes a value available to all tasks, and returns the object to submit in its place.
+    alive : whether any worker or thread is there.
     """
 
     executor: futures.Executor
@@ -49,7 +49,7 @@ class Pool(NamedTuple):
                 done, running = futures.wait(running, _TICK, futures.FIRST_COMPLETED)
                 if not self.alive():
                     raise futures.CancelledError
-                # What succeeded comes first: an error ends the study and would lose it.
+                # Finished results come first: an error ends the study and would lose them.
                 for future in sorted(done, key=lambda f: f.cancelled() or bool(f.exception())):
                     yield future.result()
         finally:
@@ -69,7 +69,7 @@ def in_threads(workers: int) -> Iterator[Pool]:
 
 @contextmanager
 def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
-    """Workers of a Dask cluster. What a lost worker had is solved again elsewhere.
+    """Workers of a Dask cluster. Tasks of a lost worker are solved again by others.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
         import distributed
 
         def share(value: Any) -> Any:
-            # The result of a task is computed again where it is lost; scattered data is not.
+            # A lost result of a task is computed again; lost scattered data are not.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of Dask, where the value is large
                 return client.submit(_itself, value, pure=False)
@@ -99,7 +99,7 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
                 "give workers more memory, then continue with resume=True (--resume)"
             ) from None
         except (Exception, futures.CancelledError) as error:
-            # each version of Dask tells a lost scheduler in other ways
+            # each version of Dask reports a lost scheduler in another way
             if client.status == _CONNECTED and not isinstance(error, futures.CancelledError):
                 raise
             raise StorageError(
@@ -127,7 +127,7 @@ def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
     Raises
     ------
     InvalidValue
-        When distributed is not installed, or `scheduler` is none.
+        When distributed is not installed, or `scheduler` is not a scheduler.
     StorageError
         When no scheduler answers.
     """

@@ -24,7 +24,7 @@ from escapement.text import plain
 
 
 def read_study(path: AnyPath) -> Study:
-    """Read a study; each array when it is needed, and of a slice the slice alone.
+    """Read a study; arrays are read when they are needed, and for a slice only the slice.
 
     Parameters
     ----------
@@ -36,9 +36,9 @@ def read_study(path: AnyPath) -> Study:
     MissingInput
         When there is no such file.
     InputFileError
-        When it is no HDF5 file, is damaged, holds something else, or was
-        written in a layout newer than this version knows. Damage within an array is found
-        when that is read, as is that the file was replaced or removed since.
+        When it is not an HDF5 file, is damaged, holds something else, or has a newer layout than
+        this version can read. Damage within an array is found when the array is read; so is a
+        file that was replaced or removed since.
     """
     place = os.path.realpath(path)
 
@@ -137,7 +137,7 @@ def check_same(path: AnyPath, configuration: Any, attributes: Any, frame: Study)
 
 
 def _count_whole(hdf5: Any, frame: Study) -> int:
-    """Failed cases, once every number of the frame's study was found and read."""
+    """Failed cases, after every number of the frame's study was found and read."""
     for name, values in {**frame.axes, **frame.sampled}.items():
         if not np.array_equal(hdf5[name][()], values):
             raise ValueError(f"{name} has other values")
@@ -153,7 +153,7 @@ def _count_whole(hdf5: Any, frame: Study) -> int:
 
 
 def configuration_of(hdf5: Any) -> dict[str, Any]:
-    """The configuration that an open file holds; ValueError where it is none."""
+    """The configuration in an open file; ValueError if it has none."""
     name = "configuration"  # a dataset in the first version of the layout
     text = hdf5[name].asstr()[()] if name in hdf5 else hdf5.attrs[name]
     configuration = json.loads(text)

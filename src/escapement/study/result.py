@@ -1,4 +1,4 @@
-"""A study's results as a value, and the results every study has."""
+"""The results of a study, and the results that every study has."""
 
 import json
 import math
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 _AGREE = 6e-6
-"""Relative difference below which a value means the one of the axis: six figures, as shown."""
+"""Relative difference below which a value counts as that of the axis: six figures, as shown."""
 
 
 DEFAULT = (
     *("velocity_max", "velocity_min", "velocity_mean"),
     *("period", "rise_time", "settling_time"),
 )
-"""Figures of merit that a study keeps where it does not choose."""
+"""Figures of merit that a study keeps by default."""
 
 
 def result_names(configuration: Mapping[str, Any]) -> list[str]:
@@ -45,12 +45,12 @@ def kept(configuration: Mapping[str, Any]) -> dict[str, Result]:
 
 
 RESULTS: Mapping[str, Result] = kept({})
-"""Results of a study that does not choose."""
+"""Results that a study has by default."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Shown):
-    """A study: axes, results over their grid, and what they mean.
+    """A study: axes, results over their grid, and their units and names.
 
     Attributes
     ----------
@@ -62,8 +62,8 @@ class Study(Shown):
     units, long_names : dict of str
         For every axis, sampled parameter and result.
     configuration : dict
-        The study as it was asked for. Of an axis with more than 64 values it has the name,
-        the number of values and their checksum.
+        The configuration of the study. For an axis with more than 64 values it has the name, the
+        number of values and their checksum.
     attributes : dict
         title, Conventions, schema_version, package_version, engine, rtol and created.
     sampled : dict of ndarray, shape (n,)
@@ -82,7 +82,7 @@ class Study(Shown):
     fixed: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        # a name in place of a copy, also where a file of the first version has copies
+        # the name instead of a copy, although a file of the first version has copies
         short = short_configuration(self.configuration, self.columns)
         object.__setattr__(self, "configuration", short)
 
@@ -111,11 +111,11 @@ class Study(Shown):
 
     @property
     def columns(self) -> dict[str, Any]:
-        """Everything that has a name: axes, sampled and fixed parameters, results."""
+        """All names: axes, sampled and fixed parameters, results."""
         return {**self.axes, **self.sampled, **self.fixed, **self.results}
 
     def described(self, name: str) -> tuple[tuple[str, ...], dict[str, Any]]:
-        """Dimensions and attributes of what has this name, as files and xarray have them."""
+        """Dimensions and attributes of the array with this name, as in files and xarray."""
         along: dict[str, tuple[str, ...]] = {name: (name,) for name in self.axes}
         along |= dict.fromkeys(self.sampled, ("case",)) | dict.fromkeys(self.fixed, ())
         attributes: dict[str, Any] = {"units": self.units[name], "long_name": self.long_names[name]}
@@ -145,7 +145,7 @@ class Study(Shown):
         return dataset(self)
 
     def to_dataframe(self) -> "DataFrame":
-        """The study as a `pandas.DataFrame`: a row a case, its index the axes.
+        """The study as a `pandas.DataFrame` with a row for each case and the axes as its index.
 
         Columns are the sampled parameters and the results; `attrs` has the units.
 
@@ -169,12 +169,12 @@ class Study(Shown):
 
     @property
     def failed(self) -> int:
-        """Number of cases without an answer."""
+        """Number of cases that could not be computed."""
         return count_failed(self.results["status"])
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """Number of cases by the label of their status, of those that occur."""
+        """Number of cases for each status that occurs, by its label."""
         counts = np.bincount(self.results["status"].reshape(-1), minlength=len(Status)).tolist()
         return {status.label: counts[status] for status in Status if counts[status]}
 
@@ -189,7 +189,7 @@ class Study(Shown):
         Raises
         ------
         InvalidValue
-            For a name that is no axis, or a value that is not on it.
+            For a name that is not an axis, or a value that is not on the axis.
         """
         kept = dict.fromkeys(self.axes, slice(None))
         for name, value in values.items():
@@ -208,7 +208,7 @@ class Study(Shown):
 
 
 def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
-    """Index of a value on an axis of the owner's, told by six figures.
+    """Index of a value on an axis of the owner, compared to six figures.
 
     Raises
     ------
@@ -225,5 +225,5 @@ def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
 
 
 def count_failed(status: NDArray[np.uint8]) -> int:
-    """How many statuses say that a case has no answer."""
+    """Number of statuses of cases that could not be computed."""
     return int(np.isin(status, [member.value for member in Status if member.failed]).sum())

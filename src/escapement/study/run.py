@@ -36,7 +36,7 @@ Report = Callable[[int, int, int], object]
 
 
 class Options(TypedDict, total=False):
-    """How a study is run; what each means is said in `sweep`."""
+    """Options of a run; `sweep` explains each."""
 
     force: bool
     resume: bool
@@ -46,7 +46,8 @@ class Options(TypedDict, total=False):
 
 
 class Tally(NamedTuple):
-    """How a study went: its cases, those without an answer, those it had already."""
+    """Summary of a run: its cases, those that could not be computed, those taken from an earlier
+    run."""
 
     cases: int
     failed: int
@@ -54,7 +55,7 @@ class Tally(NamedTuple):
 
 
 class Work(NamedTuple):
-    """All that is needed to solve any block of a study, wherever that is done."""
+    """Everything needed to solve any block of a study, in any process."""
 
     plan: StudyPlan
     cut: Tiling
@@ -72,7 +73,7 @@ class Work(NamedTuple):
 
 
 def solve_block(work: Work, number: int) -> Block:
-    """A task: a block as files hold it."""
+    """A task: a block in the form for files."""
     return encode_block(work.cut, number, work.columns(number))
 
 
@@ -83,7 +84,7 @@ def solve_columns(work: Work, number: int) -> Block:
 
 
 def solve_slice(plan: StudyPlan, part: tuple[int, Any]) -> tuple[int, scenes.SceneFigures]:
-    """A task: the scenes of some cases, and where they belong."""
+    """A task: the scenes of some cases, and their places."""
     start, cases = part
     return start, scenes.solve_scenes(plan, cases)
 
@@ -122,16 +123,16 @@ def sweep(
         Driver speed at the first pin entry [rad/s]; an array is the last axis.
     results : sequence of str, optional
         Figures of merit to keep: names of numbers of `Figures`. Default: the velocities,
-        period, rise and settling time. What is not named is not computed where that saves
+        period, rise and settling time. Figures that are not named are not computed if that saves
         time.
     path : path, optional
         File to write as well: HDF5 where its name ends in .h5, .hdf5 or .nc, a table where it
         ends in .csv or .parquet.
     force : bool
-        Replace an existing file; without `resume`, drop what was kept of an
-        unfinished run.
+        Replace an existing file; without `resume`, delete the partial results of an unfinished
+        run.
     resume : bool
-        Compute only what an unfinished run of the same study did not finish.
+        Compute only the blocks that an unfinished run of the same study did not finish.
     progress : bool or callable, optional
         True shows it on standard error; a callable gets (done, total, failed).
     workers : int
@@ -146,7 +147,7 @@ def sweep(
     Returns
     -------
     Study
-        A case that has no answer holds NaN, and a status that says why.
+        A case that could not be computed has NaN, and a status that says why.
 
     Raises
     ------
@@ -205,7 +206,7 @@ def write_plan(plan: StudyPlan, path: AnyPath, **options: Unpack[Options]) -> Ta
 
 
 def _check(plan: StudyPlan, options: Options) -> None:
-    """Refuse what is wrong with every case, before anything is opened or solved."""
+    """Refuse a study of which every case is wrong, before anything is opened or solved."""
     validate.integer("workers", options.get("workers", 1), 1, "give a number of threads")
     plan.check_mechanism()
 
@@ -213,7 +214,7 @@ def _check(plan: StudyPlan, options: Options) -> None:
 def _run(
     plan: StudyPlan, study: Unfinished, task: Callable[[Work, int], Block], options: Options
 ) -> Tally:
-    """Solve the missing blocks, and keep one after the other."""
+    """Solve the missing blocks, and keep each as it is finished."""
     workers, scheduler = options.get("workers", 1), options.get("scheduler")
     here = scheduler is None or not study.missing
     pool = in_threads(workers) if here else in_cluster(scheduler, workers)
@@ -252,7 +253,7 @@ def frame_of(plan: StudyPlan) -> Study:
     every = (*plan.dimensions, *plan.sampled, *plan.fixed, *plan.results)
     units = {name: plan.unit(name) for name in every}
     names = {name: plan.long_name(name) for name in every}
-    # of its results only the names and types are known
+    # only the names and types of its results are known
     empty = {name: np.empty(0, result.dtype) for name, result in plan.results.items()}
     attributes = {
         "title": plan.configuration["title"],
@@ -276,8 +277,8 @@ def sources() -> list[Path]:
 def numerics() -> str:
     """Digest of these sources; equal digests, equal results.
 
-    A change of a comment changes the digest too: it is better to begin a study again than
-    to mix two kinds of numbers in it.
+    A change of a comment changes the digest too: computing a study again is better than mixing
+    numbers of two versions.
     """
     digest = hashlib.sha256()
     for path in sources():

@@ -1,8 +1,8 @@
-"""Solving cases of a plan: equal scenes once, then each case on its own clock.
+"""Solving cases of a plan: equal scenes once, then each case with its own unit of time.
 
 In natural units a case is its mechanism, inertia ratio, losses, load ratio and starting speed.
-From rest, without a load, a constant bearing torque and viscous drag, the torque changes the
-unit of time and none of these, so cases that differ in torque alone have the same scene.
+From rest, without a load, a constant bearing torque and viscous drag, the torque changes only the
+unit of time, so cases that differ only in torque have the same scene.
 """
 
 import contextlib
@@ -40,7 +40,7 @@ MOST_SHARED = 1 << 20
 
 _PIN = Scene._fields.index("pin") - Scene._fields.index("rho")
 _LIMITS = ("critical_friction", "uniqueness_friction", "jam_margin")
-"""Figures that a case has whether it moves or not."""
+"""Figures that a case has even if it does not move."""
 
 Columns = dict[str, NDArray[Any]]
 """One array per result, over some cases."""
@@ -50,9 +50,9 @@ the status, shape (n,)."""
 
 
 class SharedScenes(NamedTuple):
-    """The scenes that the cases of a plan have in common, of which any block takes its own.
+    """The different scenes of the cases of a plan, from which each block uses some.
 
-    shape : of the plan's dimensions, 1 where a dimension leaves the scene alone.
+    shape : of the plan's dimensions, 1 where a dimension does not change the scene.
     which : number of the scene at each place of this shape, flat.
     cases : the first case of each scene.
     figures, status : of each scene, as `solve_scenes` gives them; None until it is solved.
@@ -72,7 +72,8 @@ class SharedScenes(NamedTuple):
 
 
 def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
-    """The scenes to solve before the blocks of a plan; None where that saves or suits nothing."""
+    """The scenes to solve before the blocks of a plan; None if that saves no time or is
+    impossible."""
     deciding = {*plan.parameters}
     if not any(np.any(plan.every(name)) for name in (SPEED, *TORQUES) if name in deciding):
         deciding -= {TORQUE, SPEED, *TORQUES}
@@ -91,7 +92,7 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     first, which, machine, scene, sound = _distinct(plan, cases)
     figures = np.full((len(plan.results) - 1, first.size), np.nan)
     status = np.full(first.size, Status.INVALID, dtype=np.uint8)
-    # the mechanism is the last key of the order, so that its scenes follow each other
+    # the mechanism is the primary key of the order, so that its scenes follow each other
     other = np.flatnonzero((np.diff(machine) != 0).any(axis=0))
     for rows in np.split(np.arange(first.size), other + 1):
         rows = rows[sound[rows]]
@@ -137,7 +138,7 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
         if name in DECIDING and value is not None
     }
     numbers = seen(numbers)
-    with np.errstate(all="ignore"):  # what is out of range is told by the status
+    with np.errstate(all="ignore"):  # the status reports numbers out of range
         ratios = natural(numbers, plan.meshed)
         w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
         sound = ratio_in_range(ratios["rho"]) & (w <= MOST_UNEQUAL**2)
@@ -191,7 +192,7 @@ def _solve(
 
 
 def _extent(plan: StudyPlan) -> int:
-    """How far the transients of a plan are followed."""
+    """How far the motions of a plan are followed from their start."""
     from escapement.engines.energy.figures import Extent
 
     wanted = {*plan.results}
@@ -203,7 +204,8 @@ def _extent(plan: StudyPlan) -> int:
 def _in_order(
     plan: StudyPlan, mechanism: Any, found: dict[str, FloatArray], cases: NDArray[np.int64]
 ) -> FloatArray:
-    """The figures that a study keeps, from those the kernels found and those of each case alone."""
+    """The figures that a study keeps, from those of the kernels and those computed case by
+    case."""
     found["velocity_mean"] = mechanism.cell_angle / found["period"]
     found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
     others = [name for name in plan.results if name in FIGURES and name not in found]
@@ -233,13 +235,13 @@ def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> l
 
 
 def _si_unit(kind: str, clock: Any, torque: Any) -> Any:
-    """Natural unit of a kind [SI], of a length that no case of the study changes."""
+    """Natural unit of a kind [SI]; no case of the study changes the length in it."""
     own = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
     return (own | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
 
 
 def _solver(plan: StudyPlan) -> Any:
-    """What solves many cases at once, None where they are solved one by one."""
+    """The function that solves many cases at once; None if they are solved one by one."""
     if plan.solver.engine != "energy":
         return None
     if plan.perfect:
@@ -293,7 +295,7 @@ def _alone(plan: StudyPlan, case: int) -> Figures:
     """One case by an engine that solves them one by one."""
     speed, given = plan.values(case)[SPEED], plan.solver.given
     if plan.solver.engine == "contact":
-        # of an axis that begins with no clearance, each case has the engine that it needs
+        # on an axis that begins with zero clearance, each case has the engine that it needs
         del given["engine"]
     try:
         return simulation.terminal(plan.escapement(case), initial_speed=speed, **given)

@@ -19,18 +19,18 @@ SCHEMA_VERSION = 2
 LAYOUT = {"schema_version": SCHEMA_VERSION, "Conventions": "CF-1.11"}
 """Root attributes that tell how to read a file."""
 DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
-"""What h5py and NumPy raise over a file that is not as it should be."""
+"""Errors that h5py and NumPy raise for a damaged file."""
 
 
 @contextmanager
 def opened(
     path: AnyPath, what: str, command: str, needed: Iterable[str], version: int
 ) -> Iterator[Any]:
-    """The open file of a result; whatever is wrong with it, or within the block, as one error.
+    """The open file of a result; every fault of the file raises one error.
 
-    what, command : what the file holds, and the command that writes such a file.
+    what, command : content of the file, and the command that writes such a file.
     needed : names of datasets or root attributes that it must have.
-    version : the newest layout that is understood.
+    version : the newest layout that can be read.
     """
     import h5py
 
@@ -72,8 +72,8 @@ def damaged(what: str, path: AnyPath, error: Exception, how: str = "") -> InputF
 
 
 def check_values(name: str, values: Any, finite: bool = False) -> None:
-    """Raise ValueError unless `values` may be those of a study: known ones of a status."""
-    # by its ends: as a set it would take ten times the memory of the file
+    """Raise ValueError unless `values` are possible in a study; a status must be a known one."""
+    # only the extremes are checked: a set would take ten times the memory of the file
     if name == "status" and values.size and not 0 <= values.min() <= values.max() <= max(Status):
         raise ValueError("status must hold known values")
     if finite and not np.isfinite(values).all():
@@ -81,10 +81,10 @@ def check_values(name: str, values: Any, finite: bool = False) -> None:
 
 
 class Stored(NDArrayOperatorsMixin):
-    """An array of a study file, which behaves as one in memory.
+    """An array of a study file, which behaves like an array in memory.
 
-    `stored[3]` and slices read only themselves; whatever else is done with it reads the whole
-    array, once. The file is open only while it is read.
+    `stored[3]` and slices read only their own part; any other use reads the whole array, once.
+    The file is open only while it is read.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class Stored(NDArrayOperatorsMixin):
 
     def __getitem__(self, key: Any) -> Any:
         keys = key if isinstance(key, tuple) else (key,)
-        # HDF5 knows fewer kinds of indices than NumPy
+        # HDF5 supports fewer kinds of indices than NumPy
         simple = all(
             isinstance(k, int | np.integer) or (isinstance(k, slice) and k.step in (None, 1))
             for k in keys

@@ -19,7 +19,7 @@ from escapement.text import csv_lines
 
 CSV, PARQUET = ".csv", ".parquet"
 _ROWS = 1 << 17  # of a row group of Parquet
-# Under this name pandas keeps its `attrs`, and finds ours there.
+# pandas stores its `attrs` under this name, and finds ours there.
 _ATTRIBUTES = b"PANDAS_ATTRS"
 
 Columns = dict[str, NDArray[Any]]
@@ -36,7 +36,7 @@ def check_format(path: AnyPath) -> str:
     Raises
     ------
     InvalidValue
-        When it is none of `files.STUDIES`.
+        When it is not one of `files.STUDIES`.
     MissingPackage
         When it needs a package that is not installed.
     """
@@ -97,7 +97,7 @@ def write_parquet(
     ]
     schema = pyarrow.schema(fields, {_ATTRIBUTES: about})
     with files.pending_file(path, force, temporary) as handle:
-        # unlike a plain file it always writes all that it is given
+        # unlike a plain file it always writes all its data
         disk = files.DeferredErrorFile(handle)
         with parquet.ParquetWriter(disk, schema, write_page_checksum=True) as writer:
             waiting: list[Any] = []
@@ -114,7 +114,7 @@ def write_parquet(
 
 
 def failed_rows(path: Path, frame: Study) -> int | None:
-    """As `reader.failed_cases`, of a table; None for CSV, which does not say what it is of."""
+    """Like `reader.failed_cases`, for a table; None for CSV, which does not contain its study."""
     if path.suffix.lower() == CSV:
         return None
     from pyarrow import ArrowException, parquet
@@ -130,7 +130,7 @@ def failed_rows(path: Path, frame: Study) -> int | None:
 
 
 def read_rows(path: AnyPath, cases: Sequence[int] | None = None) -> Columns:
-    """Columns of a table, of some cases in ascending order or of all."""
+    """Columns of a table, for some cases in ascending order or for all."""
     if Path(path).suffix.lower() == PARQUET:
         from pyarrow import dataset
 

@@ -1,7 +1,7 @@
 """What varies in a study: axes, and samples whose parameters vary together.
 
-Each parameter becomes a column of values in the user's units, and the plain JSON of which
-the same column is made again.
+Each parameter becomes a column of values in the user's units, and plain JSON from which the same
+column can be made again.
 """
 
 import zlib
@@ -34,7 +34,7 @@ _BESIDE = {
     "relative_standard_deviation": _ENDS,
     "log_standard_deviation": _ENDS,
 }
-"""Keys of a distribution beside the one that tells its width; one without a width has ends."""
+"""Keys of a distribution beside that of its width; a distribution without a width has ends."""
 WIDTHS = frozenset(_BESIDE) - {""}
 """Keys of a distribution that lies around the nominal value."""
 _NEVER = 1e-10  # share of a normal distribution at either side that no draw reaches
@@ -63,7 +63,7 @@ def axis_values(form: Any, parameter: Quantity) -> Column:
     Raises
     ------
     InvalidValue
-        For an empty axis, or a value that is no number or breaks the rule.
+        For an empty axis, or a value that is not a number or breaks the rule.
     """
     if isinstance(form, Mapping):
         return _even_values(form, parameter)
@@ -103,7 +103,7 @@ def _even_values(form: Mapping[str, Any], parameter: Quantity) -> Column:
 def sample_columns(
     table: Mapping[str, Any], parameters: Mapping[str, Quantity], nominal: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any], str]:
-    """The columns that a [sample] table asks for.
+    """The columns of a [sample] table.
 
     Parameters
     ----------
@@ -122,8 +122,8 @@ def sample_columns(
     plain : dict
         The table as JSON can hold it, seed included.
     fingerprint : str
-        Of the numbers drawn, "" for a list: another version of SciPy may draw others of
-        the same seed.
+        Fingerprint of the numbers drawn, "" for a list: another version of SciPy may draw other
+        numbers from the same seed.
 
     Raises
     ------
@@ -203,12 +203,12 @@ def _pairs(given: Any, names: list[str]) -> list[list[Any]]:
 
 
 def correlation_matrix(pairs: list[list[Any]], names: list[str]) -> FloatArray:
-    """The matrix of correlations between parameters, those that are not given being 0.
+    """The matrix of correlations between parameters; those that are not given are 0.
 
     Raises
     ------
     InvalidValue
-        When no distribution has them all.
+        When no distribution has all these correlations.
     """
     matrix = np.eye(len(names))
     for one, two, r in pairs:
@@ -221,7 +221,7 @@ def correlation_matrix(pairs: list[list[Any]], names: list[str]) -> FloatArray:
 
 
 def _correlated(shares: FloatArray, pairs: list[list[Any]], names: list[str]) -> FloatArray:
-    """Shares whose normal scores have the correlations; each alone is distributed as before."""
+    """Shares whose normal scores have the correlations; the distribution of each is unchanged."""
     from scipy.special import ndtr, ndtri
 
     scores = ndtri(np.clip(shares, _NEVER, 1.0 - _NEVER))
@@ -236,7 +236,7 @@ def unit_cube(method: str, size: int, count: int, seed: int, hypercubes: int = 1
     if method == "random":
         return random.random((count, size))
     kind = {"latin-hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol}[method]
-    # each hypercube goes on where the one before it left the random numbers
+    # each hypercube continues the sequence of random numbers of the one before
     drawn = [kind(count, seed=random).random(size // hypercubes) for _ in range(hypercubes)]
     return np.ascontiguousarray(np.concatenate(drawn).T)
 
@@ -271,7 +271,7 @@ def _drawn(form: Any, parameter: Quantity, nominal: float | None, share: FloatAr
 
 
 def _between(form: Mapping[str, Any], parameter: Quantity, share: FloatArray) -> Column:
-    """An even distribution between two ends, or one whose logarithm is even."""
+    """A uniform distribution between two ends, or one whose logarithm is uniform."""
     label = f"sample.{parameter.name}"
     low, high = (parameter.read(f"{label}.{end}", form.get(end)) for end in _ENDS)
     if not low < high:
@@ -286,7 +286,7 @@ def _between(form: Mapping[str, Any], parameter: Quantity, share: FloatArray) ->
 def _around(
     form: Mapping[str, Any], key: str, parameter: Quantity, nominal: float | None, share: FloatArray
 ) -> Column:
-    """A distribution around the nominal value, even or normal."""
+    """A distribution around the nominal value, uniform or normal."""
     label = f"sample.{parameter.name}"
     if nominal is None:
         raise InvalidValue(

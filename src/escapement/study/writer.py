@@ -1,4 +1,4 @@
-"""Writing a study in bounded memory, so that nothing that was finished is ever lost."""
+"""Writing a study in bounded memory, so that finished blocks are never lost."""
 
 import threading
 import zlib
@@ -32,7 +32,7 @@ class Unfinished(NamedTuple):
 
     cut : how its cases are cut into blocks.
     missing : numbers of the blocks still to be added.
-    resumed, failed : cases taken over; those of them without an answer.
+    resumed, failed : number of cases taken from an earlier run, and of those that failed.
     add : keeps a finished block.
     """
 
@@ -47,25 +47,24 @@ class Unfinished(NamedTuple):
 def study_writer(
     path: AnyPath, frame: Study, *, numerics: str = "", force: bool = False, resume: bool = False
 ) -> Iterator[Unfinished]:
-    """Keep finished blocks in a journal, and make the file of them when all are there.
+    """Keep finished blocks in a journal, and make the file from them when all are there.
 
-    Blocks may come in any order. Leaving the `with` block early, for whatever reason,
-    leaves the file as it was and the blocks for a later `resume`.
+    Blocks may come in any order. If the `with` block is left early, the file is unchanged and the
+    blocks are kept for a later `resume`.
 
     Parameters
     ----------
     path : path
         File to create; its suffix is one of `files.STUDIES`.
     frame : Study
-        Everything but the results, of which names and types count.
+        Everything except the results, of which only names and types are used.
     numerics : str
         Differs whenever a version of this package may compute other results.
     force : bool
         Replace an existing file, once the new one is complete; without `resume`,
         drop existing partial results.
     resume : bool
-        Take over what partial results there are. A complete file of the same study
-        is left alone.
+        Use partial results, if there are any. A complete file of the same study is not changed.
 
     Raises
     ------
@@ -79,7 +78,7 @@ def study_writer(
     """
     target, cut = files.check_target(path, force or resume), blocks_of(frame)
     suffix = tables.check_format(path)
-    # killed processes leave it behind, and the next one of the same output removes it
+    # a killed process leaves it, and the next process with the same output removes it
     temporary = files.temporary_path(target, f"{zlib.crc32(target.name.encode()):016x}")
     with ExitStack() as stack:
         with files.creating(path):
@@ -89,7 +88,7 @@ def study_writer(
             old = resume and not force and target.exists()
             known = tables.failed_rows if suffix in _WRITERS else failed_cases
             complete = known(target, frame) if old else None
-            # a complete CSV is computed again, because it does not say what it is of
+            # a complete CSV is computed again, because it does not contain its study
             again = old and suffix == tables.CSV
             if complete is None:
                 files.check_target(path, force or again)
@@ -120,7 +119,7 @@ def study_writer(
 
 
 def write_study(study: Study, path: AnyPath, *, force: bool = False) -> None:
-    """Write a study, as HDF5 or as a table, which the suffix tells; errors as `study_writer`."""
+    """Write a study as HDF5 or as a table, depending on the suffix; errors as `study_writer`."""
     cut = blocks_of(study)
     flat = {name: values.reshape(-1) for name, values in study.results.items()}
 
@@ -136,7 +135,7 @@ def write_blocks(
 ) -> None:
     """Write all blocks of a study in their order, and put the file in place.
 
-    It runs in a thread of its own, where Ctrl-C never strikes HDF5; an interruption ends the
+    It runs in a separate thread, so that Ctrl-C never interrupts HDF5; an interruption ends the
     thread before its next block.
 
     Raises
