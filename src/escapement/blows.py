@@ -18,8 +18,7 @@ _NEARLY_DEAD = 0.01
 _ONE_PLACE = 0.01
 """Stops this close together [rad] are one jam, in which the driver trembles."""
 _SAMPLES = 4000
-"""Number of times in an engagement at which jams are searched for; a jam lasts much longer than
-one step."""
+"""Times in an engagement at which jams are searched for; a jam lasts much longer than a step."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -149,8 +149,7 @@ class _Lines:
 
 
 def _read(lines: _Lines, find: Callable[[str], _Layout], default: str, plain: bool) -> Columns:
-    """Both columns, with `plain` numbers or any allowed field; an error belongs to the last
-    line."""
+    """Both columns, of `plain` numbers or any allowed field; an error is in the last line."""
     rows = iter(lines)
     separator, header, width, places, units = find(next(rows))
     if header:

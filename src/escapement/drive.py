@@ -87,8 +87,7 @@ def torque_at(theta, scene):
 
 @jit
 def next_knot(theta, end, scene):
-    """Driver angle of the first knot after `theta` in the cell, or the end if that comes
-    first."""
+    """Driver angle of the first knot after `theta` in the cell, or the end if that is nearer."""
     if is_constant(scene):
         return end
     start = scene.turned - scene.edges[0]

@@ -68,8 +68,7 @@ def signed_loss(side, scene):
 
 @inner_jit
 def is_ideal(scene):
-    """Whether a thin pin slides towards the axis, and no bearing has friction from the contact
-    force."""
+    """Whether the pin is thin and slides towards the axis, and the journals have no friction."""
     plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
     return plain and (scene.path.table or scene.path.numbers[10] == 0.0)
 

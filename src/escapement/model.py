@@ -383,8 +383,7 @@ class Escapement(Declared):
 
 
 def model_settings() -> dict[str, Setting]:
-    """All declared numbers of an escapement without its mechanism, by the names that studies
-    use."""
+    """All declared numbers of an escapement without its mechanism, by their names in studies."""
     return {**declared(Escapement), **declared(Inertia), **train_numbers()}
 
 

@@ -268,8 +268,7 @@ class Motion(Shown):
 
     @cached_property
     def t(self) -> FloatArray:
-        """Default grid of times [s]: a hundred equally spaced times per engagement, and all
-        events.
+        """Default grid of times [s]: a hundred even steps per engagement, and all events.
 
         The exact times of handoffs, reversals and extrema of the driver speed are among
         them, so that the samples show every peak of `theta_dot` in full, and the start of
@@ -287,8 +286,7 @@ class Motion(Shown):
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
 
     def parts(self) -> "Iterator[Motion]":
-        """A long motion as several motions of some engagements each; a short one is its only
-        part.
+        """A long motion as several parts of some engagements each; a short one is its only part.
 
         Their times and angles are those of the whole; the end of each is the start of the next.
         """

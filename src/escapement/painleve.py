@@ -101,8 +101,7 @@ def margin(theta, scene):
 
 @jit
 def least_margin(scene, low, high):
-    """Least `margin` between two driver angles, or the lever arm of the other side if that is <
-    0.
+    """Least `margin` between two driver angles, or the other side's lever arm if that is < 0.
 
     The minimum is bracketed on an even grid and found by golden section.
     """
@@ -134,8 +133,7 @@ def least_margin(scene, low, high):
 
 @inner_jit
 def beyond_painleve(scene):
-    """Whether friction is at or above the Painleve limit, for any direction of power in the
-    trains."""
+    """Whether friction reaches the Painleve limit for any direction of power in the trains."""
     if not is_lossy(scene):
         return _beyond(scene)
     count = 0
@@ -228,8 +226,7 @@ def _rubbed(scene, friction):
 
 @jit
 def _friction_limit(scene, low, high, most):
-    """Least friction in the slot at which the margin vanishes between two driver angles, up to
-    `most`.
+    """Least friction in the slot, up to `most`, at which the margin vanishes between two angles.
 
     It is found by the Illinois variant of the rule of false position.
     """

@@ -96,8 +96,7 @@ class Setting:
         return self.slotted is None or self.slotted is not meshed
 
     def idle(self, value: Any) -> bool:
-        """Whether `value` is a zero that need not be shown, such as that of a bearing without
-        friction."""
+        """Whether `value` is a zero that need not be shown, as of a bearing without friction."""
         told = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
         plain = isinstance(self.default, str) and not self.required and value == self.default
         return plain or (not told and value == self.default == 0.0)
@@ -115,7 +114,7 @@ class Setting:
         return self.check(label, text)
 
     def to_si(self, values: Any) -> Any:
-        """Values that were read, in SI; values without a unit, such as whole numbers, are
+        """Values that were read, in SI; those without a unit, such as whole numbers, are
         unchanged."""
         scale = units.factor(self.unit, self.system)
         return values if scale == 1.0 else values * scale

@@ -1,5 +1,4 @@
-"""Root finding in a bracket for kernels: Newton's method, with bisection where it leaves the
-bracket."""
+"""Root finding in a bracket for kernels: Newton's method, kept inside by bisection."""
 
 from escapement.jit import inner_jit
 

@@ -79,8 +79,7 @@ class Rundown(Shown):
 
     @property
     def rate_errors(self) -> FloatArray:
-        """Rate divided by the rate of the nominal period, minus 1 [-], shape (n,); negative if
-        slow."""
+        """Rate over that of the nominal period, minus 1 [-], shape (n,); negative if slow."""
         return self.nominal_period / self.periods - 1.0
 
     @property

@@ -37,8 +37,7 @@ def execute(args: Arguments) -> int:
 
 
 def summarise(result: "DriveTorque") -> dict[str, Any]:
-    """Numbers that `drive-torque` reports, by JSON key, in SI; one that does not exist is NaN or
-    infinite."""
+    """The reported numbers by JSON key, in SI; one that does not exist is NaN or infinite."""
     from escapement.constant_speed.extrema import limits_without_reversal
 
     try:

@@ -170,8 +170,7 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
 
 
 def _residual(motion: "esc.Motion") -> float:
-    """Residual of the energy balance, as a share of the work; for a long motion this takes a
-    while."""
+    """Residual of the energy balance as a share of the work; a long motion takes a while."""
     from escapement.ledger import ledger_of
     from escapement.progress import Progress
 

@@ -48,8 +48,7 @@ def _with_forms(configuration: Mapping[str, Any], change: Any) -> dict[str, Any]
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
-    """The first difference of the configurations or attributes of two studies; "" if there is
-    none."""
+    """The first difference of two configurations or sets of attributes; "" if there is none."""
     parts = ("configuration", "attributes")
     return next(filter(None, (_first_difference(there[part], here[part]) for part in parts)), "")
 

@@ -26,7 +26,7 @@ from escapement.study.configuration import difference
 from escapement.study.result import Study
 
 SYNC_EVERY = 1.0
-"""Seconds of finished work that a crash of the machine may cost; a crash of the process costs
+"""Seconds of finished work that a crash of the machine may cost; one of the process costs
 none."""
 
 _PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet

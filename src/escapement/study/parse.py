@@ -61,8 +61,7 @@ def load_plan(path: AnyPath) -> StudyPlan:
 
 
 def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
-    """The plan of a study file, and its tables that do not belong to the study; errors as
-    above."""
+    """The plan of a study file, and its tables that are not part of it; errors as above."""
     check_input(path, "study file")
     try:
         # editors on Windows begin a file with a byte order mark

@@ -46,8 +46,7 @@ class Options(TypedDict, total=False):
 
 
 class Tally(NamedTuple):
-    """Summary of a run: its cases, those that could not be computed, those taken from an earlier
-    run."""
+    """Summary of a run: numbers of cases, of failed ones, and of those from an earlier run."""
 
     cases: int
     failed: int

@@ -72,8 +72,7 @@ class SharedScenes(NamedTuple):
 
 
 def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
-    """The scenes to solve before the blocks of a plan; None if that saves no time or is
-    impossible."""
+    """The scenes to solve before the blocks of a plan; None if that is useless or impossible."""
     deciding = {*plan.parameters}
     if not any(np.any(plan.every(name)) for name in (SPEED, *TORQUES) if name in deciding):
         deciding -= {TORQUE, SPEED, *TORQUES}
@@ -204,8 +203,7 @@ def _extent(plan: StudyPlan) -> int:
 def _in_order(
     plan: StudyPlan, mechanism: Any, found: dict[str, FloatArray], cases: NDArray[np.int64]
 ) -> FloatArray:
-    """The figures that a study keeps, from those of the kernels and those computed case by
-    case."""
+    """The figures that a study keeps, from the kernels and from each case separately."""
     found["velocity_mean"] = mechanism.cell_angle / found["period"]
     found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
     others = [name for name in plan.results if name in FIGURES and name not in found]

@@ -11,7 +11,7 @@ are the units of inertia, torque and time); in brackets the names they have in t
     rho     I_d/I_f, inertia of the driver                   (scene.rho)
     mu      loss of the side s: friction, or from eta        (scene.mu_plus, mu_minus)
     s       side of the slot that carries the force, +-1     (side)
-    p       g + s mu |u|, ratio as friction bends it         (dynamics.effective_ratio)
+    p       g + s mu |u|, effective ratio                    (dynamics.effective_ratio)
     J       rho + g p, reduced inertia J_s, positive         (dynamics.reduced_inertia)
     X       rho (g' w + load) + g = J N R; s = sign X        (dynamics.contact)
     E       (rho + g^2) w, twice the kinetic energy          (energy)

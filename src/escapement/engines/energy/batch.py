@@ -45,7 +45,7 @@ def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, extent, table
         drive = (shared.torque, shared.turned)
         scene, known = Scene(shared.path, shared.edges, shared.dwell, *drive, *own), cells
         if scene.pin > 0.0:
-            # a pin with width has breaks of its own, between which nothing is tabulated
+            # a pin with a radius has its own breaks, between which nothing is tabulated
             edges = slide_edges(shared.path, scene.pin, shared.edges)
             scene, known = Scene(shared.path, edges, shared.dwell, *drive, *own), none
         # at the Painleve limit J_s reaches zero, and the march would divide by it
@@ -66,8 +66,8 @@ def solve(
     mechanism : Mechanism
         Shared by all scenes.
     numbers : ndarray, shape (k, n)
-        A column a scene: what `natural.natural` gives, and the squared driver speed at the
-        first entry in units of torque / I_f [-].
+        One column for each scene: the result of `natural.natural`, and the squared driver speed
+        at the first entry in units of torque / I_f [-].
     rtol : float
         Relative error asked for.
     extent : int
@@ -81,7 +81,7 @@ def solve(
         Values of `Status`.
     """
     if getattr(mechanism, "pin_radius", 0.0):
-        # each scene has a pin of its own
+        # each scene has its own pin
         mechanism = replace(mechanism, pin_radius=0.0, roller_radius=0.0)  # type: ignore[type-var]
     rows = np.ascontiguousarray(numbers.T, dtype=float)
     table = np.empty((len(rows), FIGURES))
@@ -93,6 +93,6 @@ def solve(
     cells = cells_of(path, edges)
     fixed = kernel_addresses(), scene_tuple, cells, NO_CELLS
     solve_rows(*fixed, rows, rtol, np.int64(extent), table, status)
-    # of a stall the table holds its angle and engagement, which are no figures of merit
+    # for a stall the table holds its angle and engagement, which are not figures of merit
     table[status != OK] = np.nan
     return table, status

@@ -1,4 +1,4 @@
-"""g, u, g' and R on the panels that most scenes need, evaluated once an escapement or study.
+"""g, u, g' and R on the panels that most scenes need, evaluated once per escapement or study.
 
 Panels come from halving the intervals between the edges of a scene, so the first of them are
 known before any motion is. Cell 1 is a whole interval, and cells 2k and 2k + 1 are the halves
@@ -17,7 +17,7 @@ from escapement.scene import Path
 CELL = record_dtype({"g": ROW, "u": ROW, "dg": ROW, "radius": ROW, "entry": END, "exit": END})
 """g, u, g' and R at the Gauss points, and at the two ends of a cell."""
 NO_CELLS = np.empty((1, 0), CELL)
-"""Cells of a mechanism of which nothing is tabulated."""
+"""Cells of a mechanism without tabulated values."""
 
 
 @jit

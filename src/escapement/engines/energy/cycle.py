@@ -28,9 +28,9 @@ COLUMNS = (
 """Figures of merit that the kernels compute, in the order of their columns."""
 FIGURES = len(COLUMNS)
 V_MAX, V_MIN, PERIOD, HANDOFF, CONTRACTION, RISE, SETTLING, RISE_63, RISE_98 = range(FIGURES)
-# A share of E that friction takes is rounding where it is below this.
+# A share of E lost by friction is rounding if it is below this.
 NO_LOSS = 1e-12
-# So many engagements are followed, without Newton's method, after it has overshot into a stop.
+# Number of engagements that are followed without Newton's method after it overshot into a stop.
 FOLLOWED = 20
 
 
@@ -90,8 +90,8 @@ def newton_step(w, found, scene, ends, has_turned):
 def extrapolate(w, better, before):
     """Fixed point extrapolated from two steps of Newton's method.
 
-    The error behind a step is in proportion to the square of the error before it. Where the
-    second step was not much shorter than the first, `better` is returned as it is.
+    The error after a step is proportional to the square of the error before it. If the second
+    step was not much shorter than the first, `better` is returned unchanged.
     """
     # the errors before the two steps, measured from the best w that is known
     was, now = before.w - better, w - better

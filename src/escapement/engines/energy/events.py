@@ -1,7 +1,7 @@
 """The events of an engagement that a march notes: reversals, extrema and breaks.
 
-An extremum is noted together with the values at the points of its panel. Its speed is known
-roughly at once; `refine` makes it exact, which most extrema of a transient never need.
+An extremum is noted together with the values at the points of its panel. Its rough speed is known
+at once; `refine` makes it exact, which is not needed for most extrema of a transient.
 """
 
 from enum import IntEnum
@@ -126,7 +126,7 @@ def note_extremum(scene, events, used, kind, work, panel, found, high):
     copy_row(event.slowness, work.slowness, count)
     point = found.point
     if point == 0 or point == N or POINTS[point] >= high:
-        # it lies beside an end and not between two points, so that there is no cubic to read
+        # it lies beside an end and not between two points, so that there is no cubic
         event.w = np.nan
     else:
         event.w = _rough_square(scene, work, panel, solution_of(panel, found.side), point)

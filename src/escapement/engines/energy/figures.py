@@ -30,9 +30,9 @@ from escapement.metrics import (
     SETTLING_BAND,
 )
 
-# Of a transient so many events are kept until the terminal cycle is known.
+# Greatest number of events of a transient that are kept until the terminal cycle is known.
 KEPT_EVENTS = 256
-# The terminal cycle is looked for after so many engagements, settled or not.
+# The terminal cycle is searched for after this many engagements, settled or not.
 LATEST_SEARCH = 40
 
 
@@ -60,11 +60,11 @@ def figures(case, handoffs, w, rtol, extent, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, and its extrema are
-    kept, and so are its `handoffs`. Newton's method finds the terminal cycle from there. What
-    was kept is then compared with that cycle, and the motion is followed further until all that
-    `extent` asks for is known. On a stall out[0] is the driver angle and out[1] the engagement;
-    both are NaN where a motion without friction loses energy in every engagement, which
-    `escapement.terminal` tells first.
+    kept, and so are its `handoffs`. Newton's method finds the terminal cycle from there. The kept
+    events are then compared with that cycle, and the motion is followed further until everything
+    that `extent` requires is known. On a stall out[0] is the driver angle and out[1] the
+    engagement; both are NaN where a motion without friction loses energy in every engagement,
+    which `escapement.terminal` tells first.
     """
     scene, events = case.scene, case.events
     start, handoffs[0, 0], handoffs[0, 1] = w, 0.0, w
@@ -130,7 +130,7 @@ def figures(case, handoffs, w, rtol, extent, out):
 
 @inner_jit
 def _take_stock(case, start, handoffs, k, used, rtol, out):
-    """Compare all that was kept with the cycle; returns how many extrema are in the band."""
+    """Compare all kept events with the cycle; returns how many extrema are in the band."""
     for i in range(k + 1):
         note_fall(start, handoffs, i, rtol, out)
     return _judge(case, NO_EVENTS, used, NO_EVENTS, out)
@@ -166,7 +166,7 @@ def note_fall(start, handoffs, k, rtol, out):
 
 @inner_jit
 def _first_guess(w, step, before, following):
-    """The w from which the terminal cycle is looked for."""
+    """The w from which the search for the terminal cycle starts."""
     if not step.w > 0.0:
         return following
     if step.sound and before.better != before.w:
@@ -185,7 +185,7 @@ def _stopped(found, k, out):
 
 @inner_jit
 def _worth_seeking(scene, w, step, k, used, events):
-    """Whether the terminal cycle is looked for after engagement k.
+    """Whether the terminal cycle is searched for after engagement k.
 
     That is when the entry speed is within twice the settling band of its terminal value, since
     this engagement may be the first that is settled. It is also after LATEST_SEARCH

@@ -61,7 +61,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
     inertia = transmission_at(scene.path, scene.edges[0])[0] ** 2 + scene.rho
     ends_equal = inertia == transmission_at(scene.path, scene.edges[-1])[0] ** 2 + scene.rho
     start, steady_gain = w, is_constant(scene) and is_lossless(scene)
-    # the number of the engagement, of the first behind a knot, and of the next to try a series
+    # the numbers of the engagement, of the first after a knot, and of the next to try a series
     k, line, attempt = np.int64(0), np.int64(0), np.int64(0)
     while k < times.size:
         scene = cell_after(k * cell, scene)
@@ -95,7 +95,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         if cell == 0.0:
             continue
         line = k if found.panels == NO_PANELS else line
-        # so many engagements forget what was before them
+        # after this number of engagements the start has no influence
         lead = np.int64(FORGOTTEN / max(found.exponent, SMALL_EXPONENT)) + 2
         if k >= attempt and k - line >= lead:
             most = times.size - k

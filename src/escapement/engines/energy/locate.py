@@ -177,14 +177,14 @@ class AfterReversal(NamedTuple):
 def pass_reversal(scene, work, panel, side, reversal, strict, trend, source):
     """Go from the reversal to the right end with the solution of the other side.
 
-    The solutions of both sides are smooth over the whole panel. The motion follows that of s
-    up to the reversal and that of -s behind it; the weights in the workspace, which are those
-    of the reversal, give both there.
+    The solutions of both sides are smooth over the whole panel. The motion follows that of s up
+    to the reversal and that of -s after it; the weights in the workspace, which are those of the
+    reversal, give both there.
 
     Parameters
     ----------
     side : s before the reversal.
-    reversal : the first point behind it.
+    reversal : the first point after it.
     strict : tail allowed for values inside the panel.
     trend : sign of theta_ddot at the reversal where extrema matter, otherwise 0.
     source : of the map up to the left end, see `AfterReversal`.

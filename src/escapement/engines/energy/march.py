@@ -1,8 +1,8 @@
 """One engagement in the driver-angle domain, panel by panel.
 
-The march halves a panel that is too coarse for what it meets there (a reversal, an extremum,
-a start from rest, a near stop) and goes on with the left half. The scene thus makes the chain
-of panels as fine as it needs, and later engagements use the same chain again.
+The march halves a panel that is too coarse for an event in it (a reversal, an extremum, a start
+from rest, a near stop) and goes on with the left half. The chain of panels thus becomes as fine
+as the scene needs, and later engagements use the same chain again.
 
 A panel is passed in steps: `_choose` between it and the spare panel of a start, `_pass_over` it
 to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` what happens in it,
@@ -60,12 +60,12 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     ----------
     scene : Scene
     cells : as `tabulate_cells` makes them for the scene's path.
-    store, count : memory, and number of panels in use. The chain is laid out where there is
-        none. It is laid out anew where it has grown too long, as many engagements whose
-        reversals lie at different angles make it.
+    store, count : memory, and number of panels in use. The chain is laid out if there is none. It
+        is laid out again if it has grown too long after many engagements with reversals at
+        different angles.
     request : Request
     w : squared driver speed at entry.
-    rising : sign of theta_ddot before the entry, 0 where nothing came before.
+    rising : sign of theta_ddot before the entry, 0 at the start of the motion.
     events, used : array of `EVENT` to be filled from row `used` on. The march ends with
         NOT_CONVERGED when the array is full.
 
@@ -73,7 +73,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     -------
     Engagement
     """
-    # where the torque has a knot in this cell, the chain is for this cell alone
+    # if the torque has a knot in this cell, the chain is for this cell only
     own, lossy = scene, is_lossy(scene)
     knotted = has_knot(scene)
     if knotted or count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
@@ -92,7 +92,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
         return _found(STALL, state, first.left, 0.0, count)
     if lossy:
-        # beside the march E is that of the scene without losses in its trains
+        # outside the march E is that of the scene without losses in its trains
         state = _turned(state, first.entry.g, own.rho, scene.rho)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]
@@ -146,7 +146,8 @@ def _enter(scene, panel, w, rising, used):
 
 @inner_jit(inlined=True)
 def _turned(state, g, rho, after):
-    """MarchState where power turns back through a train, which changes rho in E = (rho + g^2) w."""
+    """MarchState where power in a train changes direction, and with it rho in E = (rho + g^2)
+    w."""
     ratio = (after + g * g) / (rho + g * g)
     return MarchState(
         state.panel, state.w, state.w * (after + g * g), state.side, state.rising, state.time,
@@ -161,7 +162,8 @@ def _choose(scene, work, panel, state, request):
     shifted = solution.pull != panel.entry.pull
     if state.w > 0.0 and (solution.tail == panels.UNSOLVED or shifted or is_viscous(scene)):
         solve_side(scene, work, panel, state.side, state.energy)
-    # 1/sqrt(w) is singular at rest, and nearly so where E is small against what the panel adds
+    # 1/sqrt(w) is singular at rest, and nearly so if E is small compared with its gain in the
+    # panel
     if state.w == 0.0 or state.energy <= START_SHARE * solution.beta_end:
         return solve_start(scene, work, panel, state.side, state.w, request.strict)
     return False
@@ -169,7 +171,7 @@ def _choose(scene, work, panel, state, request):
 
 @inner_jit(inlined=True)
 def _pass_over(scene, work, panel, starting, state, request):
-    """Go to the right end of a panel, and look for a reversal or a stop on the way."""
+    """Go to the right end of a panel, and search for a reversal or a stop on the way."""
     side, w = state.side, state.w
     solution = panels.solution_of(panel, side)
     tail = solution.tail
@@ -220,7 +222,7 @@ def _pass_over(scene, work, panel, starting, state, request):
         split, reversal = _single_reversal(
             work, panel, against, left, right, negligible, starting or tail > request.strict
         )
-        # what turns back after a reversal would not be seen
+        # a change of direction after a reversal would not be detected
         split |= reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN
     if not split:
         passed, split = _time_over(
@@ -239,7 +241,7 @@ def _map_will_do(scene, panel, request, right, w_right):
 
 @inner_jit(inlined=True)
 def _stops(panel, way, w, after, time, energy):
-    """The passage to a stop, which lies a short way behind the left end of a panel.
+    """The passage to a stop, which lies a short way after the left end of a panel.
 
     With constant deceleration w changes linearly to its value `after`, and the time is the way
     over the mean speed.
@@ -258,11 +260,11 @@ def _turns_free(scene, panel):
 
 @inner_jit(inlined=True)
 def _single_reversal(work, panel, against, left, right, negligible, rough):
-    """Whether a panel must be halved for its reversals, and the first point behind its
-    one reversal, `NOWHERE` without one.
+    """Whether a panel must be halved for its reversals, and the first point after its one
+    reversal, `NOWHERE` without one.
 
-    A panel may hold one reversal, so that s X <= 0 at all points behind it and at the right
-    end. A panel that is `rough` may hold none, since values inside it are not accurate.
+    A panel may hold one reversal, so that s X <= 0 at all points after it and at the right end. A
+    panel that is `rough` may hold none, since values inside it are not accurate.
     """
     reversal = sampling.first_against(work)
     split = rough or N - reversal != against or right > 0.0
@@ -387,7 +389,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
             scene, work, panel, state.side, reversal, request.strict, trend, state.source
         )
         if trend == 0.0 and request.detail > Detail.TIME:
-            # there the sign of theta_ddot behind it is not known before, but it must not change
+            # there the sign of theta_ddot after it is not known before, but it must not change
             for i in range(reversal + 1, N):
                 split |= work.net_torque[i] * work.net_torque[i - 1] < 0.0
     return Inside(split or not after_reversal.good, used, after_reversal)

@@ -3,8 +3,8 @@
 A panel holds values at 16 Gauss points, x in [-1, 1] from its left end to its right end.
 The tail of a function on a panel is the size of its last two Legendre coefficients, which
 estimates the error of interpolating it. Integrals over the whole panel converge twice as fast
-as interpolation inside it, so they tolerate a larger tail. A panel is halved when its tail is
-too large for what is asked of it.
+as interpolation inside it, so they tolerate a larger tail. A panel is halved when its tail is too
+large for the requested results.
 
 The panels of an engagement form a chain from left to right. The workspace is one record for
 the values that are needed on a single panel at a time.
@@ -106,14 +106,14 @@ class Store(NamedTuple):
 
 
 UNSOLVED = -1.0
-# The flow of a panel that must be filled anew.
+# The flow of a panel that must be filled again.
 NO_FLOW = -2.0
 # A Python integer would have a type of its own in Numba, which would compile every kernel that
 # is given one a second time; these have the type of all other integers in kernels.
 FIRST_PANEL, CHAIN_END = np.int64(0), np.int64(-1)
 NO_PANELS = np.int64(0)
 MAX_PANELS = np.int64(2048)
-# The sliding at an end is taken by this share of the way to the nearest point inside.
+# The sliding speed at an end is evaluated this share of the way to the nearest point inside.
 INWARDS = 1e-10
 # The tail of 1/(rho + g^2) must be below this share of the tail allowed, because with much
 # friction A, B and E are rougher than the geometry from which they are made.
@@ -235,7 +235,7 @@ def turn_to(store, scene):
     index = FIRST_PANEL
     while index != CHAIN_END:
         fill_pull(store.panels[index], scene, points_of(store.workspace[0]))
-        # trains pass another share of the torque in each flow
+        # trains pass on another share of the torque in each flow
         store.panels[index].flow = NO_FLOW if is_lossy(scene) else scene.flow
         index = store.panels[index].next
 
@@ -246,8 +246,8 @@ def finish_ends(panel, scene):
     for end in (panel.entry, panel.exit):
         end.dg = dragged_slope(end.g, end.dg, scene)
     if not (panel.locked or is_ideal(scene)):
-        # with journals theta_ddot jumps where the contact point changes its way, so that rounding
-        # must not decide on which side of that place an end lies
+        # with friction in journals theta_ddot jumps where the sliding reverses, so rounding must
+        # not decide on which side of that place an end lies
         panel.entry.u += INWARDS * (panel.u[0] - panel.entry.u)
         panel.exit.u += INWARDS * (panel.u[N - 1] - panel.exit.u)
 

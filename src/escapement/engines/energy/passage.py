@@ -8,11 +8,11 @@ import numpy as np
 from escapement.engines.energy.locate import AfterReversal
 
 NOWHERE = np.int64(-1)
-"""The index of a point where there is none."""
+"""The index that stands for no point."""
 
 
 class Detail(IntEnum):
-    """How much a march is asked for; each member includes those before it.
+    """The results that a march computes; each member includes those before it.
 
     MAP: the map from w at entry to w at exit. It misses a pair of reversals inside one panel.
     TIME: the time as well, and such pairs; reversals are counted and not located. EXTREMA: the
@@ -26,7 +26,7 @@ class Detail(IntEnum):
 
 
 class Request(NamedTuple):
-    """What a march is asked for, and how accurately.
+    """The requested results of a march, and their accuracy.
 
     detail : a `Detail`.
     loose, strict : tails allowed in a panel for integrals over the whole panel, and for
@@ -44,7 +44,7 @@ class MarchState(NamedTuple):
     panel : index of the panel in the store.
     w, energy : theta_dot^2, and E = (rho + g^2) w.
     side : s, the side of the slot that carries the force.
-    rising : sign of theta_ddot just before, 0 where nothing came before; it is kept only from
+    rising : sign of theta_ddot just before, 0 at the start of the motion; it is kept only from
         Detail.EXTREMA on.
     time : since the entry.
     exponent, source : of the affine map E = exp(-exponent) E_entry + source to here.
@@ -73,7 +73,7 @@ class Passage(NamedTuple):
     energy, w, contact : E, w and s X at the right end; where there is a reversal, as if s had
         not changed.
     time : from the entry to the right end, or to the stall; with Detail.MAP to the left end.
-    reversal : first point behind a pin reversal, `NOWHERE` without one.
+    reversal : first point after a pin reversal, `NOWHERE` without one.
     slowing : number of points at which theta_ddot <= 0.
     left_contact : s X at the left end.
     """
@@ -91,10 +91,10 @@ class Passage(NamedTuple):
 
 
 class SpeedExtremum(NamedTuple):
-    """The extremum of the driver speed that a panel holds, if it holds one.
+    """The extremum of the driver speed in a panel, if there is one.
 
     split : whether the panel must be halved first.
-    point : the point behind the extremum, `NOWHERE` without one.
+    point : the first point after the extremum, `NOWHERE` without one.
     first, final : J theta_ddot at the left end, and at the right end or reversal.
     time, energy, side : time since the entry and E at the left end, and s.
     coarse : whether the panel is too coarse for interpolation inside it.
@@ -111,7 +111,7 @@ class SpeedExtremum(NamedTuple):
 
 
 class Engagement(NamedTuple):
-    """The result of a march over one engagement and the dwell behind it.
+    """The result of a march over one engagement and the dwell after it.
 
     status : a value of `Status`.
     w : theta_dot^2 at the end of the cell.

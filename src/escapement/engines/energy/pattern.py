@@ -1,8 +1,8 @@
 """Engagements that differ: a motion with imperfect parts.
 
-Each engagement of the pattern has a scene of its own, which `march` takes from its entry to its
-exit and over the dwell. Where the next pin strikes, a part of the speed is left: a blow is a
-linear map of w.
+Each engagement of the pattern has its own scene, over which `march` goes from the entry to the
+exit and over the dwell. If the next pin strikes, a part of the speed is left: a blow is a linear
+map of w.
 """
 
 from typing import Any, NamedTuple
@@ -22,16 +22,16 @@ from escapement.mechanisms.slotted import transmission_at
 from escapement.painleve import beyond_painleve
 from escapement.scene import Scene
 
-# The panels of so many engagements are kept; those of a longer pattern are laid out every time.
+# The panels of this many engagements are kept; those of a longer pattern are laid out every time.
 MOST_CHAINS = 16
-# An engagement of a pin has four edges at most, see `events.most_events`.
+# An engagement of a pin has at most four edges, see `events.most_events`.
 MOST_EVENTS = 32
-# A motion that has not settled after so many engagements gets no settling time.
+# A motion that has not settled after this many engagements gets no settling time.
 LONGEST_TRANSIENT = 10_000
 
 
 class Finals(NamedTuple):
-    """What a passage tells of each engagement: a column each.
+    """Results of a passage for each engagement, one column each.
 
     low, top : least minimum and greatest maximum of the driver speed, NaN without one.
     time : from its start to the start of the next one.
@@ -46,7 +46,7 @@ class Finals(NamedTuple):
 
 
 class Case(NamedTuple):
-    """What the marches of one pattern share.
+    """Data that the marches of one pattern share.
 
     addresses, shared, none : as `calls.prepared` gives them, of any engagement, and no cells.
     meetings : array of `mechanisms.pattern.MEETING`.
@@ -89,8 +89,8 @@ def memory(size):
 
 @inner_jit(allocates=True)
 def case_of(addresses, shared, none, meetings, store, counts, events):
-    """What the handoffs of a pattern leave of w, with the memory that `memory` gives; its status
-    as well.
+    """Shares of w that the handoffs of a pattern leave, with the memory that `memory` gives; and
+    a status.
     """
     size = meetings.size
     for i in range(counts.size):

@@ -18,7 +18,7 @@ from escapement.engines.energy.pattern import engage, scene_in
 from escapement.jit import inner_jit
 from escapement.metrics import MAX_ENGAGEMENTS
 
-# So many steps of Newton's method are taken from one speed of the motion.
+# Number of steps of Newton's method that are taken from one speed of the motion.
 MOST_STEPS = 25
 
 
@@ -116,7 +116,7 @@ def find_cycle(case, w, rtol):
     """The w with which the pattern begins in the terminal cycle, from a motion that starts with w.
 
     The motion itself is followed, and after 1, 2, 4, .. rounds Newton's method is tried from
-    there, so that a motion that stalls on the way to its terminal cycle is told.
+    there, so that a motion that stalls on the way to its terminal cycle is detected.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Figures of merit of many scenes with imperfect parts, each a pattern of its own."""
+"""Figures of merit of many scenes with imperfect parts, each with its own pattern."""
 
 from typing import Any
 
@@ -196,7 +196,7 @@ def solve(
     Parameters
     ----------
     wheel : ImperfectWheel
-        The wheel that all would be without errors.
+        The wheel of all scenes, without errors.
     errors : tuple of ndarray, shapes (n,), (n, m, 2) and (n, k, 2)
         `longer`, `pins` and `slots` of each scene, as `mechanisms.pattern.lay_pattern` takes them.
     numbers, rtol, extent

@@ -1,7 +1,8 @@
 """The greatest accelerations, contact moment and contact force of a piece of a motion.
 
-They are looked for on the panels on which `pieces.states_in` solves the piece: at the ends and
-Gauss points first, and then between the neighbours of a point that may be next to the greatest.
+They are searched for on the panels on which `pieces.states_in` solves the piece: first at the
+ends and Gauss points, and then between the neighbours of each point that may be next to the
+greatest value.
 """
 
 from escapement.drive import torque_at
@@ -22,7 +23,7 @@ from escapement.mechanisms.slotted import pose_at
 from escapement.power_flow import weight
 
 PEAKS = ("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max")
-"""What is looked for, in the order of the peaks."""
+"""Names of the peaks, in their order."""
 GOLDEN = 0.6180339887498949
 # Golden section ends at this width of x: the error of a peak is in proportion to its square.
 CLOSE = 1e-6

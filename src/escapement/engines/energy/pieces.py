@@ -1,8 +1,8 @@
 """The motion between the handoffs: its events, and its states at given times.
 
 A piece is a part of the motion with one side of the slot. For its states it is solved again on
-panels of its own, fine enough for interpolation, and time as a function of the angle is
-inverted. The figures of merit need none of this.
+separate panels, fine enough for interpolation, and time as a function of the angle is inverted.
+The figures of merit need none of this.
 """
 
 from collections.abc import Sequence
@@ -43,13 +43,13 @@ MOTION_EVENT = record_dtype(
 the cell, and w; at an entry also s, and 0 elsewhere."""
 
 ONE = np.int64(1)
-# One engagement gets memory for so many events, and for four more at every edge.
+# One engagement gets memory for this many events, and for four more at every edge.
 _ROOM = 64
-# A piece is halved at most so many times, one half inside the other.
+# Greatest number of times that a piece is halved, one half inside the other.
 _HALVINGS = 80
 # The acceleration is constant over an angle of at most this much [rad].
 _SHORTEST = 1e-12
-# A piece is solved on at most so many panels; a few hundred do even next to a stop.
+# Greatest number of panels of a piece; a few hundred suffice even next to a stop.
 _MOST_PANELS = 20_000
 
 
@@ -235,7 +235,7 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
 
 @inner_jit
 def _forget(since, times, theta, squares, losses):
-    """Make the states from a time on unknown, and with them the work lost."""
+    """Set the states from a time on, and the work lost, to NaN."""
     losses[:] = np.nan
     for j in range(times.size):
         if not times[j] < since:
@@ -303,7 +303,7 @@ def follow(
     Parameters
     ----------
     scenes : sequence of Scene
-        Those of the engagements after which all repeats itself.
+        The scenes of the engagements of one pattern.
     places : ndarray of int, shape (n,)
         Of each piece, which of them is its own.
     pieces : ndarray, shape (n, 5)

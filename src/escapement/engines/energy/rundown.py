@@ -1,9 +1,9 @@
 """A long run-down: its engagements as smooth functions of the angle turned.
 
-Where the torque falls along a line and the start of the motion is forgotten, the time of an
-engagement and the w behind it depend on the torque alone, and smoothly. A Chebyshev series
-through a few engagements then gives thousands. Each of these is marched to from a few before
-it, over which friction takes what was wrong with the first w.
+If the torque falls linearly and the influence of the start has died out, the time of an
+engagement and the w after it depend only on the torque, and smoothly. A Chebyshev series through
+a few engagements then gives thousands. The march to each of these few begins some engagements
+earlier, over which friction removes the error of the first w.
 """
 
 from typing import NamedTuple
@@ -19,21 +19,21 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.jit import inner_jit
 
 NODES = 16
-# A deviation of w is forgotten where the exponents of the engagements add up to this.
+# A deviation of w has no influence left once the exponents of the engagements add up to this.
 FORGOTTEN = 36.0
-# A series must give so many engagements for each that is marched, and the map alone takes a
-# fraction of the time.
+# A series must give at least WORTH engagements for each that is marched; a march for the map
+# alone takes 1/MAP_SHARE of the time.
 WORTH, MAP_SHARE = 2, 3
-# A place between two nodes, at which the series are judged.
+# A place between two nodes, at which the series are checked.
 BETWEEN = 0.3
 # The share of its torque that a drive may lose over the engagements of a series.
 MOST_FALL = 0.9
-# Of a series, an error below this is rounding.
+# A relative error of a series below this is rounding.
 ROUNDING = 5e-14
 
 
 class Stretch(NamedTuple):
-    """Engagements that series are for: the first one, how many, and how many lead to a node."""
+    """Engagements of a series: the first one, their number, and how many lead to a node."""
 
     first: int
     length: int
@@ -60,7 +60,7 @@ def least_length(lead):
 
 @inner_jit
 def sample(case, request, at, lead, detail, w, count):
-    """March to the engagement `at`, a real number, from w so many before it in some detail.
+    """March to the engagement `at`, a real number, from w at `lead` engagements before it.
 
     Returns the engagement, and the sum of the exponents of those before it.
     """
@@ -80,17 +80,18 @@ def sample(case, request, at, lead, detail, w, count):
 
 @inner_jit
 def fit(case, request, stretch, w, rtol, series):
-    """Fill row 1 of `series` for the w behind an engagement, and row 0 for its time by sqrt(w).
+    """Fill row 1 of `series` for the w after an engagement, and row 0 for its time times sqrt(w).
 
-    Without a load w goes with the torque, and the other does not change with it. x is -1 at
+    Without a load w is proportional to the torque, and the other does not depend on it. x is -1
+    at
     the first engagement and 1 at the last. Returns whether the series hold.
     """
     count = NO_PANELS
     for i in range(NODES + 1):
-        # behind the nodes comes a place between two of them, to judge the series by
+        # after the nodes comes a place between two of them, at which the series are checked
         x = np.cos(np.pi * (i + 0.5) / NODES) if i < NODES else BETWEEN
         at = stretch.first + 0.5 * (stretch.length - 1) * (1.0 + x)
-        # what the map alone may miss shows there
+        # events that the map alone may miss show there
         detail = Detail.MAP if i < NODES else Detail.TIME
         found, forgotten = sample(case, request, at, stretch.lead, detail, w, count)
         count = found.panels
@@ -125,9 +126,9 @@ def value_at(series, row, x):
 
 @inner_jit
 def longest_stretch(case, request, first, most, lead, w, rtol, series):
-    """The longest stretch of engagements from number `first` on that series hold for.
+    """The longest stretch of engagements from number `first` on for which series hold.
 
-    Its length is 0 where none is worth it; `most` is how many are asked for.
+    Its length is 0 if a series is not worth while; `most` is the requested number.
     """
     length = min(line_length(first, case.scene), most)
     while length >= least_length(lead):

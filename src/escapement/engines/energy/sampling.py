@@ -1,8 +1,8 @@
 """The motion at the points of one panel: energy, speed, contact, acceleration and time.
 
 `sample_panel` evaluates them and keeps them in the workspace. The other functions read from
-these values whether the panel holds a reversal, an extremum or a stop; the march decides
-which of these it asks of which panel.
+these values whether the panel holds a reversal, an extremum or a stop; the march decides which of
+these it needs for which panel.
 """
 
 import numpy as np
@@ -26,8 +26,8 @@ FIRST_POINT, ALL_POINTS = np.int64(0), np.int64(N)
 # Values below this share of the driving torque are taken for rounding: next to the stop of a
 # mesh it makes the sign of a vanishing force or acceleration change many times.
 NEGLIGIBLE = 1e-12
-# Two reversals in a panel of at most this half width [rad] are so close that they leave the
-# motion as it is, and are not looked for.
+# Two reversals in a panel of at most this half width [rad] are so close that they do not change
+# the motion, and are not searched for.
 CLOSE_PAIR = 1e-9
 # A panel in which power turns back through a train is halved down to this half width [rad]. There
 # theta_ddot has a corner and does not jump, so that the error of w is of the order of its square.
@@ -95,7 +95,7 @@ def sample_panel(scene, work, panel, solution, side, energy):
 
 @inner_jit
 def turns_back(scene, work, panel, solution, side, w_left, w_right):
-    """Whether power turns back through a train that loses some, on a panel wide enough to matter.
+    """Whether power in a lossy train changes direction, on a panel wide enough to matter.
 
     The panel is the one just sampled; `w_left` and `w_right` are at its ends. Twice between two
     points counts as well.

@@ -32,13 +32,13 @@ from escapement.engines.energy.sampling import bend_at, net_torque_at
 from escapement.gauss import POINTS, N, cumulate, integral, tail_of
 from escapement.jit import inner_jit
 
-# The error of b is judged against at least the decay that this value in place of
-# int 2 |u| g' dtheta would give: next to the rest position of a mesh the true decay is smaller,
-# and what a table gives there is rounding.
+# The error of b is compared with at least the decay that this value instead of int 2 |u| g'
+# dtheta would give: next to a stop of a mechanism without slots the true decay is smaller, and
+# the values of a table there are rounding errors.
 LEAST_DECAY = 1e-9
 # The sums over the Gauss points have this relative rounding error.
 ROUNDING = 1e-15
-# A panel over which B has a greater integral than this is halved without a look at its tail.
+# A panel over which B has a greater integral than this is halved without evaluating its tail.
 STEEPEST = 20.0
 # Newton's method for viscous drag squares its error in each of so many steps at most.
 MOST_STEPS = 40
@@ -92,8 +92,8 @@ def solve_side(scene, work, panel, side, energy):
     """Solve dE/dx = A - B E on a panel for the side s of the slot, where that is not done yet.
 
     With viscous drag the equation is not linear, and its solution belongs to one E at the left
-    end, `energy`. It is then solved anew, linearised about the last solution, until that does
-    not change any more, which is Newton's method.
+    end, `energy`. It is then solved again by Newton's method, linearised about the last solution,
+    until the solution does not change any more.
     """
     solution = solution_of(panel, side)
     viscous = is_viscous(scene)
@@ -111,10 +111,10 @@ def solve_side(scene, work, panel, side, energy):
 
 @inner_jit
 def shift(solution, pull, count):
-    """Turn a solution to another pull of the drive at the left end; returns whether it may be.
+    """Adapt a solution to another pull at the left end; returns whether this is possible.
 
-    beta is linear in the pull where that keeps its slope. A pull of another size is solved for
-    anew, so that beta keeps its relative accuracy.
+    beta is linear in the pull if that keeps its slope. For a pull of another size the equation is
+    solved again, so that beta keeps its relative accuracy.
     """
     more = pull - solution.base_pull
     if abs(more) > 0.5 * abs(solution.base_pull):

@@ -25,7 +25,7 @@ _TIMES = {name: cycle.COLUMNS.index(name) for name in TRANSIENT}
 def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
-    """Figures of merit without a transient in time; see `escapement.terminal`."""
+    """Figures of merit without following the motion in time; see `escapement.terminal`."""
     clock, scene, count = escapement.time_unit, escapement.scene, len(escapement.scenes)
     w, extent = (initial_speed * clock) ** 2, np.int64(Extent.FALLEN)
     out, longest = np.empty(FIGURES), MAX_ENGAGEMENTS

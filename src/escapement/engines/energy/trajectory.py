@@ -1,7 +1,7 @@
 """The pieces and events of a motion, computed from its handoffs when they are asked for.
 
-Each engagement is computed from the w at its start, for itself, so that a few states of a long
-motion cost a few engagements.
+Each engagement is computed separately from the w at its start, so that a few states of a long
+motion cost only a few engagements.
 """
 
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ from escapement.model import Escapement
 from escapement.trajectory import Events, Extrema
 
 _NO_PATTERN = np.empty(0, MEETING)
-# Events are computed for so many engagements in one call of a kernel, and Ctrl-C is heard
+# Events are computed for this many engagements in one call of a kernel; Ctrl-C takes effect
 # between two calls.
 _AT_ONCE = 1 << 15
 # The engagements of a part of a long motion; the events of a part are kept.
@@ -51,7 +51,7 @@ class EnergyTrajectory:
     initial_speed : driver speed at the first entry [rad/s].
     times, speeds : of the handoffs [s, rad/s]; each of the first `turns` starts an engagement.
     end_time : time at which the motion ends [s].
-    numbers : the engagements that it is about, ascending; all where they are left out.
+    numbers : its engagements, ascending; all of them by default.
     """
 
     escapement: Escapement
@@ -68,7 +68,7 @@ class EnergyTrajectory:
             self.numbers = np.arange(self.turns + 1)
 
     def around(self, t: FloatArray) -> "EnergyTrajectory":
-        """A trajectory of the engagements alone that hold these times [s]."""
+        """A trajectory of only the engagements that contain these times [s]."""
         if self.numbers.size <= _PART:
             return self
         held = np.searchsorted(self.times[: self.turns], t, side="right")
@@ -84,7 +84,7 @@ class EnergyTrajectory:
             yield replace(self, numbers=self.numbers[some]), some
 
     def _entries(self, numbers: np.ndarray) -> tuple[FloatArray, FloatArray]:
-        """When engagements begin [s], and with what speed [rad/s]."""
+        """Times [s] and speeds [rad/s] at the starts of engagements."""
         before, first = np.maximum(numbers - 1, 0), numbers == 0
         times = np.where(first, 0.0, self.times[before])
         return times, np.where(first, self.initial_speed, self.speeds[before])

@@ -1,8 +1,8 @@
 """Roots of a function of the state along the dense output of a solver, in the order of time.
 
 solve_ivp compares the signs of an event function at the ends of a step, so that it misses two
-roots inside one step. With a load an engagement may have two pin reversals, as close to each
-other as one likes.
+roots inside one step. With a load an engagement may have two pin reversals, at any distance from
+each other.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from escapement.mechanism import FloatArray
 _FINEST = 1e-18
 """Absolute error of a root, for a piece whose time is of order one."""
 ROUNDING = 1e-9
-"""Of the greatest value: less than this at the end of a piece may be rounding."""
+"""A value at the end of a piece below this share of the greatest value may be rounding."""
 _CLEAR = 0.25
 """Share of its neighbours above which the estimate of a minimum is clear of zero."""
 
@@ -29,8 +29,8 @@ def find_roots(function: Observable, dense: Any, x: FloatArray, f: FloatArray) -
     """All roots of a `function` of the state, ascending, given its values `f` at times `x`.
 
     Where |f| has a minimum between values of one sign, that minimum is computed, so that
-    a pair of close roots is found. At the ends the sign of `f` counts, whatever the sign
-    of the function, which may be rounding there.
+    a pair of close roots is found. At the ends the sign of `f` is used, because the sign of the
+    function there may be rounding.
     """
     for i, depth in _dips(f).items():
         side, low, high = np.sign(f[i]), x[i - 1], x[min(i + 1, x.size - 1)]

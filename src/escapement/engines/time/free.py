@@ -13,7 +13,8 @@ class FreeTurn(NamedTuple):
     """A driver at constant acceleration; a piece as `piece.Solution` is, in natural units.
 
     theta, speed : driver angle [rad] and speed at the start.
-    rate : acceleration. loss : what is lost in each loss that there is, per driver angle.
+    rate : acceleration.
+    loss : work lost per driver angle in each loss of the scene.
     """
 
     theta: float

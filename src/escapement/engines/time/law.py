@@ -18,7 +18,7 @@ from escapement.scene import Scene, scene_tuple
 from escapement.tabulation import losses_at
 
 _GRID = 128
-"""Intervals in which the least share of the reduced inertia is looked for."""
+"""Number of intervals in which the least share of the reduced inertia is searched for."""
 _FAR = 4.0 * np.pi
 """Driver angle [rad], of any cell or more, over which a trial step may leave a piece."""
 
@@ -35,7 +35,7 @@ class Law:
 
     @classmethod
     def all_of(cls, escapement: Escapement) -> "list[Law]":
-        """The law of each of the engagements after which an escapement repeats itself."""
+        """The law of each engagement of the pattern of an escapement."""
         return [cls(scene, scene_tuple(scene)) for scene in escapement.scenes]
 
     @property
@@ -105,7 +105,7 @@ class Law:
         return float(contact_at(theta, w, side, self.plain)) if side else 1.0
 
     def signs(self, theta: float, side: float) -> tuple[float, float]:
-        """Signs of the sliding speed and of g; 0 of a table, whose mesh has no other sense."""
+        """Signs of the sliding speed and of g; 0 for a table, in which they never change."""
         if self.is_table:
             return 0.0, 0.0
         g, u, _dg, radius = pose_at(self.scene.path, theta)

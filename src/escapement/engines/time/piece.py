@@ -26,7 +26,7 @@ _LEAST_ATOL = 1e-30  # with an atol of zero solve_ivp would divide 0 by 0
 _PER_STEP = 8
 """Samples of each solver step."""
 _RETAKES = 5
-"""Times that the last step of a piece is taken; two are enough."""
+"""How often the last step of a piece is repeated; two times are enough."""
 _NEARLY = 1e-3
 """Share of a step by which its end may be shifted without another integration."""
 _NUDGE = 1e-7
@@ -204,7 +204,7 @@ class _Problem:
         (angle, pace), sign = states[:2], self.task.sign or 1.0
         w = (self.unit * pace) ** 2
         rates, forces = self.law.tabulate(angle + self.task.anchor, w, self.task.sign)
-        # a start on the reversal itself is not another one
+        # the reversal at which a piece starts does not count again
         forces[0] = sign * abs(forces[0])
         return times, rates, forces
 
@@ -259,7 +259,7 @@ class _Problem:
                     "choose a smaller rtol, a smaller atol or a smaller max_step"
                 )
             end += shift
-            # extrapolated further, an interpolant is worthless, most of all that of a short step
+            # extrapolated further, an interpolant is useless, above all that of a short step
             if near:
                 end += self.correction(last(end), ending)
                 break
@@ -310,7 +310,7 @@ def _absolute_tolerances(law: Law, task: Task, options: Options, unit: float) ->
 def _stops_soon(law: Law, task: Task) -> bool:
     """Whether the driver, braked as at the start, would stop early in the piece.
 
-    What is left of its speed then decides where it stops.
+    The rest of its speed then determines where it stops.
     """
     braking = -law.acceleration(task.theta, task.speed, task.sign)
     return task.speed > 0.0 and bool(braking * 0.2 * (task.end - task.theta) > task.speed**2)

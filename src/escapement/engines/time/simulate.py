@@ -28,19 +28,19 @@ from escapement.status import MESSAGES, Status
 from escapement.trajectory import Events, Extrema, Held
 
 _SHARPER = 0.05
-"""Local tolerance over the one asked for: errors add up over a motion, and the energy ledger
-is to close within a tenth of the tolerance."""
+"""Ratio of the local to the requested tolerance: errors add up over a motion, and the energy
+balance must close within a tenth of the tolerance."""
 _LEAST_RTOL = 2.3e-14
 """A smaller rtol makes solve_ivp warn and take this one."""
 _MOST_RTOL, _MOST_RTOL_STEEP = 5e-6, 1e-9
-"""Greatest local tolerances. With a greater one the speed carries errors that change the sign
-of a small acceleration, and extrema are found that are none; the steeper the law the more."""
+"""Greatest local tolerances. With greater ones, errors of the speed change the sign of a small
+acceleration, and false extrema are found, above all where the law is steep."""
 _STEEP = 0.1
 """Share of rho + g^2 that friction leaves of J_s, below which the law is steep."""
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Relative error of a time that is converted to natural units and back."""
 _SAME_PLACE = 1e-12
-"""Two reversals, or extrema, this close [rad] are one that rounding crosses twice."""
+"""Two reversals, or extrema, this close [rad] are a single one that rounding makes double."""
 
 
 class Span(NamedTuple):
@@ -92,8 +92,8 @@ class SolvedTrajectory(Held):
 class _Simulation:
     """A motion in natural units that is continued piece by piece.
 
-    laws, cells : of each engagement after which all repeats itself, its law, and the smooth
-        intervals of its cell; `spans` are those of this cell.
+    laws, cells : for each engagement of the pattern its law, and the smooth intervals of its
+        cell; `spans` are those of this cell.
     shares : of each, share of the speed that is left where it begins, below 1 after a blow.
     drive, law : the law of this cell, and that between two knots of the torque.
     pieces : start, engagement, sign (0 in a dwell), losses and solution of each.
@@ -255,8 +255,8 @@ def simulate(
     laws, end_time = Law.all_of(escapement), np.inf if duration is None else duration / clock
     steep = min(least_share(law.scene) for law in laws) < _STEEP
     most = _MOST_RTOL_STEEP if steep else _MOST_RTOL
-    # where power turns back through a train the acceleration has a corner, over which a long step
-    # would pass unseen
+    # where the power in a train changes direction the acceleration has a corner, which a long
+    # step would miss
     sharper = 0.0 if as_python(is_lossy)(laws[0].scene) else _SHARPER
     options = Options(
         min(max(rtol * sharper, _LEAST_RTOL), most),

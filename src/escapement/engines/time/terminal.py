@@ -1,10 +1,10 @@
 """Terminal cycle of the reference engine: the fixed point of one engagement.
 
 An engagement, or with imperfect parts a pattern of them, maps the squared driver speed w at
-entry to that at exit. The terminal cycle is where the two agree. A bracketing root finder
-gets there in about ten engagements, however slowly the motion itself converges. Its function
-is not the difference of the two but the energy by which they differ, work less load and
-losses: where little is lost, the difference of the speeds has no digits left.
+entry to that at exit. The terminal cycle is where the two agree. A bracketing root finder finds
+it in about ten engagements, even if the motion itself converges slowly. Its function is not the
+difference of the two but the gain of energy, work minus load and losses: if little is lost, the
+difference of the speeds has no digits left.
 """
 
 import math
@@ -32,9 +32,9 @@ from escapement.motion import Motion
 from escapement.status import MESSAGES, Status
 
 LONGEST_TRANSIENT = 3000
-"""Engagements of a transient that this engine will integrate."""
+"""Greatest number of engagements of a transient that this engine integrates."""
 _CLOSE = 1e-9
-"""Relative distance of a speed that still falls from one that stalls: there is no cycle between."""
+"""Relative distance between a falling and a stalling speed with no cycle between them."""
 
 
 _Bracket = tuple[float, float]
@@ -101,7 +101,7 @@ def bracketed_cycle(
         if bracket.status is Status.STALL:
             bracket = _until_stall(escapement, initial_speed=initial_speed, **settings)
         return bracket, math.nan
-    # the relative tolerance alone counts, because w may be of any size
+    # only the relative tolerance matters, because w may have any size
     w = toms748(
         lambda x: engage(x).gain, *bracket, xtol=1e-300, rtol=max(settings["rtol"], 1e-15), k=2
     )
@@ -112,10 +112,10 @@ def bracketed_cycle(
 
 
 def _gain(motion: Motion, w: float) -> float:
-    """What a complete engagement adds to the squared speed, by its energy.
+    """The gain of the squared speed in a complete engagement, from its energy.
 
     (I_d + I_f g_out^2) w_out - (I_d + I_f g_in^2) w_in = 2 (work - load - losses), where
-    g_out is 0 behind a dwell.
+    g_out is 0 after a dwell.
     """
     escapement, mechanism = motion.escapement, motion.escapement.mechanism
     driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
@@ -187,7 +187,7 @@ def _bracket_below(engage: Callable[[float], _Engagement], high: float) -> _Brac
 
 
 def _until_stall(escapement: Escapement, **settings: Any) -> Motion:
-    """The motion up to its stall, or one that is said to stall where that comes late."""
+    """The motion up to its stall, or a motion with status `stall` if that comes late."""
     for count in (50, 500):
         motion = simulate(escapement, engagements=count, duration=None, **settings)
         if motion.status is not Status.OK:
