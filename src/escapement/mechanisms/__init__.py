@@ -1,7 +1,7 @@
 """Mechanisms: each gives its transmission over a cell of driver angle.
 
-A kind of mechanism is a class derived from `Kind`, in a module of its own, and one line of
-`KINDS`. Modules are loaded when they are first asked for.
+A kind of mechanism is a class derived from `Kind`, in its own module, and one line of `KINDS`.
+Modules are loaded when they are first used.
 """
 
 from pkgutil import resolve_name

@@ -1,4 +1,4 @@
-"""The rows of a position function: what they must be, and the function through them."""
+"""The rows of a position function: their rules, and the function through them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of 
 
 
 def columns(theta: Any, phi: Any, measured: bool) -> tuple[FloatArray, FloatArray]:
-    """Driver and follower angles as arrays, as many of both: enough, and not too many."""
+    """Driver and follower angles as arrays of equal length, neither too few nor too many."""
     remedy = "give a list of angles in rad"
     x, y = validate.numbers("theta", theta, remedy), validate.numbers("phi", phi, remedy)
     if x.ndim != 1 or x.size < FEWEST:
@@ -62,7 +62,7 @@ def last_digit(angles: FloatArray) -> float:
 class Rows(Kind):
     """Rows of any cells, to be folded into the one that begins with the least driver angle.
 
-    What the numbers are is said in `Tabulated`.
+    `Tabulated` explains the numbers.
     """
 
     theta: Sequence[float] = field(metadata=setting(
@@ -116,7 +116,7 @@ class Rows(Kind):
         return np.array(self.theta), np.array(self.phi)
 
     def _warn_of_gap(self) -> None:
-        """Warn the caller of the mechanism where much of the cell has no rows."""
+        """Warn the caller if a large part of the cell has no rows."""
         places, cell = self._folded[0], self.cell_angle
         distances = np.diff(np.append(places, places[0] + cell))
         widest = int(np.argmax(distances))
@@ -128,7 +128,7 @@ class Rows(Kind):
             warnings.warn(f"theta must have rows all over the cell, {rule}: {remedy}", stacklevel=4)
 
     def _check_step(self) -> None:
-        """Refuse rows of a whole cell that do not turn by what they are said to."""
+        """Refuse rows of a whole cell that do not turn by the given step."""
         theta, phi = self._angles
         phi, step = phi[np.argsort(theta)], self.follower_step
         turned = abs(float(phi[-1] - phi[0]))
@@ -147,23 +147,24 @@ class Rows(Kind):
 
     @cached_property
     def sense(self) -> float:
-        """+1 or -1: how the follower turns."""
-        # a follower that turns back may fall along most of the rows: what tells is
+        """+1 or -1: direction in which the follower turns."""
+        # a follower that turns back may move backwards along most of the rows: the criterion is
         # whether the rest closes from cell to cell
         return min((1.0, -1.0), key=self._leaps)
 
     def _leaps(self, sense: float) -> float:
-        """How much the rest leaps from row to row, were this the sense; gaps excuse leaps."""
+        """Sum of the squared steps of the rest from row to row for this sense, each over its
+        gap."""
         places, order = self._folded
         rest = self._rest(sense)[order]
         gaps = np.diff(np.append(places, places[0] + self.cell_angle))
-        # readings at one angle scatter too: no gap counts as less than the mean one
+        # readings at the same angle scatter too, so the mean gap is added to each
         weights = 1.0 / (gaps + self.cell_angle / places.size)
         return float(weights @ np.diff(np.append(rest, rest[0])) ** 2)
 
     @cached_property
     def spline(self) -> table.PeriodicSpline:
-        """The position function less its mean rise, over the cell."""
+        """The position function minus its mean rise, over the cell."""
         rest, (places, order) = self._rest(self.sense), self._folded
         if self.measured:
             return table.smoothing(places, rest[order], self.cell_angle)[0]
@@ -183,12 +184,12 @@ class Rows(Kind):
         return spline
 
     def _check_spacing(self, spline: table.PeriodicSpline, gap: float) -> None:
-        """Refuse exact rows that are too near each other for the digits they have."""
+        """Refuse exact rows that are too close together for the number of their digits."""
         digit, mean = last_digit(self._angles[1]), self._mean_ratio
         start = spline.knots[0]
         angles = np.linspace(start, start + self.cell_angle, _SAMPLES)
         steepest = float(np.abs(spline(angles, 2)).max())
-        # the derivative less what the rounding puts into it; next to none is no measure
+        # the derivative without the effect of rounding; it must not be almost zero
         steepest = max(steepest - _ALLOWED * _BENT * digit / gap**2, mean / self.cell_angle)
         least = max(_NEARER * digit / mean, math.sqrt(_BENT * digit / steepest))
         if gap < least:
@@ -200,7 +201,7 @@ class Rows(Kind):
 
     @property
     def _mean_ratio(self) -> float:
-        """What the follower turns for each radian of the driver [-]."""
+        """Follower angle per radian of the driver [-]."""
         return self.follower_step / self.cell_angle
 
     @property
@@ -222,13 +223,13 @@ class Rows(Kind):
         start = float(theta.min())
         end = start + self.cell_angle - self._near
         folded = np.where(theta < end, theta, start + np.mod(theta - start, self.cell_angle))
-        # rounding must not part the two ends of the cell
+        # rounding must not separate the two ends of the cell
         folded[folded >= end] = start
         order = np.argsort(folded, kind="stable")
         return folded[order], order
 
     def _rest(self, sense: float) -> FloatArray:
-        """Follower angles of the rows less the mean rise, were this their sense."""
+        """Follower angles of the rows minus the mean rise, if this is their sense."""
         theta, phi = self._angles
         rest = sense * phi - self._mean_ratio * (theta - theta[0])
         if np.ptp(rest) <= _ROUNDING * (np.abs(phi).max() + self._mean_ratio * np.abs(theta).max()):

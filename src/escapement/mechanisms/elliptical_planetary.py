@@ -2,15 +2,15 @@
 
 A carrier rolls a spur planet (radius R2) round a fixed sun (R1). On the planet's
 shaft sits an ellipse, pivoted at a focus; it drives an equal ellipse, pivoted at a
-focus on the carrier's axis, with the output. Where the radii of the ellipses are
-as R2 to R1 the output stands still (Prikhodko 2020). With k = R1/R2 and
-h = k theta/2, half the turn of the planet on its carrier,
+focus on the carrier's axis, with the output. Where the radii of the ellipses have the ratio R2 to
+R1 the output stands still (Prikhodko 2020). With k = R1/R2 and h = k theta/2, half the turn of
+the planet on its carrier,
 
     follower angle   phi = 2 atan(k tan h) - theta
     transmission     g   = (k^2 - 1) cos^2 h / (cos^2 h + k^2 sin^2 h)
 
-which are the integral of the paper's eq. 9 and eq. 9 itself with e = (k-1)/(k+1),
-the sense reversed: the output turns against the carrier, phi_3 = -phi.
+which are the integral of the paper's eq. 9 and eq. 9 itself with e = (k-1)/(k+1) and the opposite
+sign: the output turns against the carrier, phi_3 = -phi.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ else:
     teeth = Lazy("escapement.mechanisms.elliptical_teeth")
 
 TOLERANCES = (0.01, 0.1, 1.0)
-"""Deviations of the output that the report takes for standing still [degrees]."""
+"""Deviations of the output within which the report counts it as standing still [degrees]."""
 
 _LENGTHS = ("centre_distance", "semi_major_axis", "semi_minor_axis", "focal_distance")
 _GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
@@ -175,16 +175,16 @@ class EllipticalPlanetary(Kind):
     def planet_inertia(
         self, mass: float, moment: float, offset: float = 0.0
     ) -> tuple[float, float]:
-        """What planet, satellite shaft and driving ellipse add to the driver's inertia.
+        """Contribution of planet, satellite shaft and driving ellipse to the driver's inertia.
 
         Their kinetic energy is that of a driver inertia mean - swing cos(k theta):
-        the planet turns 1 + k times as fast as the carrier, and a centre of mass
-        beside the shaft is now before, now behind the carrier's motion.
+        the planet turns 1 + k times as fast as the carrier, and a centre of mass beside the shaft
+        moves alternately faster and slower than the shaft.
 
         Parameters
         ----------
         mass : float
-            Of all that turns with the satellite shaft [kg], >= 0.
+            Mass of everything that turns with the satellite shaft [kg], >= 0.
         moment : float
             Its moment of inertia about that shaft [kg m^2], >= 0.
         offset : float
@@ -195,8 +195,8 @@ class EllipticalPlanetary(Kind):
         Returns
         -------
         mean, swing : float
-            [kg m^2]. `Inertia.driver` takes the mean. It is constant: a swing
-            that is not small against it is beyond the equation of motion.
+            [kg m^2]. `Inertia.driver` takes the mean. The equation of motion has a constant
+            inertia, so the swing must be small compared with the driver's inertia.
         """
         weight = validate.non_negative("mass", mass, "give the planet's mass in kg")
         about = validate.non_negative("moment", moment, "give it about the satellite shaft")
@@ -247,7 +247,7 @@ class EllipticalPlanetary(Kind):
     @property
     def ratio_max(self) -> float:
         """Greatest transmission, k^2 - 1, half-way between stops [-]."""
-        # 1 taken from the rounded ratio would leave few digits of two radii nearly alike
+        # subtracting 1 from the rounded ratio would lose digits if the two radii are nearly equal
         return (self.sun_radius - self.planet_radius) / self.planet_radius * (self.ratio + 1.0)
 
     @property
@@ -266,10 +266,10 @@ class EllipticalPlanetary(Kind):
     def path(self) -> Path:
         """A table of the transmission, as kernels evaluate it.
 
-        In the outer halves of the cell angles are counted from the stops while it is
-        made, and its pieces shrink towards them: so g and g' keep their relative
-        accuracy where both vanish. The stops lie a few roundings outside of the cell,
-        lest the sign of a force that vanishes there be decided by an angle's last digit.
+        In the outer halves of the cell angles are counted from the stops while the table is made,
+        and its pieces shrink towards them, so that g and g' keep their relative accuracy where
+        both vanish. The stops lie a few roundings outside the cell, so that the last digit of an
+        angle does not decide the sign of a force that vanishes there.
         """
         entry, exit_ = self.breaks
         away = 0.5 * exit_ * np.append(0.0, np.exp2(np.arange(-_SHRINKING, 1)))
@@ -307,7 +307,7 @@ class EllipticalPlanetary(Kind):
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """Output angle at driver angles of any size [rad], zero at theta = 0.
 
-        Counted against the input's sense: the paper's phi_3 is its negative.
+        It is counted against the direction of the input: the paper's phi_3 is its negative.
         """
         angles = np.asarray(theta, dtype=float)
         return np.asarray(teeth.stretched(self.ratio * angles, self.ratio) - angles)
@@ -337,7 +337,7 @@ class EllipticalPlanetary(Kind):
             a step on the angle reaches beyond the cell.
         """
         limit = validate.positive("angle", angle, "give the tolerated deviation in rad")
-        # every cell turns the output by a step, its second half as the first turned back
+        # every cell turns the output by a step, and its second half mirrors the first
         rest = math.remainder(limit, self.follower_step)
         cells = round((limit - rest) / self.follower_step)
         return 2.0 * (cells * self.cell_angle + math.copysign(self._way(abs(rest)), rest))
@@ -348,12 +348,12 @@ class EllipticalPlanetary(Kind):
         from scipy.optimize import brentq
 
         def left(angle: float) -> float:
-            # the integral keeps its digits where little is left of the position function
+            # the integral keeps its digits where the position function is small
             turned = quad(self._from_stop, 0.0, angle, epsabs=0.0, epsrel=1e-13)[0]
             return float(turned - limit)
 
-        # about a stop the output turns by the cube of the planet's turn, further on by no less
-        # than 0.6 of that: the root lies below 1.2 of the cube's
+        # near a stop the output turns by the cube of the planet's rotation, further on by at
+        # least 0.6 of that: the root lies below 1.2 times that of the cube
         cube = math.cbrt(12.0 * self.ratio**3 * limit / self.ratio_max)
         high = min(1.3 * cube, math.pi) / self.ratio
         if left(high) <= 0.0:

@@ -1,4 +1,4 @@
-"""Elliptical gears: pitch curves, the module of their teeth, and how few there may be.
+"""Elliptical gears: pitch curves, the module of their teeth, and the fewest teeth.
 
 The two equal ellipses turn about a focus each, one at the origin, the driver's at the
 other end of the line of centres, 2a away. With E the eccentric anomaly, counted from where
@@ -7,16 +7,16 @@ the driving ellipse has its far vertex on the line of centres,
     driving ellipse  radius a (1 + e cos E),  tan(alpha/2) = sqrt((1-e)/(1+e)) tan(E/2)
     driven ellipse   radius a (1 - e cos E),  tan(beta/2)  = sqrt((1+e)/(1-e)) tan(E/2)
 
-alpha and beta being their turns from there. Both touch at one E: the radii make up
+where alpha and beta are their rotations from there. Both touch at the same E: the radii add up to
 2a and the arcs from the vertices are equal, so the curves roll without slip.
 
-Teeth have one pitch all along the curve, so a whole number of them fixes the module.
-A rack of pressure angle alpha and addendum h m cuts into flanks that it has made where
-the radius of curvature of the pitch curve is less than h m/sin^2(alpha); on an ellipse
-it is least at the ends of the long axis, a (1 - e^2).
+The pitch of the teeth is the same along the whole curve, so their number determines the module. A
+rack of pressure angle alpha and addendum h m undercuts the flanks where the radius of curvature
+of the pitch curve is less than h m/sin^2(alpha); on an ellipse it is least at the ends of the
+long axis, a (1 - e^2).
 
 Source: F. L. Litvin and A. Fuentes, Gear Geometry and Applied Theory (2004), chapters
-6 and 12: a non-circular gear is cut as its circle of curvature would be.
+6 and 12: a non-circular gear is cut like its circle of curvature.
 """
 
 import math
@@ -92,7 +92,7 @@ def tooth_module(mechanism: EllipticalPlanetary, teeth: int) -> float:
     mechanism : EllipticalPlanetary
         The drive.
     teeth : int
-        Of each elliptical gear, >= 3. With an odd number both gears are alike and
+        Teeth of each elliptical gear, >= 3. With an odd number both gears are equal and
         symmetrical about their long axes: a tooth at one end, a gap at the other.
     """
     count = validate.integer("teeth", teeth, 3, "give the teeth of one elliptical gear")
@@ -109,7 +109,7 @@ def fewest_teeth(
     Parameters
     ----------
     mechanism : EllipticalPlanetary
-        The drive; its eccentricity alone matters.
+        The drive; only its eccentricity matters.
     pressure_angle : float
         Of the rack [rad], between 0 and pi/4.
     addendum : float
@@ -125,7 +125,7 @@ def fewest_teeth(
     reach = validate.positive("addendum", addendum, "1 is usual")
     from scipy.special import ellipe
 
-    # both in semi-major axes, whatever the unit of the radii: 4 E(e), and 1 - e^2
+    # both in semi-major axes, independent of the unit of the radii: 4 E(e), and 1 - e^2
     around = 4.0 * float(ellipe(mechanism.eccentricity**2))
     sharpest = 4.0 * mechanism.ratio / (mechanism.ratio + 1.0) ** 2
     limit = around * reach / (math.pi * sharpest * math.sin(angle) ** 2)

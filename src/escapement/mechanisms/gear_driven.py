@@ -43,9 +43,9 @@ class GearDriven(ImperfectWheel):
     stations : int
         Stations n, >= 3: the wheel turns by 2 pi/n at each step.
     lobes : int, Fraction, float or str
-        Unreal lobes m that fit between two neighbouring lobes of the pin's path
-        [-], rational, 0 to 100 000, its denominator at most 1000: 2, 1/2 or "1/2". A
-        float within 1e-12 (1 + m) of such a number is that number.
+        Number m of further lobes that would fit between two neighbouring lobes of the pin's path
+        [-], rational, 0 to 100 000, its denominator at most 1000: 2, 1/2 or "1/2". A float within
+        1e-12 (1 + m) of such a number is that number.
     curve : str
         "hypocycloid" (protracted, k > 2), "epicycloid" (k < 0), or the cognates
         that trace the same paths: "contracted-hypocycloid" (1 < k < 2) and
@@ -53,10 +53,10 @@ class GearDriven(ImperfectWheel):
     pins : int
         Equally spaced pins on the planet. With pins * V0 = 1 one is always engaged.
     unused_lobes : int
-        Lobes that find no slot between two that do, at most 100 000; fewer slots,
-        longer dwell.
+        Lobes without a slot between two lobes with one, at most 100 000; they give fewer slots
+        and a longer dwell.
     solution : int
-        Which mechanism, counted from 1 in order of alpha, if there are several.
+        Number of the mechanism, counted from 1 in order of alpha, if there are several.
     fixed_radius : float, optional
         Radius R0 of the fixed gear [m]; contact forces and all other lengths need it.
     pin_radius, roller_radius : float
@@ -65,8 +65,8 @@ class GearDriven(ImperfectWheel):
         By how much the axes of planet and fixed gear are too far apart, which is the error of
         the carrier's length [m]; negative where they are too close.
     slot_offsets : sequence of float
-        Of each slot, in the order in which pins meet them, how far its line runs ahead of the
-        wheel's axis in the sense in which the wheel turns [m].
+        For each slot, in the order in which pins meet them, how far its line passes ahead of the
+        wheel's axis in the direction in which the wheel turns [m].
 
     Raises
     ------
@@ -131,7 +131,7 @@ class GearDriven(ImperfectWheel):
         self.check_fields()
         count = len(self._ratios)
         if not count:
-            _ = self.gear_ratio  # which refuses too many lobes in words of its own
+            _ = self.gear_ratio  # this refuses too many lobes with a message of its own
             raise InvalidValue(
                 f"no mechanism corresponds to stations {self.stations}, lobes {self.lobes} and "
                 f"curve {self.curve!r}: equation (8) has no root with alpha <= pi - gamma and "
@@ -166,7 +166,7 @@ class GearDriven(ImperfectWheel):
 
     @property
     def _lobe_turn(self) -> Fraction:
-        """Turns of the carrier until the next pin passes in the same way."""
+        """Turns of the carrier until the next pin passes along the same path."""
         return 1 / (self.pins * abs(self.gear_ratio))
 
     @property
@@ -257,9 +257,9 @@ class GearDriven(ImperfectWheel):
     def cognate(self) -> Self:
         """The other mechanism with the same pin path; its carrier turns 1 - k times as far.
 
-        Without its size: its fixed gear is k MC as large as this one's R0. The paths of
-        several pins are the same curve turned by 1/(p |k|) of a turn from pin to pin,
-        which the cognate's k changes: it can need another number of slots.
+        It has no size: its fixed gear is k MC times as large as this one's R0. The paths of
+        several pins are the same curve turned by 1/(p |k|) of a turn from pin to pin, which the
+        cognate's k changes: it can need another number of slots.
 
         Raises
         ------
@@ -309,8 +309,8 @@ class GearDriven(ImperfectWheel):
         Raises
         ------
         InvalidValue
-            For a path through the wheel's centre: the pin's sliding, relative to its
-            distance, and the friction with it grow beyond all bounds there.
+            For a path through the wheel's centre: there the pin's sliding relative to its
+            distance, and with it the effect of friction, is unbounded.
         """
         if self.through_centre:
             raise InvalidValue(

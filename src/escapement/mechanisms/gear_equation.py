@@ -9,8 +9,8 @@ x = |k| alpha/2 = pi V0 it is his (10) and (14),
 The derivative c (cos x - cos(c x + gamma)) vanishes where c x + gamma = +-x + 2 pi j.
 An epicycloid, c > 1, has its first extremum at (2 pi - gamma)/(c + 1), and between 0 and
 there one root; the next lies beyond alpha = pi - gamma. A hypocycloid, -1 < c < 0, has one
-extremum below pi, a minimum at gamma/(1 - c), and a root behind it for m < n/2 - 2. At
-m = n/2 - 2 either has the root x = pi as well, and the pin meets the wheel's centre.
+extremum below pi, a minimum at gamma/(1 - c), and a root after it for m < n/2 - 2. At m = n/2 - 2
+both curves have the root x = pi as well, and the pin passes through the wheel's centre.
 """
 
 import math
@@ -23,7 +23,8 @@ CURVES = ("hypocycloid", "epicycloid", "contracted-hypocycloid", "pericycloid")
 COGNATES = dict(zip(CURVES, (*CURVES[2:], *CURVES[:2]), strict=True))
 """The other pair of gears that traces the same curve."""
 MOST_LOBES = 100_000
-"""Most unreal lobes, and most unused ones; the search for a mechanism takes a second of them."""
+"""Greatest number of lobes, and of unused ones; with it the search for a mechanism takes a
+second."""
 
 
 def gear_ratio(stations: int, lobes: Fraction, curve: str) -> Fraction:
@@ -37,7 +38,7 @@ def gear_ratio(stations: int, lobes: Fraction, curve: str) -> Fraction:
 
 
 def lobe_ratios(stations: int, lobes: Fraction, curve: str) -> list[float]:
-    """V0 of every mechanism there is, in order of alpha; empty where there is none [-].
+    """V0 of every mechanism, in order of alpha; empty if there is none [-].
 
     Roots of (10) with alpha <= pi - gamma and V0 <= 1. Cognates share them.
     """
@@ -54,7 +55,7 @@ def lobe_ratios(stations: int, lobes: Fraction, curve: str) -> list[float]:
     low, high = gamma / (1.0 - c), math.pi
     if outside:
         low, high = 0.0, (2.0 * math.pi - gamma) / (c + 1.0)
-    # halving ends at the doubles around the root, and needs no SciPy
+    # bisection ends at the doubles around the root, and needs no SciPy
     while low < (middle := 0.5 * (low + high)) < high:
         low, high = (low, middle) if value(middle) > 0.0 else (middle, high)
     ratio = min(low, high, key=lambda x: abs(value(x))) / math.pi

@@ -36,17 +36,17 @@ class Geneva(ImperfectWheel):
         Radius of the pins [m].
     roller_radius : float
         Outer radius of rollers that turn on the pins and roll in the slots [m], 0 for none.
-        Friction is then that between roller and pin.
+        Friction then acts between roller and pin.
     clearance : float
-        Slot width less pin diameter [m]. With it the pin goes from wall to wall in flights and
-        blows, see `escapement.engines.contact`; without it pins fit their slots exactly.
+        Slot width minus pin diameter [m]. With it the pin crosses from wall to wall and strikes,
+        see `escapement.engines.contact`; without it pins fit their slots exactly.
     centre_distance_error : float
         By how much the axes are too far apart [m]; negative where they are too close.
     pin_angle_errors, slot_angle_errors : sequence of float
-        Of each pin, by how much it crosses the line of centres late; of each slot, by how much
+        For each pin, by how much it crosses the line of centres late; for each slot, by how much
         it stands ahead in the direction of rotation [rad]. Pin 0 meets slot 0 first.
     crank_radius_errors, slot_offsets : sequence of float
-        Of each pin, by how much its crank is too long; of each slot, how far its line runs
+        For each pin, by how much its crank is too long; for each slot, how far its line passes
         ahead of the follower's axis [m].
 
     Raises
@@ -92,7 +92,7 @@ class Geneva(ImperfectWheel):
         self.check_fields()
         n = self.slots
         most, rest = (1, 0) if self.internal else divmod(2 * n, n - 2)
-        # a study over the slots keeps a number of pins that was given, and no other
+        # a study over the slots keeps the number of pins only if it was given
         vars(self)["given"] = () if self.pins is None else ("pins",)
         if self.pins is None:
             vars(self)["pins"] = 1 if rest else most
@@ -116,7 +116,8 @@ class Geneva(ImperfectWheel):
 
     @property
     def motion_ratio(self) -> float:
-        """Moving share of the cell [-]; exactly 1 for continuous engagement."""
+        """Share of the cell during which the follower moves [-]; exactly 1 for continuous
+        engagement."""
         more = 2 if self.internal else -2
         return self.pins * (self.slots + more) / (2 * self.slots)  # type: ignore[operator]
 
@@ -129,7 +130,7 @@ class Geneva(ImperfectWheel):
 
     @property
     def stations(self) -> int:
-        """Stops in a turn of the follower, one a slot."""
+        """Stops in a turn of the follower, one for each slot."""
         return self.slots
 
     @property

@@ -44,7 +44,7 @@ class ImperfectWheel(Wheel):
     slot_offsets: Sequence[float] = ()
 
     def check_errors(self) -> None:
-        """Put tuples in the place of the errors of pins and slots; all zeros are none."""
+        """Store the errors of pins and slots as tuples; a list of zeros counts as none."""
         for name, entry in declared(type(self)).items():
             if not isinstance(entry, Numbers) or getattr(self, name) is entry.default:
                 continue
@@ -62,7 +62,7 @@ class ImperfectWheel(Wheel):
 
     @classmethod
     def counts(cls, given: Mapping[str, Any]) -> dict[str, int]:
-        """How many errors of each kind a wheel has, by name; of numbers that make none, none."""
+        """How many errors of each kind a wheel has, by name; empty for numbers of no wheel."""
         own = declared(cls)
         numbers = {name: value for name, value in given.items() if name in own}
         for name in (*IMPERFECT, *LENGTHS):
@@ -121,7 +121,7 @@ class ImperfectWheel(Wheel):
 
     @cached_property
     def misfit(self) -> str:
-        """Which pin cannot drive which slot, and where; "" where all can."""
+        """Which pin cannot drive which slot, and where; "" if all can."""
         k = -1 if self.perfect else self._laid_out[1]
         if k < 0:
             return ""

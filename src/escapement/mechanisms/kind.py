@@ -1,4 +1,4 @@
-"""What every kind of mechanism tells files, the command line and reports of itself."""
+"""Base classes of mechanisms, with what files, the command line and reports need of them."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ else:
     ArrayLike, np = Any, Lazy("numpy")
     slotted, table = Lazy("escapement.mechanisms.slotted"), Lazy("escapement.mechanisms.table")
 
-# the files of the kinds take from here what must not be loaded before it is used
+# the files of the kinds import from here modules that must be loaded only when they are used
 __all__ = ["CELL", "WHEEL", "Arms", "ArrayLike", "Kind", "Wheel", "np", "slotted", "table"]
 
 CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
-"""What every kind reports of how far driver and follower turn in a cell."""
+"""Keys that every kind reports about the angles of driver and follower in a cell."""
 WHEEL = (*CELL, "slots", "pins", "continuous", "dwell_deg", "transmission_max")
-"""What every wheel reports beside its stations."""
+"""Keys that every wheel reports beside its stations."""
 
 
 class Kind(Declared):
@@ -45,16 +45,16 @@ class Kind(Declared):
     kind: ClassVar[str]
     """Its name, a key of `escapement.mechanisms.KINDS`."""
     summary: ClassVar[str]
-    """What it is, in a line of help."""
+    """Description, a line of help."""
     meshed: ClassVar[bool] = False
-    """Whether it has no slot, and loses in a mesh."""
+    """Whether it has no slots, and its losses are given by an efficiency."""
     report_units: ClassVar[Mapping[str, str]] = {}
-    """Kind of unit of those numbers of the report that have another than their name says."""
+    """Kind of unit of reported numbers, if it differs from that of their name."""
 
     reported: ClassVar[tuple[str, ...]] = CELL
     """Keys of the report: names of attributes, with "_deg" at the end for angles in degrees."""
     motion_ratio: Any = 1.0
-    """Moving share of the cell: a drive that never lets go has no dwell."""
+    """Share of the cell during which the follower moves: 1 without a dwell."""
 
     # of subclasses, as fields or properties
     path: Any
@@ -65,7 +65,7 @@ class Kind(Declared):
 
     @classmethod
     def options(cls) -> dict[str, Setting]:
-        """What the command line asks for, by the name of the option."""
+        """Settings for the command line, by the name of the option."""
         return declared(cls)
 
     @classmethod
@@ -129,23 +129,23 @@ class Wheel(Kind):
     pin_radius: Any
     roller_radius: Any
     plain_crank: ClassVar[bool] = True
-    """Whether the driver's bearing carries the force of the contact and no other."""
+    """Whether the driver's bearing carries only the contact force."""
 
     @property
     def contact_radius(self) -> float:
-        """Radius of what touches the slot, a pin or its roller [-]; 0 where none is given."""
+        """Radius of the pin or roller that touches the slot [-]; 0 if none is given."""
         outer = self.roller_radius or self.pin_radius
         return float(outer / self.crank_radius) if outer else 0.0
 
     @property
     def widest_pin(self) -> float:
-        """Radius at which a pin, or its roller, has no wall left between two slots [-]."""
+        """Radius of a pin or roller at which no wall is left between two slots [-]."""
         # the slots come closest to each other where the pin is closest to the axis
         closest = float(self.radius(np.array([0.0, self.engagement_angle / 2.0])).min())
         return closest * math.sin(math.pi / self.slots)
 
     def check_pin(self) -> None:
-        """Raise InvalidValue for a pin or a roller that the wheel has no room for."""
+        """Raise InvalidValue for a pin or a roller that is too thick for the wheel."""
         pin, roller = self.pin_radius, self.roller_radius
         if roller and not 0.0 < pin < roller:
             rule = f"greater than pin_radius, {pin:g} m, and that greater than 0"
@@ -162,9 +162,9 @@ class Wheel(Kind):
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
-        """Pin entry, where a pin changes its sense of sliding on either wall, and exit [rad].
+        """Pin entry, the places where sliding reverses on either wall, and exit [rad].
 
-        A pin without width does so at dead centre on both walls.
+        For a pin without a radius sliding reverses at dead centre on both walls.
         """
         half = self.engagement_angle / 2.0
         if pin := self.contact_radius:

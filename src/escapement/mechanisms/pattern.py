@@ -1,6 +1,6 @@
-"""Imperfect parts of a wheel with slots: every pin meets every slot in a path of its own.
+"""Imperfect parts of a wheel with slots: every pair of pin and slot has its own path.
 
-With m pins and n slots the pairs come round after lcm(m, n) engagements, the pattern. Pin j comes
+With m pins and n slots the pairs repeat after lcm(m, n) engagements, the pattern. Pin j comes
 late by psi_j, slot i stands ahead by chi_i, and its line passes the axis at the distance delta_i.
 Counted from where pin j crosses the line of centres, x = theta - psi_j, the path is that of
 `slotted` with vectors P and Q
@@ -8,19 +8,19 @@ Counted from where pin j crosses the line of centres, x = theta - psi_j, the pat
     C = P exp(i a x) + Q exp(i b x)
     Phi = arg C - asin(delta_i/|C|) - chi_i
 
-from its entry, g = 0, to its exit, g = 0. Of a Geneva wheel P is the distance of the axes and Q
-the crank of pin j; of a gear-driven one they are the carrier and the planet's arm. Pin A leaves at
-its exit, at theta_A, and pin B enters at theta_B. With the jump Gamma = Phi_B - Phi_A from one to
-the other the parts hand over as follows.
+from its entry, g = 0, to its exit, g = 0. In a Geneva wheel P is the distance of the axes and Q
+the crank of pin j; in a gear-driven one they are the carrier and the planet's arm. Pin A leaves
+at its exit, at theta_A, and pin B enters at theta_B. With the jump Gamma = Phi_B - Phi_A from one
+to the other the parts hand over as follows.
 
     overlap   theta_B <= theta_A: where g_A = g_B, if Gamma >= 0 there. The follower jumps ahead by
               Gamma, for which the slot must be wider than the pin by R Gamma.
     pick-up   theta_B > theta_A: at theta_B, if Gamma >= 0 between B there and A at its exit. The
               follower rests while the driver turns free, and B takes it up without a blow.
-    strike    otherwise: where Phi_B has come up to the follower, which rests where A left it.
+    strike    otherwise: where Phi_B has reached the follower, which rests where A left it.
 
-None of this depends on the speed: a pattern is a list of engagements with ends of their own. A pin
-that would slide back along the wall in the course of a blow is refused, as friction then turns.
+None of this depends on the speed: a pattern is a list of engagements, each with its own ends. A
+pin that would slide back along the wall during a blow is refused, because friction then reverses.
 """
 
 import math
@@ -60,7 +60,7 @@ MEETING = np.dtype((np.record, np.dtype([
     *[(name, float) for name in ("long", "short", "drift", "turn", "forward")],
     ("entry", float),  # driver angles x at which g = 0
     ("exit", float),
-    # how it begins: a `Handoff`, Gamma, and R
+    # its start: a `Handoff`, Gamma, and R
     ("kind", np.int64),
     ("jump", float),
     ("radius", float),
@@ -80,7 +80,7 @@ def lay_pattern(arms, turns, longer, pin, pins, slots, pattern):
     Parameters
     ----------
     arms : P, a, Q, b of perfect parts, and the sense in which the follower turns.
-    turns : what driver and follower turn from one pin to the next.
+    turns : angles of driver and follower from one pin to the next.
     longer : error of |P|.
     pin : radius of pins or rollers.
     pins, slots : psi and the error of |Q| of each pin, chi and delta of each slot; shapes (m, 2)
@@ -93,7 +93,7 @@ def lay_pattern(arms, turns, longer, pin, pins, slots, pattern):
         meeting, offset = pattern[k], slots[k % n, 1]
         meeting.late, meeting.ahead = pins[k % m, 0], slots[k % n, 0]
         p, q = _lengthened(first, longer), _lengthened(second, pins[k % m, 1])
-        # a pin must not pass the axis on the other side, and not as near to it as the slot's line
+        # a pin must not pass the axis on the other side, nor as close to it as the slot's line
         nearest = (abs(p) - abs(q)) * np.sign(abs(first) - abs(second))
         top = -(a * p * p + b * q * q) / (p * q * (a + b))
         if not (p * first > 0.0 and q * second > 0.0 and abs(offset) < nearest and abs(top) < 1.0):
@@ -171,9 +171,10 @@ def turned_by(meeting, x):
 
 @inner_jit(allocates=True)
 def _hand_over(a, b, cell, step):
-    """Set where A ends and B begins, and how; returns whether B comes to drive at all.
+    """Set the end of A and the start of B, and its kind; returns whether B drives at all.
 
-    `cell` and `step` are what driver and follower turn from one pin to the next. A pin that meets
+    `cell` and `step` are the angles of driver and follower from one pin to the next. A pin that
+    meets
     the wheel nearer to the middle between two slots than to its own misses it.
     """
     # angles are those of A; B has the angle x - shift
@@ -221,10 +222,10 @@ def _slides_back(meeting, pin):
 
 @inner_jit
 def _strike(meeting, path, rest, low):
-    """Driver angle x behind `low` at which the pin asks for the follower angle `rest`."""
+    """Driver angle x after `low` at which the pin reaches the follower angle `rest`."""
     high = meeting.exit
     _g, _u, dg, _radius = pose_at(path, low)
-    # from where g = 0 the follower would gain g' x^2/2
+    # after the place where g = 0 the follower angle grows by g' x^2/2
     missing = rest - turned_by(meeting, low)
     x = min(low + np.sqrt(2.0 * missing / abs(dg)), 0.5 * (low + high))
     for _ in range(100):

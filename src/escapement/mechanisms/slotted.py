@@ -8,10 +8,9 @@ turn with arg C while the pin slides along R = |C|; with q = C'/C
     u  = Re q        relative sliding speed R'/R
     g' = u (a+b-2g)  second-order transmission function   (Meyer 1-8, Filemon 3)
 
-All three depend on the half angle h = (a-b) theta/2 alone. Writing them in
-sin(h)^2 keeps full relative accuracy where |C| is small. C'/C is a Moebius
-function of exp(2ih), so (g, u) runs on a circle between g1 at sin(h) = 0 and g2
-at cos(h) = 0: u^2 = (g1 - g)(g - g2).
+All three depend only on the half angle h = (a-b) theta/2. Writing them in sin(h)^2 keeps full
+relative accuracy where |C| is small. C'/C is a Moebius function of exp(2ih), so (g, u) runs on a
+circle between g1 at sin(h) = 0 and g2 at cos(h) = 0: u^2 = (g1 - g)(g - g2).
 """
 
 from dataclasses import dataclass
@@ -49,12 +48,11 @@ def pose_at(path, theta):
 
     Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2, beta, delta) with L = L0 + L1 sin^2 h,
     g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Where g is zero
-    at pin entry -r and exit r, its numerator is G1 sin(h - h_r) sin(h + h_r), as accurate
-    as the way from there: all depends on it where the follower's inertia is many times
-    the driver's. Otherwise r is 0 and G2 = G0. The pin's body turns by beta per driver radian.
-    R^2 = L, unless the slot's line passes the follower's axis at the distance delta.
-    Of a table: g and g' from its series; u = g, for what slides in a mesh is in proportion to
-    it, and R = 1.
+    at pin entry -r and exit r, its numerator is G1 sin(h - h_r) sin(h + h_r), as accurate as the
+    distance from there; this matters most if the follower's inertia is many times the driver's.
+    Otherwise r is 0 and G2 = G0. The pin's body turns by beta per driver radian. R^2 = L, unless
+    the slot's line passes the follower's axis at the distance delta. For a table: g and g' from
+    its series; u = g, because the loss in gears is proportional to g, and R = 1.
     """
     c = path.numbers
     if path.table:
@@ -81,7 +79,7 @@ def transmission_at(path, theta):
 
 @jit
 def slide_change(path, pin, side, entry, exit_):
-    """Driver angle at which a pin of radius `pin` changes its sense of sliding on a wall.
+    """Driver angle at which a pin of radius `pin` reverses its direction of sliding on a wall.
 
     There v = V + s pin (g - beta) is zero: the contact point crosses the line of centres. An
     ideal pin does so at dead centre on either side s. The result is NaN where v does not change
@@ -132,8 +130,8 @@ def slide_edges(path, pin, edges):
 def circle(path):
     """g1 and g2 of a pin path: where the circle that (g, u) runs on meets u = 0.
 
-    At a pin exit g is zero and u^2 = -g1 g2. The path's own numbers say the same of a
-    pin that all but meets the follower's axis by a difference that no digit is left of.
+    At a pin exit g is zero and u^2 = -g1 g2. For a pin that almost meets the follower's axis the
+    numbers of the path would give this as a difference without valid digits.
     """
     c = path.numbers
     first = c[3] / c[1]
@@ -161,7 +159,7 @@ def transmission_on(path, left, half, points, count, g, u, dg, radius):
         return
     middle = c[0] * (left + half)
     sine_m, cosine_m = np.sin(middle), np.cos(middle)
-    # the way to an exit next to `left` is exact, the middle as an angle is not
+    # the distance to an exit next to `left` is exact; the angle of the middle is not
     before, behind = c[0] * ((left - c[7]) + half), c[0] * ((left + c[7]) + half)
     sine_b, cosine_b = np.sin(before), np.cos(before)
     sine_a, cosine_a = np.sin(behind), np.cos(behind)

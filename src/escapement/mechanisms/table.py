@@ -1,18 +1,17 @@
-"""A transmission as a table: for mechanisms without a slot.
+"""A transmission as a table: for mechanisms without slots.
 
-The follower of such a mechanism never leaves the driver; what is lost is a share of
-the power that passes the mesh. Kernels read piecewise Chebyshev series: the numbers of the
-path are
+In such a mechanism driver and follower are always connected; the loss is a share of the power
+that passes through. Kernels read piecewise Chebyshev series: the numbers of the path are
 
     [pieces, order, edges..., coefficients of g, piece after piece]
 
-A table that somebody gives has rows of driver and follower angles. A periodic quintic spline
-goes through them, or smoothly between them where they scatter. The smooth one minimises
+A table given by a user has rows of driver and follower angles. A periodic quintic spline
+interpolates them, or smooths them if they scatter. The smooth one minimises
 
     sum of (y_i - s(x_i))^2 + lambda integral of s'''^2
 
-over splines whose knots are a selection of the points; lambda is chosen by
-generalised cross-validation, and the residuals tell the noise.
+over splines whose knots are a selection of the points; lambda is chosen by generalised
+cross-validation, and the residuals give the noise.
 
 Source: P. Craven and G. Wahba, Numer. Math. 31 (1979) 377-403; for the standard
 deviations G. Wahba, J. R. Stat. Soc. B 45 (1983) 133-150.
@@ -78,8 +77,8 @@ def table_path(edges: FloatArray, series: FloatArray) -> Path:
     series : ndarray, shape (pieces, order)
         Coefficients of g in each piece.
     """
-    # A table is not smooth at the knots of a spline; series of full order are cut for accuracy
-    # alone. Besides, the loss goes with the size of g, so it bends where g changes its sign.
+    # A table is not smooth at the knots of a spline; series of full order are divided only for
+    # accuracy. The loss is proportional to |g|, so it has a kink where g changes its sign.
     knots = edges[1:-1] if series.shape[1] < ORDER else edges[:0]
     roots = Series(edges, series).roots()[0]
     return Path(True, np.concatenate([series.shape, edges, series.reshape(-1), knots, roots]))
@@ -119,8 +118,9 @@ def chebyshev_table(
         return table_path(*resolved(function, edges))
     knots = np.array(edges, dtype=float)
     low, high = knots[:-1], knots[1:]
-    # The pieces of a spline are all but even. Rounding of their sums would be a slope of one
-    # sign, and add up to a step over the cell, so each is fitted to what differs from its middle.
+    # The pieces of a spline are almost constant. Rounding of their sums would act as a slope of
+    # one sign, and add up to a step over the cell, so each is fitted to the difference from its
+    # middle value.
     middle, x = function(0.5 * (low + high)), nodes(low, high, order)
     series = interpolate(function(x.reshape(-1)).reshape(x.shape) - middle[:, None])
     series[:, 0] += middle
@@ -128,7 +128,7 @@ def chebyshev_table(
 
 
 class PeriodicSpline(NamedTuple):
-    """A spline that repeats itself, and how well it is known.
+    """A periodic spline, and its uncertainty.
 
     curve : the spline, for any x.
     noise : standard deviation of the points from the curve that they scatter about.
@@ -146,7 +146,7 @@ class PeriodicSpline(NamedTuple):
 
     def __call__(self, x: ArrayLike, order: int = 0) -> FloatArray:
         """The spline or one of its derivatives, at any x."""
-        # a spline of its own: from the splines' slopes rounding would make steps at the knots
+        # a separate spline: rounding of the splines' slopes would cause steps at the knots
         return np.asarray(self.curve.derivative(order)(self._folded(x)))
 
     def deviation(self, x: ArrayLike, order: int = 0) -> FloatArray:
@@ -155,7 +155,7 @@ class PeriodicSpline(NamedTuple):
 
     def _folded(self, x: ArrayLike) -> FloatArray:
         values, (first, last) = np.asarray(x, dtype=float), self.knots[[0, -1]]
-        # SciPy would fold what is inside as well, and round it
+        # SciPy would also fold values inside, and round them
         inside = (values >= first) & (values <= last)
         return np.where(inside, values, first + np.mod(values - first, last - first))
 
@@ -174,8 +174,8 @@ def interpolating(x: FloatArray, y: FloatArray) -> PeriodicSpline:
 
     change = y - y[0]
     curve = make_interp_spline(x, change, k=DEGREE, bc_type="periodic")
-    # rounding of the coefficients is divided by the square of the spacing in g', so what the
-    # spline misses of the points is put right once
+    # rounding of the coefficients is divided by the square of the spacing in g', so the residuals
+    # of the spline at the points are corrected once
     missed = change - curve(x)
     missed[-1] = missed[0]
     put_right = make_interp_spline(x, missed, k=DEGREE, bc_type="periodic").c
@@ -186,7 +186,7 @@ def interpolating(x: FloatArray, y: FloatArray) -> PeriodicSpline:
 def smoothing(
     x: FloatArray, y: FloatArray, period: float, rising: bool = False
 ) -> tuple[PeriodicSpline, float]:
-    """Smooth spline near scattered points of one period, and what they rise beside it.
+    """Smooth spline near scattered points of one period, and their rise over a period.
 
     Parameters
     ----------
@@ -197,12 +197,13 @@ def smoothing(
     period : float
         Length after which the spline repeats itself.
     rising : bool
-        Whether y rises evenly beside what repeats itself; else the rise over a period is 0.
+        Whether y has a constant rise in addition to the periodic part; otherwise the rise over a
+        period is 0.
 
     Raises
     ------
     InvalidValue
-        When the points are at fewer places than a spline needs.
+        When the points have fewer places than a spline needs.
     """
     from scipy.interpolate import BSpline
     from scipy.linalg import eigh
@@ -223,11 +224,11 @@ def smoothing(
     # spline keeps the less of it the rougher it is, for each lambda of the grid
     sizes, back = eigh(rough, normal)
     kept = 1.0 / (1.0 + np.outer(_GRID, np.maximum(sizes, 0.0)))
-    y, start = y - y[0], y[0]  # the digits are for what it changes
+    y, start = y - y[0], y[0]  # this keeps more digits of the differences
     ramp = (x - x[0]) / period
     wave, even = (back.T @ (wrap.T @ (rows.T @ np.column_stack([y, ramp])))).T
     rise = np.zeros(_GRID.size)
-    if rising:  # for each lambda the rise that leaves least, the bending counted
+    if rising:  # for each lambda the rise with the least sum of residuals and roughness
         rise = (y @ ramp - kept @ (wave * even)) / (ramp @ ramp - kept @ even**2)
     left = wave - rise[:, None] * even
     squares = y @ y - 2.0 * rise * (y @ ramp) + rise**2 * (ramp @ ramp)

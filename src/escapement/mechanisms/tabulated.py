@@ -1,4 +1,4 @@
-"""A mechanism known by its position function alone: designed elsewhere, or measured."""
+"""A mechanism of which only the position function is known: designed elsewhere, or measured."""
 
 from __future__ import annotations
 
@@ -23,11 +23,10 @@ _REPORTED = 721
 
 @dataclass(frozen=True, repr=False)
 class Tabulated(Rows):
-    """Any mechanism whose follower keeps to its driver, from a table.
+    """Any mechanism in which driver and follower are always connected, from a table.
 
-    A periodic quintic spline goes through the table, or, where the table is
-    measured, smoothly between its rows. The mechanism has no slot: its losses are
-    those of a mesh.
+    A periodic quintic spline interpolates the table, or smooths its rows if they are measured.
+    The mechanism has no slots: its losses are given by an efficiency.
 
     Parameters
     ----------
@@ -37,13 +36,14 @@ class Tabulated(Rows):
     phi : sequence of float
         Follower angles there [rad].
     measured : bool
-        Whether the rows scatter. Else they are exact, at most 601.
+        Whether the rows scatter. Otherwise they are exact, and at most 601.
     cell_angle : float, optional
         Driver angle after which the motion repeats itself [rad], > 0. Default: that
         of the table.
     follower_step : float, optional
-        What the follower turns in it [rad], > 0 in either sense. Default: likewise; of
-        measured rows fitted, for two of them would scatter too much.
+        Angle that the follower turns in a cell [rad], > 0 in either direction. Default: that of
+        the table; with measured rows it is fitted, because two single rows would scatter too
+        much.
 
     Raises
     ------
@@ -53,14 +53,13 @@ class Tabulated(Rows):
     Warns
     -----
     UserWarning
-        Where more than a tenth of the cell has no rows: five times their usual
-        distance or more, fifteen times where they are measured.
+        If more than a tenth of the cell has no rows and this gap is at least five times their
+        usual distance, or fifteen times if they are measured.
 
     Notes
     -----
     The spline has four continuous derivatives. Where the follower's acceleration
-    jumps, as at the ends of a Geneva wheel's engagement, it is rounded off over a
-    few rows.
+    jumps, as at the ends of a Geneva wheel's engagement, it is smoothed over a few rows.
     """
 
     kind = "tabulated"
@@ -68,8 +67,8 @@ class Tabulated(Rows):
     meshed = True
 
     def _shown(self) -> list[tuple[str, Any, str]]:
-        # a study file knows a mechanism of one's own by its repr, so tables that differ
-        # must not look alike
+        # a study file identifies such a mechanism by its repr, so different tables must have
+        # different ones
         checksum = zlib.crc32(np.array([self.theta, self.phi]).tobytes())
         return [
             ("rows", len(self.theta), ""),
@@ -86,16 +85,16 @@ class Tabulated(Rows):
         Parameters
         ----------
         path : path
-            Two columns, apart by commas, semicolons, tabs or blanks: driver and follower
-            in degrees. A line of headings may come first, without any number, and tell
-            otherwise: phi_rad,theta_rad say. Lines that start with # are skipped.
+            Two columns, separated by commas, semicolons, tabs or blanks: driver and follower in
+            degrees. A first line of headings, without any number, may set another order or unit,
+            for example phi_rad,theta_rad. Lines that start with # are skipped.
         **options
             `measured`; `cell_angle` and `follower_step` in radians.
 
         Raises
         ------
         MissingInput, InputFileError
-            When the file is not there, or is no such table.
+            When the file does not exist, or is not such a table.
         InvalidValue
             When an option breaks a rule.
         """
@@ -122,7 +121,7 @@ class Tabulated(Rows):
 
     @classmethod
     def options(cls) -> dict[str, Setting]:
-        """What the command line asks for: a file in place of the angles, and degrees."""
+        """The options of the command line: a file instead of the angles, and degrees."""
         known: dict[str, Any] = declared(cls)
         file = InputFile(
             name="table", key="table", metavar="FILE.csv", required=True,
@@ -144,9 +143,9 @@ class Tabulated(Rows):
     def breaks(self) -> tuple[float, float]:
         """Both ends of the cell [rad].
 
-        Those of the table; where its rows are of any cells, the cell about zero that
-        begins where the follower is slowest. Between them the fourth derivative of g
-        has a step at each knot; both engines go from knot to knot.
+        Those of the table; if its rows lie in any cells, the ends of the cell around zero that
+        begins where the follower is slowest. Between them the fourth derivative of g has a step
+        at each knot; both engines go from knot to knot.
         """
         first = float(self.spline.knots[0])
         if self._is_one_cell:
@@ -164,7 +163,7 @@ class Tabulated(Rows):
     def deviation(self, theta: ArrayLike) -> slotted.Transmission:
         """Standard deviations of g and g' at 1-D driver angles [rad], from the noise.
 
-        Rounding off of sharp corners is not among them.
+        They do not include the smoothing of sharp corners.
         """
         angles = np.atleast_1d(np.asarray(theta, dtype=float))
         g, dg = (self.spline.deviation(angles, order) for order in (1, 2))
@@ -208,7 +207,7 @@ class Tabulated(Rows):
         return table.chebyshev_table(lambda x: self.transmission(x).g, edges, table.DEGREE)
 
     def report(self) -> dict[str, Any]:
-        """What the table says, and how well it knows, by JSON key."""
+        """The numbers of the table and their uncertainty, by JSON key."""
         theta = np.linspace(*self.breaks, _REPORTED)
         found, doubt = self.transmission(theta), self.deviation(theta)
         noise = math.degrees(self.noise)
