@@ -30,7 +30,7 @@ class Body(NamedTuple):
     Attributes
     ----------
     name : str
-        What the body is called, for example "follower".
+        Name of the body, for example "follower".
     edges : tuple of Curve
         Curves with the body on their left: a hole runs the other way round.
     """
@@ -39,7 +39,7 @@ class Body(NamedTuple):
     edges: tuple[Curve, ...]
 
     def turned(self, angle: float, about: complex = 0.0) -> "Body":
-        """The body after its own origin was put at `about` and it was turned by `angle` [rad]."""
+        """The body with its own origin moved to `about`, and turned by `angle` [rad]."""
         turn = cmath.exp(1j * angle)
         return Body(self.name, tuple(edge.moved(turn, about) for edge in self.edges))
 
@@ -84,7 +84,7 @@ def slotted_edge(
 def pins_and_rollers(mechanism: Wheel, places: Iterable[complex], radius: float) -> list[Disc]:
     """Every "pin-k" at its place, and "roller-k" about it where pins have rollers.
 
-    radius : of what touches the slot, in the unit of the places.
+    radius : of the pin or roller that touches the slot, in the unit of the places.
     """
     found = []
     for k, place in enumerate(places):
@@ -99,7 +99,7 @@ def pins_and_rollers(mechanism: Wheel, places: Iterable[complex], radius: float)
 def locked_angle(mechanism: Wheel, theta: float) -> float:
     """Follower angle [rad] at any driver angle from a pin's dead centre.
 
-    It counts on through engagements, and stands still between the exit of one pin and the
+    It grows continuously over engagements, and is constant between the exit of one pin and the
     entry of the next.
     """
     entry, leaving = mechanism.breaks[0], mechanism.breaks[-1]

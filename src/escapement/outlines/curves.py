@@ -1,4 +1,4 @@
-"""Closed curves of lines and circular arcs: what bodies are made of, drawn and cut by.
+"""Closed curves of lines and circular arcs, of which bodies, drawings and cutter paths consist.
 
 A curve is kept as DXF keeps one: its corners, and for the way from each corner to the next its
 bulge, the tangent of a quarter of the angle by which the way turns: 0 for a line, positive for an
@@ -18,7 +18,7 @@ from escapement.errors import InvalidValue
 ComplexArray = NDArray[np.complex128]
 FloatArray = NDArray[np.float64]
 
-_STRAIGHT = 1e-12  # what turns by less is a line to rounding [rad]
+_STRAIGHT = 1e-12  # an arc that turns by less is a line to rounding [rad]
 _CORNER = 1e-7  # ways that meet at a smaller angle go on without a corner [rad]
 _CHORD = math.radians(4.0)
 # the integrands turn by four times an arc's angle at most, for which 24 points are exact
@@ -129,9 +129,9 @@ class Curve(NamedTuple):
         return Moments(0.5 * float(np.sum(swept)), complex(np.sum(z * swept)) / 3.0, second)
 
     def grown(self, width: float) -> "Curve":
-        """The curve beside this one, off the body: where a cutter of twice that width runs.
+        """The curve beside this one, outside the body: the path of a cutter of twice that width.
 
-        Round the corners of the body it runs in arcs, so that they stay sharp.
+        Around the corners of the body it runs in arcs, so that they stay sharp.
 
         Raises
         ------
@@ -175,7 +175,8 @@ def chain(corners: Iterable[complex], turns: Iterable[float]) -> Curve:
 
 
 def stadium(radius: float, length: float) -> Curve:
-    """All that is within a radius of the real axis from 0 to a length: two lines, two arcs."""
+    """Outline of all points within a radius of the real axis from 0 to a length: two lines, two
+    arcs."""
     side = radius * 1j
     return chain([-side, length - side, length + side, side], [0.0, math.pi, 0.0, math.pi])
 
@@ -195,7 +196,7 @@ def biarcs(points: ComplexArray, tangents: ComplexArray) -> Curve:
     way, ahead = np.roll(points, -1) - points, np.roll(tangents, -1)
     along = np.real(way.conj() * (tangents + ahead))
     apart = 1.0 - np.real(tangents.conj() * ahead)
-    # the positive root of 2 apart d^2 + 2 along d = |way|^2, in the form that stays exact
+    # the positive root of 2 apart d^2 + 2 along d = |way|^2, in a form without cancellation
     square = np.abs(way) ** 2
     reach = square / (along + np.sqrt(along**2 + 2.0 * apart * square))
     middle = 0.5 * (points + np.roll(points, -1) + reach * (tangents - ahead))

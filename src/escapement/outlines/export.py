@@ -1,4 +1,4 @@
-"""Parts to files that a workshop cuts by: DXF and SVG at 1:1, after a check of the motion."""
+"""Files of parts for cutting: DXF and SVG at 1:1, after a check of the motion."""
 
 import math
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from escapement.outlines.interference import Nearest, least_gaps
 from escapement.outlines.parts import outline_of, parts_of
 from escapement.outlines.sheet import LAYERS, Sheet, lay_out
 
-_TOUCH = 1e-6  # bodies that overlap by less touch [m]
+_TOUCH = 1e-6  # bodies that overlap by less count as touching [m]
 _INCH, _MILLIMETRE = 0.0254, 1e-3
 
 
@@ -33,11 +33,11 @@ def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
     Returns
     -------
     list of Nearest
-        Gaps and places in m, the smallest gap first. Negative gaps are overlaps. The parts stand
-        where the kinematics puts them: the pin in the middle of its slot, the locked wheel in the
-        middle of its play.
+        Gaps and places in m, the smallest gap first. Negative gaps are overlaps. The parts have
+        their nominal positions: the pin in the middle of its slot, the locked wheel in the middle
+        of its play.
     """
-    parts_of(mechanism, fits)  # which refuses what has none
+    parts_of(mechanism, fits)  # this refuses a mechanism without parts
     outline = outline_of(mechanism, fits or Fits())
     # the outlines of elliptical gears are in mm
     unit = getattr(mechanism, "crank_radius", 1e-3)
@@ -69,10 +69,10 @@ def export(
     inches : bool
         Whether the file's unit is the inch. Default: the millimetre.
     segments : bool
-        Whether chords take the place of arcs, from which they are 5 um away at most, for
-        machines that know lines alone.
+        Whether arcs are replaced by chords at most 5 um from them, for machines that can only cut
+        lines.
     r12 : bool
-        Whether to write the DXF of release 12, which old programs read. It knows no units.
+        Whether to write DXF release 12, which old programs read. It has no units.
     force : bool
         Whether an existing file may be replaced.
 
@@ -84,8 +84,8 @@ def export(
     Raises
     ------
     InvalidValue
-        Where the mechanism has no size, a hole leaves no wall, or two bodies overlap by more than
-        1 um anywhere in a turn.
+        If the mechanism has no size, a hole leaves no wall, or two bodies overlap by more than 1
+        um anywhere in a turn.
     MissingPackage
         Where ezdxf is not installed.
     CannotCreate, StorageError
@@ -137,7 +137,7 @@ def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
 
 
 def _circle(curve: Curve) -> tuple[complex, float] | None:
-    """Centre and radius of what is a whole circle of two halves."""
+    """Centre and radius of a whole circle made of two halves."""
     if curve.corners.size != 2 or not np.all(np.abs(curve.bulges) == 1.0):
         return None
     a, b = curve.corners.tolist()

@@ -18,16 +18,16 @@ _FINE = 2e-4  # distance of arcs from the ellipse that they stand for [mm]
 class GearDrivenOutline:
     """Proportions and bodies of a gear-driven wheel.
 
-    All lengths are in radii of the fixed gear. The common axis is the origin, and slot 0
-    lies along the positive real axis when carrier and wheel are at zero. As for the ordinary
-    wheel, widths are chosen so that nothing collides.
+    All lengths are in radii of the fixed gear. The common axis is the origin, and slot 0 lies
+    along the positive real axis when carrier and wheel are at zero. As in the ordinary wheel,
+    widths are chosen so that nothing collides.
 
     Parameters
     ----------
     mechanism : GearDriven
         What to draw.
     clearance : float
-        Slot width less pin diameter [m], where the pins have a radius.
+        Slot width minus pin diameter [m], if the pins have a radius.
 
     Attributes
     ----------
@@ -38,8 +38,8 @@ class GearDrivenOutline:
     inward : bool
         Whether the slots open at the rim of a disc, else inside a ring.
     pin_radius, half_slot : float
-        As of a `GenevaOutline`. A radius that was not given is small beside the path, and so
-        small that slots do not meet.
+        As in a `GenevaOutline`. A radius that was not given is small compared with the path, and
+        so small that slots do not meet.
     rim_radius, reach : float
         Outer radius of the wheel, and radius of the whole drawing.
     plane : tuple
@@ -65,7 +65,7 @@ class GearDrivenOutline:
         self.reach = max(self.rim_radius, mechanism.reach_over_fixed + self.pin_radius)
 
     def bodies(self, theta: float) -> tuple[Body, Disc, Disc, *tuple[Disc, ...]]:
-        """Everything where it stands at a carrier angle: wheel, pitch circles and pins.
+        """All bodies in their positions at a carrier angle: wheel, pitch circles and pins.
 
         "follower", "fixed-gear", "planet", "pin-k" with k counted from 0, and "roller-k" where
         pins have rollers.
@@ -80,7 +80,7 @@ class GearDrivenOutline:
         )
 
     def reliefs(self, theta: float) -> list[Body]:
-        """Every "relief" at a carrier angle: the room of unused lobes in the locked wheel."""
+        """Every "relief" at a carrier angle: the space for unused lobes in the locked wheel."""
         mechanism, turn = self.mechanism, self.wheel_at(theta)
         along = self.pin_at(np.linspace(-0.6, 0.6, 61) * mechanism.alpha, 0)
         outside = np.gradient(along)
@@ -121,7 +121,7 @@ class GearDrivenOutline:
         return self.pin_at(np.linspace(0.0, _TURN * ratio.denominator, points), 0)
 
     def pin_at(self, theta: FloatArray | float, number: int) -> ComplexArray:
-        """Where a pin of the planet stands at carrier angles."""
+        """Position of a pin of the planet at carrier angles."""
         first, _, second, rate = self.mechanism.arms
         phase = _TURN * number / self.mechanism.pins * np.sign(1.0 - rate)
         turn = 1j * np.asarray(theta, dtype=float)
@@ -148,7 +148,7 @@ class EllipticalOutline:
         theta : float
             Driver angle from greatest output speed [rad].
         carrier : float, optional
-            Direction in which the carrier is to point [rad]. Default: `theta`, its true one.
+            Direction of the carrier in the drawing [rad]. Default: `theta`, its true one.
 
         Returns
         -------
@@ -185,7 +185,7 @@ class EllipticalOutline:
 
 @lru_cache(maxsize=32)
 def pitch_curve(semi_major_axis: float, eccentricity: float) -> Curve:
-    """An ellipse about a focus as arcs that leave it by less than 0.2 um.
+    """An ellipse about a focus as arcs that deviate from it by less than 0.2 um.
 
     Parameters
     ----------
@@ -203,7 +203,8 @@ def pitch_curve(semi_major_axis: float, eccentricity: float) -> Curve:
         points = 0.5 * focus + a * turn.real + 1j * minor * turn.imag
         curve = biarcs(points, along / np.abs(along))
         found = curve.at(np.linspace(0.0, 1.0, 9))
-        # the distances from the focuses make up 2a; a first-order step leads back to the ellipse
+        # the distances from the focuses add up to 2a; a first-order step leads back to the
+        # ellipse
         one, two = np.abs(found), np.abs(found - focus)
         slope = np.abs(found / one + (found - focus) / two)
         if np.abs((one + two - 2.0 * a) / slope).max() < _FINE:

@@ -19,7 +19,7 @@ from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
 
 _POSITIONS = 721  # of the wheel that turns past the locking disc
 _CHORD = math.radians(0.5)
-_HOLLOWS = 400  # centres of hollows that are tried
+_HOLLOWS = 400  # number of centres of hollows that are tried
 
 
 class GenevaOutline:
@@ -33,7 +33,7 @@ class GenevaOutline:
     mechanism : Geneva
         What to draw, with its errors.
     exaggerate : float
-        By what its errors are multiplied.
+        Factor on its errors.
 
     Attributes
     ----------
@@ -44,20 +44,21 @@ class GenevaOutline:
     centre : float
         Distance of the axes.
     slot_end : float
-        Distance of a pin from the follower's axis at dead centre, the greatest way in of all.
+        Distance of a pin from the follower's axis at dead centre, for the pin that goes in
+        farthest.
     pin_radius, half_slot : float
         Radius of a pin, or of the roller on it, and half the slot width: larger by half the
-        clearance where a radius was given, by a little play where it was not.
+        clearance if a radius was given, otherwise by a little play.
     rim_radius : float
         Radius of the rim; a pin enters as its centre crosses the mouth.
     locks : bool
-        Whether there are locking arcs: not without a dwell, nor where wide slots leave no room.
+        Whether there are locking arcs: not without a dwell, nor if wide slots leave no space.
     lock_radius : float
-        Radius of the locking arcs; 0.1 of wheel is left beside each slot, or half of what
-        there is.
+        Radius of the locking arcs; beside each slot 0.1 of the wheel is left, or half of the
+        material there.
     gap : float
-        Play between the locking disc and the wheel: the clearance of the slots where they have
-        one, which the hollows halve.
+        Play between the locking disc and the wheel: the clearance of the slots, if they have one;
+        at the hollows half of it.
     follower_radius, crank_disc_radius : float
         Outer radii of the follower and of the disc that carries the pins.
     driver_shaft, follower_shaft : float
@@ -102,11 +103,11 @@ class GenevaOutline:
             )
 
     def bodies(self, theta: float) -> list[Body | Disc]:
-        """Everything that is drawn, where it stands at a driver angle.
+        """All bodies in their positions at a driver angle.
 
         "follower", "crank-disc", "driver-shaft" and "pin-k" with k counted from 0 are always
-        there; "locking-disc" only with a dwell and room for it, "follower-shaft" only of an
-        external wheel, "roller-k" only where pins have rollers.
+        there; "locking-disc" only with a dwell and space for it, "follower-shaft" only in an
+        external wheel, "roller-k" only if pins have rollers.
         """
         centre, follower = self.centre, Body("follower", self.follower_edges)
         found: list[Body | Disc] = [follower.turned(self.follower_at(theta))]
@@ -119,7 +120,7 @@ class GenevaOutline:
         return found + pins_and_rollers(self.mechanism, self.pin_places(theta), self.pin_radius)
 
     def pin_places(self, theta: float) -> ComplexArray:
-        """Where the pins stand at a driver angle, shape (pins,)."""
+        """Positions of the pins at a driver angle, shape (pins,)."""
         late = each(self.mechanism.pin_angle_errors, self.mechanism.pins)
         turned = theta - late - np.arange(late.size) * self.mechanism.cell_angle
         return np.asarray(self.centre + self.side * self.cranks * np.exp(1j * self.side * turned))
@@ -150,7 +151,7 @@ class GenevaOutline:
     def slot_angles(self) -> FloatArray:
         """Angles of the slots' centre lines while the follower is at zero, slot 0 first [rad].
 
-        The follower turns with growing angles, so that the next slot to be met stands behind.
+        The follower turns with growing angles, so the next slot is behind.
         """
         ahead = each(self.mechanism.slot_angle_errors, self.mechanism.slots)
         return np.asarray(ahead - np.arange(ahead.size) * self.mechanism.follower_step)
@@ -182,7 +183,7 @@ def _radii(mechanism: Geneva, half_slot: float) -> tuple[float, float]:
 
 
 def sizes(mechanism: Geneva) -> dict[str, float]:
-    """Sizes of the follower by name, in crank radii; with thin pins where no radius is known.
+    """Sizes of the follower by name, in crank radii; for thin pins if no radius is known.
 
     "wheel_radius" of the rim, "slot_depth" from the rim to the round end's bottom, and, where it
     has them, "closest_radius" of a slot from the axis, and "locking_radius" of the locking arcs.
@@ -239,7 +240,7 @@ def _swept(outline: GenevaOutline, radius: float) -> ComplexArray:
     """
     mechanism, centre = outline.mechanism, outline.mechanism.centre_distance
     edge = outline.follower_edge.drawn(_CHORD)
-    # the others never come so near
+    # the others never come so close
     facing = np.abs(np.angle(edge)) < 1.5 * mechanism.follower_step
     edge = edge[facing & (np.abs(np.abs(edge) - centre) < radius)]
     theta = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], _POSITIONS)[:, None]

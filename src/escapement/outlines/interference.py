@@ -1,4 +1,4 @@
-"""The motion check: how near bodies come to each other in a turn, and where."""
+"""The motion check: the smallest distances of bodies in a turn, and their places."""
 
 import math
 from collections.abc import Sequence
@@ -13,33 +13,33 @@ _FLAT = 1e-9  # differences of gaps that are rounding, in the outline's unit of 
 
 
 class Outline(Protocol):
-    """What is checked: bodies in any position, and those of them that meet."""
+    """Input of the check: bodies in any position, and the pairs that may meet."""
 
     @property
     def mechanism(self) -> Any:
-        """Whose they are."""
+        """Their mechanism."""
 
     @property
     def plane(self) -> tuple[str, tuple[str, ...]]:
         """A body's name, and those of the bodies that move in its plane, without numbers."""
 
     def bodies(self, theta: float) -> Sequence[Body | Disc]:
-        """Everything where it stands at a driver angle."""
+        """All bodies in their positions at a driver angle."""
 
 
 class Nearest(NamedTuple):
-    """Where two bodies come nearest to each other.
+    """The smallest distance of two bodies.
 
     Attributes
     ----------
     names : tuple of str
         The two bodies.
     gap : float
-        Least distance, in the outline's unit; negative by how much they overlap.
+        Least distance, in the outline's unit; negative if they overlap.
     theta : float
-        Driver angle that has it [rad].
+        Driver angle at which it occurs [rad].
     place : complex
-        Where, with the follower's axis as origin, and the driver's on the positive real axis.
+        Its place, with the follower's axis as origin, and the driver's on the positive real axis.
     """
 
     names: tuple[str, str]
@@ -54,8 +54,8 @@ def least_gaps(outline: Outline, samples: int = 361) -> list[Nearest]:
     Parameters
     ----------
     outline : Outline
-        A mechanism whose parts are perfect and stand where its kinematics puts them: the pin in
-        the middle of its slot, the locked wheel in the middle of its play.
+        A mechanism whose parts are perfect and have their nominal positions: the pin in the
+        middle of its slot, the locked wheel in the middle of its play.
     samples : int
         Driver angles at which every gap is computed; around the least ones it is minimised.
 
@@ -82,7 +82,7 @@ def _least(outline: Outline, name: str, angles: np.ndarray, values: np.ndarray) 
     from scipy.optimize import minimize_scalar
 
     best, theta = float(values.min()), float(angles[np.argmin(values)])
-    # between two angles a gap does not fall by more than it changes from angle to angle
+    # between two angles a gap decreases by at most the change from angle to angle
     steps = np.abs(np.diff(values))
     before, after = (np.append(np.inf, -np.diff(values)), np.append(np.diff(values), np.inf))
     valley = (before >= 0.0) & (after >= 0.0) & (np.maximum(before, after) > _FLAT)

@@ -12,12 +12,12 @@ from escapement.outlines.gaps import outside, ways_of
 
 
 class Part(NamedTuple):
-    """A flat part about its own axis [m].
+    """A flat part, relative to its own axis [m].
 
     Attributes
     ----------
     name : str
-        What it is called.
+        Its name.
     edge : Curve
         Its edge; of a gear its pitch curve.
     holes : tuple of Curve
@@ -25,9 +25,9 @@ class Part(NamedTuple):
     marks : tuple of Curve
         What is engraved: where the locking disc sits on the driver.
     axes : tuple of complex
-        Centres of its holes and of what it turns about.
+        Centres of its holes and its axis of rotation.
     toothed : bool
-        Whether it is a gear, the teeth of which somebody else cuts about its pitch curve.
+        Whether it is a gear, whose teeth are not drawn but cut separately along its pitch curve.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Part(NamedTuple):
 
     @property
     def moments(self) -> Moments:
-        """Area [m^2] and its moments [m^3, m^4] about the part's axis, holes taken off."""
+        """Area [m^2] and its moments [m^3, m^4] about the part's axis, without the holes."""
         rows = [curve.moments for curve in (self.edge, *self.holes)]
         return Moments._make(sum(column) for column in zip(*rows, strict=True))
 
@@ -52,7 +52,7 @@ class Part(NamedTuple):
         return self.moments.second * thickness * density
 
     def check(self) -> None:
-        """Raise InvalidValue where a hole leaves no wall to the edge or to another hole."""
+        """Raise InvalidValue if a hole leaves no wall to the edge or to another hole."""
         for k, hole in enumerate(self.holes):
             others = ways_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
             centre = complex(hole.corners.mean())
@@ -68,7 +68,7 @@ class Part(NamedTuple):
 
 
 def hole(radius: float, at: complex, fit: float, what: str) -> Curve:
-    """A hole for what has this radius, clockwise."""
+    """A hole for a pin or shaft of this radius, clockwise."""
     wide = radius + 0.5 * fit
     if not wide > 0.0:
         raise validate.fail(f"{what}_fit", f"greater than {-2.0 * radius:g} m", fit, "add to it")

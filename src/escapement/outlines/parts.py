@@ -1,6 +1,6 @@
-"""The flat parts of a mechanism, each about its own axis, in metres, and their inertia.
+"""The flat parts of a mechanism, each relative to its own axis, in metres, and their inertia.
 
-A part has the size that it is to have: the kerf of a cutter is left to the export.
+A part has its final size: the kerf of a cutter is added by the export.
 """
 
 import math
@@ -40,7 +40,7 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
     mechanism : Geneva, GearDriven or EllipticalPlanetary
         With its size and the radius of its pins. Errors of its parts are left out.
     fits : Fits, optional
-        Default: holes as large as what goes through them.
+        Default: holes with the size of their pins and shafts.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
 
 
 def outline_of(mechanism: Any, fits: Fits) -> GenevaOutline | GearDrivenOutline | EllipticalOutline:
-    """The bodies of a mechanism, as they are to be made."""
+    """The bodies of a mechanism, in their final size."""
     if isinstance(mechanism, EllipticalPlanetary):
         return EllipticalOutline(mechanism)
     size, _ = _sized(mechanism)
@@ -93,7 +93,7 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     wheel = [curve.moved(size) for curve in outline.follower_edges]
     own = size * outline.follower_shaft
     bore = () if mechanism.internal else (hole(own, 0.0, fits.shaft_fit, "shaft"),)
-    # an internal wheel is a ring, whose edge that faces the driver is a hole of it
+    # an internal wheel is a ring; its edge that faces the driver is a hole
     found.append(Part("follower", wheel[-1], (*wheel[:-1], *bore)))
     apart = size * mechanism.centre_distance
     return [*found, link("plate", apart, own or axis, axis, fits)]
@@ -178,7 +178,8 @@ def disc_inertia(
     -------
     Inertia
         The driver has its locking disc and its pins, which reach through it and the follower.
-        Rollers are solid. Shafts, and what else turns with them, are to be added.
+        Rollers are solid. The inertia of shafts and of everything else that turns with them has
+        to be added.
     """
     if not isinstance(checked(mechanism), Geneva):
         raise validate.fail("mechanism", "a Geneva", mechanism, "sum up `parts_of` of others")

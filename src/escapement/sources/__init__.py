@@ -1,1 +1,1 @@
-"""What four papers printed, recomputed side by side with what is true."""
+"""Numbers printed in four papers, side by side with the true ones."""

@@ -1,9 +1,9 @@
-"""A source's printed numbers and equations beside the true ones, and how they are shown.
+"""A source's printed numbers and equations beside the true ones, and their presentation.
 
-In every report, table and legend *printed* is what stands in the paper, and *true* is what
-should stand there, computed again. A printed number has so many digits and no more, so the true
-value is rounded to as many before the two are compared. Where they differ, rules are tried,
-from the strictest to the loosest, until one gives the printed digits.
+In every report, table and legend *printed* is the number in the paper, and *true* is the correct
+number, computed again. The true value is rounded to the number of printed digits before the two
+are compared. Where they differ, rules are tried, from the strictest to the loosest, until one
+gives the printed digits.
 """
 
 import csv
@@ -25,11 +25,11 @@ UNEXPLAINED = "unexplained"
 WIDTH = 100
 """Characters of a line."""
 Record = dict[str, Any]
-"""What JSON says, or a part of it."""
+"""Content of the JSON, or a part of it."""
 Table = Sequence[Sequence[Any]]
 """Rows for CSV, a header first."""
 Panels = Mapping[str, Callable[[], Any]]
-"""File names of figures, without suffix, and what draws the axes or the figure of each."""
+"""File names of figures, without suffix, and the functions that draw them."""
 
 
 def read_table(source: str, name: str) -> list[dict[str, str]]:
@@ -57,7 +57,7 @@ def digits(printed: str) -> tuple[float, float]:
 def like(printed: str, value: float, *, cut: bool = False) -> str:
     """`value` with as many digits as are printed, rounded or cut off."""
     unit = digits(printed)[1]
-    # what is a whole number of units except for the last bit is not cut to the number below
+    # a value that is a whole number of units except for its last bit is not cut to the one below
     count = math.floor(value / unit + (1e-9 if cut else 0.5))
     # angles are counted in whole minutes
     if "'" in printed:
@@ -67,14 +67,14 @@ def like(printed: str, value: float, *, cut: bool = False) -> str:
 
 
 def finer(printed: str, value: float) -> str:
-    """`value` with two digits more than are printed, to show what rounding did."""
+    """`value` with two digits more than printed, to show the effect of rounding."""
     if "'" in printed:
         return f"{math.floor(value)}°{60.0 * (value % 1.0):05.2f}'"
     return f"{value:.{_places(digits(printed)[1]) + 2}f}"
 
 
 def gives(printed: str, value: float, *, cut: bool = False) -> bool:
-    """Whether `value`, rounded or cut off, is what is printed."""
+    """Whether `value`, rounded or cut off, is the printed number."""
     return digits(like(printed, value, cut=cut)) == digits(printed)
 
 
@@ -86,8 +86,8 @@ def _places(unit: float) -> int:
 class Cell:
     """One printed number beside the true one.
 
-    place : where it stands: a number of slots, the number of a figure, or words.
-    column : which number of that place it is.
+    place : its place: a number of slots, the number of a figure, or words.
+    column : which number at that place it is.
     printed, true : text with the same number of digits; `true` is None for a number that
         follows from nothing printed.
     value : the true value, unrounded, or NaN; angles in degrees.
@@ -118,7 +118,7 @@ Rules = Callable[[str, float], Iterator[str]]
 
 
 def judge(place: Any, column: str, printed: str, value: float, rules: Rules) -> Cell:
-    """Set the true value beside a printed number; NaN is that of one that cannot be judged."""
+    """Compare a printed number with the true value, which is NaN if it cannot be judged."""
     if math.isnan(value):
         return Cell(place, column, printed, None, value)
     reason = "" if gives(printed, value) else next(rules(printed, value), UNEXPLAINED)
@@ -133,7 +133,7 @@ def cut_off(printed: str, value: float) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Slip:
-    """A slip in an equation or a sentence: where it stands, what it says, what it must say.
+    """A slip in an equation or a sentence: its place, the printed and the correct text.
 
     printed_error, true_error : greatest deviation of the printed and of the true formula;
         None where the slip is a matter of words.
@@ -149,8 +149,8 @@ class Slip:
 def read_slips(source: str, deviations: Mapping[str, tuple[FloatArray, FloatArray]]) -> list[Slip]:
     """Slips of a source, with the errors of those that are formulas.
 
-    deviations : by the name in the file's column `formula`, by how much the printed and the
-        true formula are off, in each of the mechanisms that they are tried on.
+    deviations : errors of the printed and of the true formula in each of the mechanisms on which
+        they are tried, by the name in the file's column `formula`.
     """
     errors = {name: [float(np.abs(off).max()) for off in offs] for name, offs in deviations.items()}
     return [
@@ -194,10 +194,11 @@ def by_place(cells: Cells) -> dict[Any, list[Cell]]:
 def compare(
     cells: Cells, slips: Iterable[Slip], heads: Mapping[Any, Record], keys: dict[str, str]
 ) -> Record:
-    """What JSON says: a row a place, printed and true numbers and errata in it, and counts.
+    """Content of the JSON: a row for each place with printed and true numbers and errata, and
+    counts.
 
-    heads : what else is said of a place.
-    keys : names of numbers in place of those of their columns.
+        heads : further values of a place.
+        keys : names of numbers, instead of those of their columns.
     """
     rows = []
     told = ("column", "printed", "true", "reason")
@@ -217,7 +218,7 @@ def compare(
 
 
 def as_table(cells: Cells, place: str) -> Table:
-    """A header, then a line a cell; `place` is the heading of where it stands."""
+    """A header, then a line for each cell; `place` is the heading of its place."""
     rows: list[list[Any]] = [[place, "column", "printed", "true", "value", "agrees", "reason"]]
     for cell in cells:
         *said, reason = vars(cell).values()
@@ -230,7 +231,7 @@ def print_side_by_side(
 ) -> None:
     """Print rows of cells, each printed and below it true, a star at what differs.
 
-    heads : headings before the cells, and the keys of what stands below them in `rows`.
+    heads : headings before the cells, and the keys of their values in `rows`.
     columns : headings of the cells by their columns.
     """
     lines: list[list[Any]] = []
@@ -246,10 +247,10 @@ def print_side_by_side(
 def print_errata(
     cells: Cells, what: str, place: str, columns: dict[str, str], slips: list[Slip], tried: str = ""
 ) -> None:
-    """How many cells are right; each that is not, where it stands, and why; and every slip.
+    """Print how many cells are right; each wrong one, its place and the reason; and every slip.
 
-    what : what the cells are called.
-    place : how the place of a cell and its column, as `columns` calls it, are said.
+    what : name of the cells.
+    place : text for the place of a cell and its column, as `columns` calls it.
     tried : on which mechanisms formulas were tried.
     """
     judged = [cell for cell in cells if cell.true is not None]

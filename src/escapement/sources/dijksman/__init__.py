@@ -1,8 +1,9 @@
 """Dijksman (1974): the gear-driven wheels of figures 6 to 9 and every slip, printed and true.
 
-A printed number that is not right to its last digit was computed from a rounded ratio of
-times: which one is found by trying. A formula is evaluated as printed and as it must be over
-the mechanisms of the design charts, so that a correction proves itself.
+A printed number that is not right to its last digit was computed from a rounded ratio of times;
+the right one of several possible roundings is found by testing which gives the printed digits.
+Each formula is evaluated as printed and as corrected for the mechanisms of the design charts,
+which proves the correction.
 """
 
 import math
@@ -21,7 +22,7 @@ from escapement.synthesis import motion_peaks
 from escapement.text import words
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
-"""Printed proportions and what a table calls them; alpha in degrees."""
+"""Printed proportions and their names in a table; alpha in degrees."""
 _LENGTHS = {"V": "motion_ratio", "MC": "arm_over_fixed", "M0C": "entry_radius_over_fixed"}
 _HEADS = {"figure": "figure", "curve": "curve", "n": "stations", "m": "lobes"}
 _HEADS |= {"k": "gear_ratio", "slots": "slots_printed"}
@@ -68,16 +69,16 @@ def chart_mechanisms() -> tuple[GearDriven, ...]:
         for curve in ("hypocycloid", "epicycloid")
         for stations in range(3, 25)
         for lobes in np.arange(0.0, 12.5, 0.5).tolist()
-        # a hypocycloid of so many lobes leaves the pin no dwell
+        # a hypocycloid with this many lobes leaves no dwell
         if curve == "epicycloid" or 2 * (lobes + 2) < stations
     )
 
 
 def equations() -> list[Slip]:
-    """Every slip of equations and text, the formulas tried out over the charts."""
+    """Every slip of equations and text, with the formulas tested over the charts."""
     names = ("stations", "gear_ratio", "cognate.gear_ratio", "alpha", "motion_ratio")
     read = attrgetter(*names, "carrier_over_fixed", "entry_radius_over_fixed")
-    # one row a mechanism, one array a quantity
+    # one row for each mechanism, one array for each quantity
     rows = [read(wheel) for wheel in chart_mechanisms()]
     n, k, cognate_k, alpha, ratio, carrier, entry = np.array(rows, dtype=float).T
     gamma, factor, turn = 2.0 * np.pi / n, 2.0 / k - 1.0, alpha / (2.0 * np.pi)
@@ -87,7 +88,7 @@ def equations() -> list[Slip]:
     def left(x: FloatArray) -> Any:
         return factor * np.sin(x) - np.sin(factor * x + gamma)
 
-    # each is what the formula, all of it brought to one side, leaves over
+    # each is the residual of the formula
     deviations = {
         "(9)": (k * turn / ratio - 1.0, np.abs(k) * turn / ratio - 1.0),
         "(10)": (factor * np.sin(signed) - np.sin(factor * signed) + gamma, left(signed)),
@@ -103,8 +104,8 @@ def start_ratios(per_cycle: bool) -> tuple[float, float]:
     Parameters
     ----------
     per_cycle : bool
-        Whether the cycles take the same time, else the motions. Epicycloids are held
-        against external wheels, hypocycloids against internal ones.
+        Whether the cycles take the same time, otherwise the motions. Epicycloids are compared
+        with external wheels, hypocycloids with internal ones.
     """
     ratios = []
     for wheel in chart_mechanisms():
@@ -117,7 +118,7 @@ def start_ratios(per_cycle: bool) -> tuple[float, float]:
 
 
 def reproduce(units: str | None = None) -> report.Reproduction:
-    """The captions recomputed: pure numbers and angles, whatever the units."""
+    """The captions recomputed: pure numbers and angles, independent of the units."""
     cells, slips = proportions(), equations()
     heads = {}
     for caption in captions():
@@ -160,10 +161,10 @@ def _panels() -> report.Panels:
 
 def _why(wheel: GearDriven, ratio: str, column: str, printed: str, value: float) -> Iterator[str]:
     """Rounded ratios of times that give the printed number."""
-    # the ratio with as many places as are printed, or with four
+    # the ratio with the printed number of places, or with four
     for places in (len(ratio.partition(".")[2]), 4):
         rounded = round(wheel.motion_ratio, places)
-        # a ratio may itself be a unit of its last digit too great
+        # a ratio may itself be too great by a unit of its last digit
         for off in (0.0, 10.0**-places):
             made = _from_ratio(wheel, rounded + off)[column]
             if gives(printed, made):

@@ -24,7 +24,7 @@ def plot_design_charts() -> Figure:
     figure = style.new_figure(style.TWO_COLUMN, 4.3)
     for ax, curve in zip(style.new_panels(figure, 1, 2), CURVES[:2], strict=True):
         outside = curve == "epicycloid"
-        # numbers of stations stand where lines are apart: right of them, or above V0 = 1
+        # numbers of stations are written where lines are apart: right of them, or above V0 = 1
         offset, side = ((5.0, 0.0), "left") if outside else ((0.0, 8.0), "center")
         for n, look in zip(CHART_STATIONS, cycle(style.LOOKS), strict=False):
             # the line of a hypocycloid ends at the wheel that never rests

@@ -1,10 +1,10 @@
 """Filemon (1960): the 48 cells of Table I and every slip, printed and true.
 
-Every cell follows from the closed forms of `constant_speed.geneva`. Why one is wrong is
-decided by recomputing it, and no list of cells is kept: a rule is named where it gives the
-printed digits and the true value does not. The rules of four places say only that the
-printed value is within their reach. An equation is evaluated as printed and as it must be,
-and held against what both should give, from the pin's path: so a correction proves itself.
+Every cell follows from the closed forms of `constant_speed.geneva`. The reason for a wrong cell
+is found by computation, and no list of cells is kept: a rule is named if it gives the printed
+digits and the true value does not. The rules of four places say only that the printed value can
+result from such an error. Each equation is evaluated as printed and as corrected, and both are
+compared with the result from the pin's path, which proves the correction.
 """
 
 import math
@@ -25,7 +25,7 @@ COLUMNS = {
     "ratio_max": "i_omega max", "beta_max": "beta_max", "acceleration_start": "i_epsilon start",
     "acceleration_max": "i_epsilon max", "F12": "F12", "F23": "F23",
 }  # fmt: skip
-"""Columns of Table I and what the paper calls them."""
+"""Columns of Table I and their names in the paper."""
 _SINE, _LENGTH = 1e-4, 5e-5  # errors of a sine and of L in arithmetic of four decimals
 _SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # places as shares of beta_0
 
@@ -53,9 +53,9 @@ def true_values(slots: int, sine: float | None = None) -> dict[str, float]:
     slots : int
         Slots n, >= 3.
     sine : float, optional
-        Another c in place of sin(pi/n), as tables of few digits give it.
+        Another c instead of sin(pi/n), as from tables with few digits.
     """
-    # a wheel with as many slots, not a whole number, has just this sine
+    # a wheel with this number of slots, not a whole number, has exactly this sine
     turned = slots if sine is None else math.pi / math.asin(sine)
     start, top = geneva.acceleration_start(slots), geneva.acceleration_max(turned)
     steepest = math.degrees(geneva.acceleration_max_angle(turned))
@@ -75,8 +75,8 @@ def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) 
 
     Notes
     -----
-    Gauss-Legendre over the first half of the engagement, of g (1 + F g') from the
-    pin's path: nothing of the closed form enters.
+    Gauss-Legendre quadrature of g (1 + F g') from the pin's path over the first half of the
+    engagement, without the closed form.
     """
     # the torque is smooth over half an engagement, where the sum converges at once
     nodes, weights = np.polynomial.legendre.leggauss(400)
@@ -91,7 +91,7 @@ def mean_torque_error(slots: Sequence[int] = range(3, 101), ratio: float = 1.0) 
 
 
 def equations() -> list[Slip]:
-    """Every slip of the equations, each tried out: relative errors for 3 to 10 slots."""
+    """Every slip of the equations, each tested: relative errors for 3 to 10 slots."""
     n = np.repeat(np.arange(3, 11), _SHARES.size)
     c, half = geneva.crank_ratio(n), geneva.engagement_half(n)
     # the places keep clear of dead centre, where some of the functions are zero
@@ -135,14 +135,14 @@ def _cubic(n: ArrayLike, shift: float, sign: float, third: float, cube: float) -
     """1 + the reduced cubic (12) over y^3, y = cos(beta*) + shift a, at its root."""
     c = geneva.crank_ratio(n)
     a, q, d = (1.0 - c * c) / c, 0.5 * (5.0 + c * c), (5.0 * c * c - 1.0) / (2.0 * c)
-    # F is as good as infinite
+    # F is practically infinite
     y = np.cos(reversal_study(n, 1e15).torque_max_angle) + shift * a
     rest = y * (-third * a * a - q) + cube * a**3 + sign * third * q * a + d
     return 1.0 + (y**3 + rest) / y**3
 
 
 def reproduce(units: str | None = None) -> report.Reproduction:
-    """All 48 cells recomputed: pure numbers and angles, whatever the units."""
+    """All 48 cells recomputed: pure numbers and angles, independent of the units."""
     cells, slips, error = table_1(), equations(), mean_torque_error()
     heads = {n: {"slots": n} for n in printed_rows()}
     record = report.compare(cells, slips, heads, {"beta_max": "beta_max_deg"})
@@ -195,11 +195,12 @@ def _why(slots: int, column: str, printed: str, value: float) -> Iterator[str]:
         small = "arithmetic: L = 1 + c^2 - 2c cos(beta) is a small difference, and half a unit"
         reach[small] = [value * float(length / (length + off)) ** 2 for off in (_LENGTH, -_LENGTH)]
     for how, (low, high) in reach.items():
-        # the printed value was itself rounded once more
+        # the printed value was itself rounded again
         if low - 0.5 * unit <= shown <= high + 0.5 * unit:
             between = f"{finer(printed, low)} to {finer(printed, high)}"
             yield f"four-place {how} in its fourth decimal gives {between}"
-    # both texts have as many characters, because the true one was given as many digits
+    # both texts have the same number of characters, because the true one was given the same
+    # digits
     wrong = {(a, b) for a, b in zip(printed, like(printed, value), strict=True) if a != b}
     # one digit may stand for another more than once
     if len(wrong) == 1:

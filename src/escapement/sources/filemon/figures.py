@@ -1,7 +1,7 @@
 """Filemon's figures 3 to 12 and 15: transmission, torque, and when the pin changes sides.
 
-External wheels; angles in degrees from dead centre. Families of curves have their
-number of slots written on them, as in the paper.
+The wheels are external, with angles in degrees from dead centre. The number of slots is written
+on each curve of a family, as in the paper.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ LIMITS = (r"$F_{12}$", r"$F_{23}$")
 MARK: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "mec": style.BLACK, "mew": 0.9}
 """How a pin reversal is marked."""
 Curve = tuple[FloatArray, FloatArray]
-"""Places and heights."""
+"""Abscissas and ordinates."""
 
 
 def plot_transmission(slots: int = 4, ax: Axes | None = None) -> Axes:
@@ -80,7 +80,7 @@ def plot_torque_terms(slots: int = 4, ratio: float = 1.0) -> Axes:
     product = ratio * table.g * table.dg
     name = r"$i_\omega i_\varepsilon$" if ratio == 1.0 else r"$F\, i_\omega i_\varepsilon$"
     terms = {RATIO: table.g, RATE: table.dg, name: product, r"$M_2 \eta / M_e$": table.g + product}
-    # the sum has the first look and the widest line
+    # the sum has the first style and the widest line
     looks = (*style.LOOKS[1:4], style.LOOKS[0])
     for look, width, (text, values) in zip(looks, (1.1, 1.1, 1.1, 1.8), terms.items(), strict=True):
         ax.plot(angle, values, color=look.color, ls=look.linestyle, lw=width, label=text)
@@ -197,7 +197,7 @@ FIGURES: dict[int, Callable[[], Axes | Figure]] = {
     10: plot_reversal_curves, 11: plot_reversal_limits, 12: plot_mean_factors,
     15: plot_maximum_angles,
 }  # fmt: skip
-"""What draws each figure of the paper."""
+"""The function that draws each figure of the paper."""
 
 
 def _engagement(slots: int, share: float = 1.0) -> tuple[FloatArray, Transmission]:
@@ -249,7 +249,7 @@ def _family(
     place: float = np.inf,
     offset: tuple[float, float] = (0.0, 0.0),
 ) -> Axes:
-    """A curve a number of slots, which stands at a place of the abscissa, else at the end."""
+    """A curve for each number of slots, which is written at a given abscissa or at the end."""
     ax = style.new_axes(style.TWO_COLUMN, 4.6)
     style.grid(ax)
     ax.set(**{f"{logarithmic}scale": "log"})

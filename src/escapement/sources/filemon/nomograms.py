@@ -2,8 +2,7 @@
 
 From the inertia ratio F up to the number of slots n, across to the load M_e/eta,
 down to the torque. Load and torque may both be taken times the same power of
-ten; F may not. The paper's own charts do not survive in the text it is known from,
-so these are laid out anew.
+ten; F may not. The scan of the paper does not contain its charts, so these are new ones.
 """
 
 from typing import Any, NamedTuple
@@ -40,7 +39,7 @@ _WHEELS: dict[str, Any] = {
 
 
 class Nomogram(NamedTuple):
-    """One nomogram: what it gives, for which wheels, and the range of F.
+    """One nomogram: its result, its wheels, and the range of F.
 
     column : of a `reversal_study`, for a load torque of 1.
     example : its F, number of slots and load.
@@ -64,12 +63,12 @@ NOMOGRAMS = {
 
 
 def plot_nomogram(sheet: Nomogram) -> Figure:
-    """One of `NOMOGRAMS`, to be printed on a page of its own.
+    """One of `NOMOGRAMS`, to be printed on a separate page.
 
     Returns
     -------
     Figure
-        Left: F to torque per load, a line a number of slots. Right: times the
+        Left: from F to torque per load, a line for each number of slots. Right: multiplied by the
         load. The coloured path is an example.
     """
     figure = style.new_figure(*SHEET)
@@ -108,7 +107,7 @@ def plot_nomogram(sheet: Nomogram) -> Figure:
 
 
 def _draw_example(left: Axes, right: Axes, sheet: Nomogram) -> float:
-    """The path of one reading; returns what it leads to."""
+    """The path of one reading; returns its result."""
     ratio, n, load = sheet.example
     factor = float(getattr(reversal_study(n, ratio), sheet.column))
     end, bottom = load * factor, left.get_ylim()[0]

@@ -2,8 +2,8 @@
 
 The thesis prints tables for three mechanisms, but its program ran all of them
 in the four-pin cell of 90 degrees, and the heading of the six-pin table has the
-inertias swapped. `appendix_e` sets every printed row beside three
-recomputations and names, by comparing them, what explains each difference.
+inertias swapped. `appendix_e` compares every printed row with three recomputations and finds from
+them the explanation of each difference.
 
 "K in lb/rad" of the thesis is a constant torque in in-lbf, its inertias are in
 in-lbf-s^2.
@@ -41,7 +41,7 @@ COLUMNS = {
     "program_1973": ("program of 1973", "that program run again, with a row every 0.5 ms"),
     "true": ("true", "exact solution of the real mechanism"),
 }  # fmt: skip
-"""What stands side by side: what reports and legends call it, and what it is."""
+"""The columns: their names in reports and legends, and their meanings."""
 
 _HEADS = {"maximum": "rad/s", "minimum": "rad/s", "rise time": "s", "period": "s"}
 _DECIMALS = [round(-math.log10(2.0 * half)) for half in HALF_DIGIT.values()]
@@ -61,7 +61,7 @@ class PrintedRun(NamedTuple):
 
 
 class Agreement(NamedTuple):
-    """How many of `rows` printed rows one recomputation meets."""
+    """How many of `rows` printed rows agree with one recomputation."""
 
     rows: int
     periods: int  # within 1 ms: two readings of half a 0.5 ms row, and rounding
@@ -94,15 +94,15 @@ def appendix_e(units: str = UNITS) -> list[dict[str, Any]]:
     list of dict
         49 rows. `printed`, `as_published`, `program_1973` and `true`, as `COLUMNS`
         defines them, each hold `velocity_max`, `velocity_min` [rad/s], `rise_time`,
-        `period` [s]. `reasons` explains what is off by more than half a printed
-        digit, one sentence a cause.
+        `period` [s]. `reasons` explains differences of more than half a printed digit, one
+        sentence for each cause.
     """
     validate.choice("units", units, SYSTEMS)
     return [_compare(row, units) for row in printed_rows()]
 
 
 def agreement(rows: Sequence[Mapping[str, Any]], column: str = "as_published") -> Agreement:
-    """Count how far one recomputation meets the printed figures.
+    """Count how many printed figures agree with one recomputation.
 
     Parameters
     ----------

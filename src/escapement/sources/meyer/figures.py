@@ -19,7 +19,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "as_published": {"ls": "-", "lw": 1.2, "markevery": [0]},
     "true": {"ls": style.LOOKS[1].linestyle, "lw": 1.2, "markevery": [-1]},
 }
-"""How figures of each origin are drawn, lines marked where fewest meet."""
+"""How figures of each origin are drawn, and where lines are marked."""
 
 
 def plot_appendix_e(rows: Rows, slots: int) -> Figure:
@@ -36,7 +36,7 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     -------
     Figure
         Open markers: printed. Lines: as published. Broken lines: true, where
-        that differs. A full marker at the end of a line tells its friction.
+        that differs. A full marker at the end of a line shows its friction.
 
     Notes
     -----
@@ -71,7 +71,7 @@ def _draw(ax: Axes, rows: Rows, lines: Sequence[str], read: Any, power: float) -
         series = [row for row in rows if row["friction"] == mu]
         torque = np.array([row["torque_inlbf"] for row in series])
         grid = np.linspace(0.9 * torque.min(), 1.04 * torque.max(), 101)
-        # without a load speeds go as the root of torque, times as its inverse
+        # without a load speeds are proportional to the root of the torque, times to its inverse
         law = (grid / torque[0]) ** power
         own: dict[str, Any] = {"color": look.color, "marker": look.marker, "ms": 4.5}
         ax.plot([], [], ls="", label=f"µ = {mu:.2f}", **own)

@@ -2,19 +2,19 @@
 
 The thesis describes the run time as a fourth-order Runge-Kutta method that
 compares one full step with two half steps and keeps the relative error below
-5e-6. It leaves two things open, read here as follows.
+5e-6. It leaves two things open, which are interpreted as follows.
 
 - The delay line records the acceleration at the end of each accepted step and
   interpolates linearly. No step is longer than the delay, so the stages of a
   step never ask for a value that is not yet there.
-- Error control halves a step down to DELAY/1024. Only the jumps, where the sign
-  switches or the cell wraps, get there. A run that does little else has left
-  its equation: at the Painleve limit A+S*D reaches zero.
+- Error control halves a step down to DELAY/1024. Only jumps, where the sign switches or the cell
+  wraps, need such short steps. If a run takes mostly such steps, its equation has broken down: at
+  the Painleve limit A+S*D reaches zero.
 
-Neither matters to a printed digit. Over all 49 runs, fixed steps of 5 or 1 us,
-steps of up to 25 or 500 us and a tolerance of 1e-8 change terminal maxima by at
-most 0.07 rad/s and periods by 2 us; a line of 100 places changes nothing. Even
-fixed steps of 25 us change them by no more than 0.44 rad/s and 8 us.
+Neither interpretation changes a printed digit. Over all 49 runs, fixed steps of 5 or 1 us, steps
+of up to 25 or 500 us and a tolerance of 1e-8 change terminal maxima by at most 0.07 rad/s and
+periods by 2 us; a line of 100 places changes nothing. Even fixed steps of 25 us change them by no
+more than 0.44 rad/s and 8 us.
 """
 
 import numpy as np
@@ -40,13 +40,13 @@ def _acceleration(run, theta, v, old2dx):
     b = (h/l) slope, c = mu (i/l) slope, d = mu (i/l) (h/l); s is the sign of F.
     """
     n, mu, rho, e, x0 = run
-    # the next pin takes over after 90 degrees, whatever the wheel
+    # the next pin takes over after 90 degrees in every wheel
     x = np.fmod(theta, CELL) + x0
     g = 1.0 / np.sin(PI / n)
     length = 1.0 + g * g - 2.0 * g * np.cos(x)
     ratio, sliding = (g * np.cos(x) - 1.0) / length, g * np.sin(x) / length
     slope = sliding * (1.0 - g * g) / length
-    # the true sign needs the acceleration that it decides, so an older one stands in
+    # the true sign depends on the acceleration that it determines, so an older one is used
     force = mu * sliding * (slope * v * v + ratio * old2dx)
     arm = ratio + (-mu if force < 0.0 else mu) * sliding
     return (e - arm * slope * v * v) / (rho + arm * ratio), ratio * v
@@ -58,7 +58,7 @@ def _delayed(times, values, last, time):
     if time <= 0.0:
         return values[0]
     k = last - 1
-    # the time asked for is at most a few steps back
+    # the requested time is at most a few steps back
     while times[k % _LINE] > time:
         k -= 1
     t0, t1 = times[k % _LINE], times[(k + 1) % _LINE]
@@ -88,7 +88,7 @@ def run_listing(run, interval, out):
     """Fill out[rows, 4], zero at first, with theta, theta_dot, theta_ddot and phi_dot.
 
     run : number of slots, friction, driver inertia and torque over the follower's inertia,
-        and X0. Returns the number of rows filled: fewer than asked for on breakdown.
+        and X0. Returns the number of rows filled: fewer than requested after a breakdown.
     """
     times, values = np.zeros(_LINE), np.zeros(_LINE)
     line = (times, values)
@@ -100,7 +100,7 @@ def run_listing(run, interval, out):
     step = DELAY
     for row in range(1, out.shape[0]):
         end = row * interval
-        # at a breakdown steps stay so short that the row would never end
+        # after a breakdown steps stay so short that the row would never end
         attempts = 4.0 * CROWDED + CROWDED * interval / DELAY
         while t < end:
             attempts -= 1.0

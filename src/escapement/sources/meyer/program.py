@@ -3,9 +3,9 @@
 The listing (thesis, Appendix B) is in MIMIC, a language whose statements form a
 differential equation and whose run time integrates it. Everything that shaped
 the printed tables is kept: the cell of 1.5708 rad for every mechanism, pi =
-3.1416, a friction sign that looks at the acceleration of 50 us earlier, and a
-table of one row per 0.5 ms. For the motion itself use `escapement.simulate`;
-this file exists to explain the printed numbers.
+3.1416, a friction sign taken from the acceleration 50 us earlier, and a table of one row per 0.5
+ms. For the motion itself use `escapement.simulate`; this file exists to explain the printed
+numbers.
 """
 
 import math
@@ -24,7 +24,7 @@ from escapement.scene import Path
 from escapement.sources.meyer.listing import CELL, PI, ROW, run_listing
 
 # X0 by slots. The data cards are not printed; rounding them to three decimals
-# would move the six-slot maxima by 0.1 rad/s, too little to tell
+# would change the six-slot maxima by 0.1 rad/s, too little to decide
 _ENTRY = {3: -PI / 6.0, 4: -PI / 4.0, 6: -PI / 3.0}
 
 
@@ -32,11 +32,11 @@ _ENTRY = {3: -PI / 6.0, 4: -PI / 4.0, 6: -PI / 3.0}
 class PublishedCell:
     """A Geneva wheel in the 90-degree cell Meyer's listing gives all of them, as a mechanism.
 
-    The pin enters where it should, at -pi/pins, and is replaced by the next one
-    90 degrees later, wherever the follower then is. Only for 4 slots is that a
-    mechanism. With 3 slots the pin stays past its exit and the transmission
-    turns negative; with 6 slots it leaves early; in both the transmission jumps
-    at the handoff while the driver's speed does not, so energy jumps there.
+    The pin enters at the right place, -pi/pins, and is replaced by the next one 90 degrees later,
+    independently of the follower. This is a real mechanism only for 4 slots. With 3 slots the pin
+    stays past its exit and the transmission turns negative; with 6 slots it leaves early; in both
+    the transmission jumps at the handoff while the driver's speed does not, so energy jumps
+    there.
 
     Parameters
     ----------
@@ -134,8 +134,8 @@ def program_1973(
     duration : float
         FIN, length of the run [s].
     interval : float
-        Time between rows [s]. Finer ones show what the printout cuts off; the
-        delay of the friction sign stays at 50 us.
+        Time between rows [s]. Shorter intervals show peaks that the printout misses; the delay of
+        the friction sign stays at 50 us.
 
     Returns
     -------
@@ -172,25 +172,24 @@ def program_1973(
 
 
 def read_printout(printout: Printout) -> Reading:
-    """Read the four tabulated figures off a printout, as its author would.
+    """Read the four tabulated figures from a printout, as its author would.
 
     Terminal speeds are the largest and smallest entry of the last two thirds of
-    the run; they agree with the printed ones better than those of the last half,
-    as sampling cuts every peak differently and more peaks leave a higher one.
-    The period is the mean spacing of handoffs there (THETA passing a multiple
-    of 1.5708, between rows). Rise time is the first extremum among the rows
-    within 2 % of its terminal value, maximum against maximum and minimum
-    against minimum. `peaks` holds the largest row of each stretch above mean
-    speed: their spread is the wandering of the peak that Meyer's recommendation
-    2 asks to investigate, and is made by the sampling.
+    the run; they agree with the printed ones better than those of the last half, because sampling
+    misses every peak by a different amount and more peaks give a higher maximum. The period is
+    the mean spacing of handoffs there (THETA passing a multiple of 1.5708, between rows). Rise
+    time is the first extremum among the rows within 2 % of its terminal value, maximum against
+    maximum and minimum against minimum. `peaks` holds the largest row of each stretch above mean
+    speed: their spread is the variation of the peak that Meyer's recommendation 2 asks to
+    investigate; it is caused by the sampling.
     """
     time, theta, speed = printout.time, printout.theta, printout.theta_dot
     start = time[-1] / 3.0
-    # the first third of a run is taken for its rise
+    # the first third of a run counts as its rise
     late = speed[time >= start]
     highest, lowest = float(late.max()), float(late.min())
     count = np.arange(1, int(theta[-1] // CELL) + 1)
-    # the driver of these runs never turns back, so time can be read off its angle
+    # the driver of these runs never turns back, so time is a function of its angle
     handoffs = np.interp(CELL * count, theta, time)
     handoffs = handoffs[handoffs >= start]
     period = float(np.diff(handoffs).mean()) if handoffs.size > 1 else np.nan

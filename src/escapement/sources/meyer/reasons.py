@@ -1,7 +1,7 @@
 """Why a printed figure differs from a recomputed one, decided by recomputing.
 
-A cause is named only where the recomputation that has it meets the printed
-figure better than the one that lacks it; no list of rows is kept.
+A cause is named only if the recomputation with it is closer to the printed figure than the one
+without it; no list of rows is kept.
 """
 
 import math
@@ -20,18 +20,19 @@ HALF_DIGIT = {"velocity_max": 0.5, "velocity_min": 0.5, "rise_time": 5e-4, "peri
 """Half a unit of the last printed digit [rad/s] and [s]."""
 # rise times were read by eye
 _SHOWN = {"velocity_max": "{:.1f} rad/s", "velocity_min": "{:.1f} rad/s", "period": "{:.4f} s"}
-_FINE = 50  # so many rows for each printed one show a peak before sampling cuts it
+_FINE = 50  # number of rows for each printed one, enough to show a peak without sampling
 
 
 def why(
     printed: RunFigures, exact: RunFigures, true: RunFigures, headed: RunFigures, run: RunArguments
 ) -> Iterator[str]:
-    """What explains the figures off by more than half a printed digit, a sentence a cause.
+    """Explanations of figures with errors of more than half a printed digit, a sentence for each
+    cause.
 
     exact, headed : solved in the cell of 90 degrees, with the inertias of the thesis' figures
         and with those of the table's heading.
     true : the real mechanism.
-    run : what the listing was run with.
+    run : inputs of the listing.
     """
     # rise times do not count, because they were read by eye
     heading, used = (max(distance(printed, it, name) for name in _SHOWN) for it in (headed, exact))
@@ -74,10 +75,10 @@ def distance(first: RunFigures, second: RunFigures, name: str) -> float:
 
 
 def _why_extreme(name: str, shown: float, value: float, run: RunArguments) -> str:
-    """Why a printed extreme differs, by the values that its row can have."""
+    """Why a printed extreme differs, from the values that its row can have."""
     fine = program_1973(*run, interval=ROW / _FINE)
     reading = read_printout(fine)
-    # a trough is the peak of the speed turned over
+    # a minimum is a maximum of the negative speed
     sign = 1.0 if name == "velocity_max" else -1.0
     level = 0.5 * (reading.velocity_max + reading.velocity_min)
     peak = stretches(sign * fine.theta_dot, sign * level)[-1]

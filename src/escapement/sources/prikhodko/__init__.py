@@ -29,7 +29,8 @@ def printed_rows() -> dict[str, dict[str, str]]:
 
 
 def equations() -> list[Slip]:
-    """What the paper's equations and sentences must say instead; none is a formula to try."""
+    """Corrections of the paper's equations and sentences; none is a formula that can be
+    tested."""
     return read_slips("prikhodko", {})
 
 
@@ -39,7 +40,7 @@ def drive() -> EllipticalPlanetary:
 
 
 def table() -> list[Cell]:
-    """Every printed number that can be judged, and those it is judged by."""
+    """Every printed number that can be checked, and those on which the check is based."""
     values = _recomputed()
     return [
         judge(row["place"], name, row["printed"], values.get(name, math.nan), _why)
@@ -48,7 +49,8 @@ def table() -> list[Cell]:
 
 
 def synthetic_measurement() -> Measurement:
-    """A measurement such as the paper's, made up: its drive, encoders, spread and classes.
+    """A synthetic measurement like the paper's: its drive, encoders, standard deviation and
+    classes.
 
     148 readings over two cells, whose errors are normal with the printed deviation.
     """
@@ -65,8 +67,8 @@ def synthetic_measurement() -> Measurement:
 def position_function_error() -> float:
     """Greatest deviation of the closed position function from quadrature of (9) [rad].
 
-    Gauss-Legendre over each of three quarters of a cell, of the printed equation in
-    R1, R2 and rho: nothing of the closed form enters.
+    Gauss-Legendre over each of three quarters of a cell, of the printed equation in R1, R2 and
+    rho, without the closed form.
     """
     mechanism = drive()
     places, weights = np.polynomial.legendre.leggauss(60)
@@ -95,7 +97,7 @@ def pitch_curve_slip() -> float:
 
 
 def reproduce(units: str | None = None) -> report.Reproduction:
-    """What can be recomputed; lengths in millimetres as printed, whatever the units."""
+    """Recomputed numbers; lengths in millimetres as printed, independent of the units."""
     cells, slips, mechanism = table(), equations(), drive()
     judged = [cell for cell in cells if cell.true is not None]
     record: dict[str, Any] = {
@@ -131,7 +133,7 @@ def reproduce(units: str | None = None) -> report.Reproduction:
 
 
 def _panels() -> report.Panels:
-    """Figures 2, 3 and 6, the velocity analogue, and 7 to 9 of readings that are made up."""
+    """Figures 2, 3 and 6, the velocity analogue, and 7 to 9 with synthetic readings."""
     from escapement.plots import measurement as errors
     from escapement.plots.planetary import plot_planetary
     from escapement.sources.prikhodko import figures
@@ -153,7 +155,7 @@ def _given(name: str) -> float:
 
 
 def _recomputed() -> dict[str, float]:
-    """What follows from the radii, and from size, deviation and chi^2 of the sample."""
+    """Numbers that follow from the radii, and from size, deviation and chi^2 of the sample."""
     from scipy.stats import chi2, norm
 
     mechanism = drive()
@@ -164,7 +166,8 @@ def _recomputed() -> dict[str, float]:
         "encoder_resolution": 360.0 / ENCODER_STEPS,
         "stop_interval": math.degrees(mechanism.cell_angle),
         "intervals": sturges(int(_given("sample_size"))),
-        # two degrees are lost, because mean and deviation were estimated from the sample
+        # two degrees of freedom are lost, because mean and deviation were estimated from the
+        # sample
         "degrees_of_freedom": _given("intervals") - 1.0 - 2.0,
         "significance": 100.0 * float(chi2.sf(_given("chi_squared"), _given("degrees_of_freedom"))),
         "quantile": float(norm.ppf(0.5 * (1.0 + CONFIDENCE))),

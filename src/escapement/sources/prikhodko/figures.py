@@ -1,4 +1,4 @@
-"""Prikhodko's figures 3 and 6: plans of velocities, and the position function."""
+"""Prikhodko's figures 3 and 6: velocity diagrams, and the position function."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -14,17 +14,17 @@ from escapement.plots import drawing, style
 from escapement.plots.planetary import draw_planetary
 
 Law = Callable[[FloatArray], FloatArray]
-"""From driver angles to the heights of a curve."""
+"""A function from driver angles to the ordinates of a curve."""
 Offsets = Sequence[tuple[float, float]]
 LETTERS = "abcde"
-_LENGTH = 0.75  # a vector of 1 mm per radian of the input is drawn so long [mm]
+_LENGTH = 0.75  # drawn length of a vector of 1 mm per radian of the input [mm]
 
 
 def positions(mechanism: EllipticalPlanetary) -> FloatArray:
     """Driver angles of positions a to e [rad]: stop, rising, fastest, falling, stop.
 
-    b and d are where the planet has turned a quarter on its carrier; the paper does
-    not say where its own are.
+    At b and d the planet has turned by a quarter relative to its carrier; the paper does not give
+    these positions.
     """
     return np.linspace(*mechanism.breaks, len(LETTERS))
 
@@ -65,7 +65,7 @@ def _curve(mechanism: EllipticalPlanetary, read: Law, height: float, offsets: Of
 
 
 def plot_velocity_plans(mechanism: EllipticalPlanetary) -> Figure:
-    """Plans of linear velocities over the gears in positions a to e (figure 3).
+    """Diagrams of linear velocities over the gears in positions a to e (figure 3).
 
     Seen from the carrier, which stands upright. A horizontal vector is the speed of
     a point of the line of centres: of the carrier on A C', of the planet on B C',
@@ -104,7 +104,7 @@ def _draw_plan(ax: Axes, mechanism: EllipticalPlanetary, theta: float) -> None:
         ax.plot(x, y, color=look.color, ls=look.linestyle, lw=1.4, zorder=6, label=name)
     marks = {"A": (a, (8, -1)), "C": (c, (8, 3)), "C′": (c_end, (0, 8))}
     drawing.arrow(ax, np.array([c, c_end]))
-    # B and D are apart but at a stop, where they share a label
+    # B and D are apart except at a stop, where they share a label
     if at_contact < -1e-9 * shaft:
         marks |= {"D′": (d_end, (-1, 9)), "B": (b, (-7, 1)), "D": (d, (-8, -4))}
         drawing.arrow(ax, np.array([d, d_end]))
