@@ -1,1 +1,1 @@
-"""From a wish to designs: what a timer is to do, and the escapements that do it best."""
+"""From a wish to designs: the task of a timer, and the escapements that do it best."""

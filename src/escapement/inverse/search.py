@@ -1,4 +1,4 @@
-"""`design`: the escapements that meet a wish best."""
+"""`design`: the escapements that satisfy a wish best."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from escapement.run_down import rundown
 from escapement.text import Shown
 
 SAMPLE = 11
-"""Two to the power of this many places are tried of each wheel."""
+"""Two to this power is the number of points that are tried for each wheel."""
 _MARGIN = 3e-3
-"""By so much, as a share, bounds are kept better before a design is computed exactly."""
+"""Relative margin to the bounds before a design is computed exactly."""
 _STEPS = 150
-"""Steps of the polish of one design."""
+"""Number of steps that improve one design."""
 _VARIED = ("inertia_ratio", "crank_radius", "torque")
 
 
 @dataclass(frozen=True, repr=False)
 class Design(Shown):
-    """A timer that meets a wish.
+    """A timer that satisfies a wish.
 
     timer : the escapement, at the middle of the friction and with pins.
     values : its figures in SI, by the names of `wish.BOUNDS`.
@@ -41,12 +41,12 @@ class Design(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Designs(Shown):
-    """What `design` has found.
+    """Result of `design`.
 
-    wish : what was asked for.
-    designs : of which none is better than another in all objectives, in the order of the first.
-    tried : places that were looked at.
-    message : what stands in the way where there is no design.
+    wish : the given wish.
+    designs : none better than another in all objectives, in the order of the first objective.
+    tried : number of points that were evaluated.
+    message : the reason if there is no design.
     """
 
     wish: Wish
@@ -56,24 +56,26 @@ class Designs(Shown):
 
 
 def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
-    """Find the timers that meet a wish and of which none is better in everything than another.
+    """Find the timers that satisfy a wish, none of them better in everything than another.
 
-    Every wheel that the wish allows is tried at a Sobol' sequence of inertia ratios, crank radii
-    and torques. What keeps to the bounds and is not dominated is polished and then simulated. The
+    Every wheel that the wish allows is evaluated at a Sobol' sequence of inertia ratios, crank
+    radii and torques. The points that satisfy the bounds and are not dominated are improved and
+    then simulated. The
     follower's inertia follows from the period, by similarity.
 
     Parameters
     ----------
     wish : Wish
     count : int
-        How many designs to return at most, which then lie far apart.
+        Greatest number of designs, which then lie far apart.
     seed : int
-        Where the sequence begins.
+        Seed of the sequence.
 
     Returns
     -------
     Designs
-        Where nothing keeps to all bounds, its message tells which bound, and by how much.
+        If no design satisfies all bounds, its message names the bound that prevents it, and by
+        how much.
 
     Validity: escapements without a load, with pins of the wish's width and otherwise without
     losses but friction in the slots.
@@ -104,12 +106,12 @@ def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
 
 
 def _ends(wish: Wish) -> FloatArray:
-    """Logarithms of the ends of what varies, shape (3, 2)."""
+    """Logarithms of the ends of the ranges, shape (3, 2)."""
     return np.log([getattr(wish, name) for name in _VARIED])
 
 
 def _sampled(wheel: Wheel, wish: Wish, seed: int) -> tuple[FloatArray, Values]:
-    """Places of a wheel, logarithms of what varies, and the figures there."""
+    """Points of a wheel, logarithms of the varied numbers, and the figures there."""
     shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
     low, high = _ends(wish).T
     places = low + shares * (high - low)
@@ -117,7 +119,7 @@ def _sampled(wheel: Wheel, wish: Wish, seed: int) -> tuple[FloatArray, Values]:
 
 
 def _values(wheel: Wheel, places: FloatArray, wish: Wish) -> Values:
-    """Figures in SI at places of a wheel."""
+    """Figures in SI at points of a wheel."""
     ratio, radius, torque = np.exp(places.T)
     return in_si(
         wheel.at(ratio), wheel.body, wheel.slots, wheel.internal, wish, (ratio, radius, torque)
@@ -125,7 +127,7 @@ def _values(wheel: Wheel, places: FloatArray, wish: Wish) -> Values:
 
 
 def misses(values: Values, wish: Wish, margin: float = 0.0) -> FloatArray:
-    """By how much each bound is missed, as a logarithm, infinite where there is no figure."""
+    """By how much each bound is missed, as a logarithm, infinite if there is no figure."""
     rows = []
     for name, (low, high) in wish.bounds.items():
         x = np.asarray(values[name], dtype=float)
@@ -141,7 +143,7 @@ def misses(values: Values, wish: Wish, margin: float = 0.0) -> FloatArray:
 
 
 def _reason(values: Values, wish: Wish) -> str:
-    """Which bound stands in the way of a wish, and by how much."""
+    """The bound that prevents a wish, and by how much."""
     missed = misses(values, wish)
     names = list(wish.bounds)
     told = []
@@ -162,7 +164,7 @@ def _reason(values: Values, wish: Wish) -> str:
 
 
 def _told(name: str, bound: tuple[float, float], reached: float) -> str:
-    """A bound that is missed, and what the nearest design reaches."""
+    """A bound that is missed, and the value that the nearest design reaches."""
     unit = BOUNDS[name].printed_unit
     unit = f" {unit}" if unit else ""
     low, high = bound
@@ -172,7 +174,7 @@ def _told(name: str, bound: tuple[float, float], reached: float) -> str:
 
 
 def _polished(wheel: Wheel, place: FloatArray, wish: Wish) -> tuple[Wheel, FloatArray]:
-    """A place near by that is better in every objective, within all bounds."""
+    """A nearby point that is better in every objective, within all bounds."""
     low, high = _ends(wish).T
     free = high > low
     if not free.any():

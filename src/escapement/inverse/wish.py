@@ -1,4 +1,4 @@
-"""A wish: what a timer is to do, what may be chosen for it, and what it must keep to."""
+"""A wish: the task of a timer, the ranges of its numbers, and its bounds."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ RANGES = {
         _quantity("slots", "slots of the follower", minimum=3.0, maximum=64.0),
     )
 }
-"""What may be chosen between two ends."""
+"""Numbers that the search chooses from a range."""
 BOUNDS = {
     entry.name: entry
     for entry in (
@@ -62,14 +62,14 @@ BOUNDS = {
         _quantity("jam_margin", "1 - friction over its Painleve limit"),
     )
 }
-"""Figures of a design that may be bounded."""
+"""Figures of a design that can have bounds."""
 OBJECTIVES = ("scatter", "contact_force_max", "size", "mass", "rise_time_98")
-"""What may be asked to be small."""
+"""Figures that can be minimised."""
 
 
 @dataclass(frozen=True, repr=False)
 class Wish(Shown):
-    """What a Geneva timer is to do.
+    """The task of a Geneva timer, and the limits of its design.
 
     Parameters
     ----------
@@ -78,17 +78,17 @@ class Wish(Shown):
     total_time, turns : float, optional
         time of a whole run from rest [s], and how often the driver turns in it.
     torque : float or (low, high)
-        Torque on the driver [N m]; of a spring that at the start.
+        Torque on the driver [N m]; for a spring that at the start.
     torque_lost : float
         Share of the torque that a spring loses over the run [-], in [0, 1).
     friction : float or (low, high)
-        Between which the friction in the slots lies [-].
+        Range of the friction in the slots [-].
     crank_radius : float or (low, high)
         Radius on which the pins turn [m].
     slots : int or (low, high)
         Slots of the follower; external and internal wheels are tried.
     internal : bool, optional
-        True or False for internal or external wheels alone.
+        True or False for only internal or only external wheels.
     inertia_ratio : float or (low, high)
         Driver over follower inertia [-].
     pin : float
@@ -96,10 +96,10 @@ class Wish(Shown):
     density : float
         Of the discs [kg/m^3], which have the outlines of `parts_of`.
     bounds : Mapping
-        Of the `BOUNDS`, by name, (least, greatest); a single number is the greatest, of the jam
+        (least, greatest) for names in `BOUNDS`; a single number is the greatest, for the jam
         margin the least.
     objectives : sequence of str
-        Of `OBJECTIVES`, what is to be small.
+        Names in `OBJECTIVES`, the figures to minimise.
     """
 
     period: float | None = None
@@ -148,7 +148,7 @@ class Wish(Shown):
 
 
 def _ends(entry: Quantity, label: str, given: Any) -> Range:
-    """Two ends, of a single number that itself twice."""
+    """The two ends of a range; a single number twice."""
     pair = given if isinstance(given, list | tuple) else (given, given)
     if len(pair) != 2:
         raise validate.fail(label, "a number or two ends", given, _NUMBER)

@@ -1,7 +1,7 @@
 """Figures and drawings to scale: data in, matplotlib axes out.
 
-Functions named after one panel draw into the axes they are given, or into a new
-figure of their own; nothing is shown on a screen. `save` writes a figure.
+Functions for one panel draw into given axes, or into a new figure; nothing is shown on a screen.
+`save` writes a figure.
 """
 
 from escapement.plots.animation import animate as animate

@@ -1,4 +1,4 @@
-"""A motion as one would see it: the mechanism to scale, turning, beside its velocities."""
+"""Film of a motion: the turning mechanism to scale, beside its velocities."""
 
 import math
 from collections.abc import Callable
@@ -31,21 +31,21 @@ def animate(
     Parameters
     ----------
     motion : Motion
-        What `escapement.simulate` returns; the `motion` of `escapement.terminal` repeats
-        itself, and so does its film.
+        What `escapement.simulate` returns; the `motion` of `escapement.terminal` is periodic, so
+        its film can loop.
     start, stop : float
         Part of the motion that is shown [s]. Default: all of it.
     frames : int
-        Pictures in all, evenly spaced in time: a second or so of work for ten.
+        Number of pictures, evenly spaced in time; ten take about a second.
     rate : float
-        Pictures a second when shown [1/s]; of a .gif no viewer shows more than 50.
+        Pictures per second when shown [1/s]; no viewer shows more than 50 of a .gif.
 
     Returns
     -------
     matplotlib.animation.FuncAnimation
-        To be written with `save` as .gif, or shown in a notebook with
-        `IPython.display.HTML(film.to_jshtml())`. Its title tells the instant and how much
-        slower than the mechanism it runs.
+        It can be written with `save` as .gif, or shown in a notebook with
+        `IPython.display.HTML(film.to_jshtml())`. Its title gives the time and the factor of slow
+        motion.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def animate(
         motion, or a number of pictures beyond 2000.
     """
     mechanism = motion.escapement.mechanism
-    # what has no function of its own has no bodies
+    # a mechanism without its own drawing function has no bodies
     if drawing.plot_mechanism.dispatch(type(mechanism)) is drawing.plot_mechanism.dispatch(object):
         remedy = "draw its motion with plot_velocities"
         raise validate.fail("motion", "of a mechanism that can be drawn", mechanism, remedy)
@@ -77,7 +77,7 @@ def animate(
     draw = _drawing(scene, mechanism, state.theta)
     slower = count / rate / (last - start)
     pace = f"{slower:.3g} times slower" if slower >= 1.0 else f"{1.0 / slower:.3g} times faster"
-    # so many decimals that successive pictures have different titles
+    # enough decimals that successive pictures have different titles
     digits = max(0, math.ceil(-math.log10(factor * (last - start) / count)))
 
     def show(frame: int) -> None:
@@ -89,17 +89,17 @@ def animate(
         marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
 
     show(0)
-    # a layout made again for every picture would let the axes tremble
+    # if the layout were made again for every picture, the axes would tremble
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return FuncAnimation(figure, show, frames=count, interval=1e3 / rate)
 
 
 def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Callable[[float], object]:
-    """What draws the mechanism at a driver angle, with limits that do not change."""
+    """The function that draws the mechanism at a driver angle, with fixed limits."""
     if not isinstance(mechanism, EllipticalPlanetary):
         return lambda theta: drawing.plot_mechanism(mechanism, theta, ax)
-    # the carrier turns, so the limits must have room for every picture
+    # the carrier turns, so the limits must fit every picture
     left, right, bottom, top = np.array([extent(mechanism, theta) for theta in angles]).T
     box = left.min(), right.max(), bottom.min(), top.max()
     return lambda theta: draw_planetary(drawing.dress_scene(ax, box), mechanism, theta, theta)

@@ -27,8 +27,8 @@ def plot_beats(fit: BeatFit, ax: Axes | None = None, *, legend: bool = True) -> 
     Returns
     -------
     Axes
-        Engagement, by its pin and slot, and beat less the mean beat. Bars: two standard
-        deviations of the mean of what was measured, to either side.
+        Engagement, by its pin and slot, and beat minus the mean beat. Bars: two standard
+        deviations of the mean of the measured beats, to either side.
     """
     if not isinstance(fit, BeatFit):
         raise validate.fail("fit", "a BeatFit", fit, "give what fit_beats returns")
@@ -51,7 +51,7 @@ def plot_beats(fit: BeatFit, ax: Axes | None = None, *, legend: bool = True) -> 
 def plot_beat_spectrum(
     spectrum: BeatSpectrum, ax: Axes | None = None, *, legend: bool = True
 ) -> Axes:
-    """Lines of beats with the parts that make them.
+    """Spectral lines of beats with the parts that cause them.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def plot_beat_spectrum(
     Returns
     -------
     Axes
-        Cycles a turn of the driver, and amplitude. Broken line: noise alone is above it in one
+        Cycles per turn of the driver, and amplitude. Broken line: noise alone exceeds it in one
         of a hundred lines.
     """
     if not isinstance(spectrum, BeatSpectrum):

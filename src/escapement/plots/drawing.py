@@ -1,6 +1,6 @@
-"""The drawing of any mechanism to scale, and of one without bodies as its transmission.
+"""Drawings of mechanisms to scale; a mechanism without bodies is drawn as its transmission.
 
-The artists of all drawings are here: bodies, arrows that tell a sense, a bar of known length.
+The artists of all drawings are here: bodies, arrows for the direction of rotation, a scale bar.
 """
 
 from collections.abc import Iterable, Mapping
@@ -27,7 +27,7 @@ _MOST_MARKS = 4000
 
 @singledispatch
 def plot_mechanism(mechanism: Any, theta: float = 0.0, ax: Axes | None = None) -> Axes:
-    """Mechanism to scale, in any position; one without bodies as its transmission.
+    """Mechanism to scale, in any position; for one without bodies its transmission.
 
     The function for each class of mechanism is registered with `plot_mechanism.register`,
     and its docstring names what it draws.
@@ -44,7 +44,7 @@ def plot_mechanism(mechanism: Any, theta: float = 0.0, ax: Axes | None = None) -
     Raises
     ------
     InvalidValue
-        For what is no mechanism, or an angle that is not finite.
+        If the argument is not a mechanism, or an angle is not finite.
     """
     if isinstance(checked(mechanism), Tabulated):
         return plot_table(mechanism, ax)
@@ -133,7 +133,7 @@ def curve(ax: Axes, points: ComplexArray, *form: str, **look: Any) -> None:
 
 
 def arrow(ax: Axes, arc: ComplexArray) -> None:
-    """An arrow along an arc, which tells the sense in which something turns."""
+    """An arrow along an arc, which shows the direction of rotation."""
     arrow = FancyArrowPatch(path=Path(rows(arc)), arrowstyle="-|>", mutation_scale=8)
     ax.add_patch(arrow)
     arrow.set(color=style.BLACK, linewidth=0.8, zorder=5, fill=True)

@@ -13,7 +13,7 @@ from escapement.plots import style
 from escapement.plots.style import finished, number_text, scaled
 from escapement.units import SYSTEMS, factor, unit_name
 
-_ROUNDING = 1e-9  # of the greatest moment: less is none
+_ROUNDING = 1e-9  # of the greatest moment: a smaller one counts as zero
 
 
 def plot_drive_torque(
@@ -81,7 +81,7 @@ def plot_drive_torque(
 
 
 def _write(ax: Axes, text: str, place: tuple[float, float], above: float) -> float:
-    """A number some points above its mark, not over the ends of the abscissa.
+    """A number some points above its mark, and within the ends of the abscissa.
 
     Returns about half its width along the abscissa.
     """

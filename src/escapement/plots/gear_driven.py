@@ -1,4 +1,4 @@
-"""Gear-driven Geneva wheels drawn to scale, and the curves their pins trace."""
+"""Gear-driven Geneva wheels drawn to scale, and the curves of their pins."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -46,8 +46,8 @@ def plot_gear_driven(mechanism: GearDriven, theta: float = 0.0, ax: Axes | None 
     Parameters
     ----------
     mechanism : GearDriven
-        What to draw. The width of pins without a `pin_radius` and of their slots is the
-        drawing's choice. Where unused lobes pass through the locked wheel it is cut away.
+        What to draw. Pins without a `pin_radius`, and their slots, are drawn with a symbolic
+        width. Where unused lobes pass through the locked wheel it is cut away.
     theta : float
         Carrier angle from dead centre of the first pin [rad], of any size; in a
         dwell the wheel stands locked.
@@ -92,7 +92,7 @@ def plot_curves() -> Figure:
 
 
 def plot_row(mechanisms: Mapping[str, GearDriven], theta: float, *, wheel: bool = True) -> Figure:
-    """Mechanisms side by side and equally high, over a key of what their colours mean.
+    """Mechanisms side by side and equally high, above a key to their colours.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def plot_row(mechanisms: Mapping[str, GearDriven], theta: float, *, wheel: bool 
     theta : float
         Carrier angle from dead centre of the first pin [rad].
     wheel : bool
-        Whether to draw the wheels, or only what moves the pins.
+        Whether to draw the wheels, or only the parts that move the pins.
     """
     figure = style.new_figure(style.TWO_COLUMN)
     figure.set_layout_engine("compressed")

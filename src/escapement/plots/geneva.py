@@ -24,8 +24,8 @@ _LOOKS: dict[str, dict[str, Any]] = {
 }
 _BROKEN = {"fill": False, "ec": style.GREY, "lw": 0.6, "ls": (0, (4, 2.5)), "zorder": 2.2}
 _CHAIN = (0, (9, 2, 2, 2))
-_MARGIN = 0.30  # arrows take so much room, in crank radii
-_LARGE = 5.0  # around a larger follower the room grows, and its lines get thinner
+_MARGIN = 0.30  # space for arrows, in crank radii
+_LARGE = 5.0  # for a larger follower the margin grows, and lines get thinner
 _CONTINUOUS = (3, 4, 6)
 
 
@@ -38,17 +38,17 @@ def plot_geneva(
     Parameters
     ----------
     mechanism : Geneva
-        What to draw. The width of pins without a `pin_radius` and of their slots is the
-        drawing's choice.
+        What to draw. Pins without a `pin_radius`, and their slots, are drawn with a symbolic
+        width.
     theta : float
         Driver angle from dead centre of the reference pin [rad], of any size;
-        in a dwell the follower stands locked.
+        in a dwell the follower is locked.
     ax : Axes, optional
         Where to draw; its limits are set in crank radii, follower axis at the
         origin. Default: a new figure.
     exaggerate : float
-        By what the errors of the parts are multiplied, >= 0. Unless it is 1 the perfect wheel
-        and its pins are there in broken lines.
+        Factor on the errors of the parts, >= 0. Unless it is 1, broken lines show the perfect
+        wheel and its pins.
 
     Returns
     -------

@@ -14,8 +14,8 @@ from escapement.motion import Motion
 from escapement.plots import style
 from escapement.plots.style import finished, scaled
 
-_CROWDED = 30  # lines of full height at more handoffs would grey the figure
-_ROOM = 0.02  # so much of the motion's length is left free beyond its end
+_CROWDED = 30  # with more handoffs, lines of full height would make the figure grey
+_ROOM = 0.02  # free space beyond the end, as a share of the motion's length
 _REPEATS = 0.01  # a cycle is terminal when its two handoff speeds agree within this share
 
 
@@ -72,7 +72,7 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool 
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.0)
     mechanism = motion.escapement.mechanism
     entry, exit_, cell = mechanism.breaks[0], mechanism.breaks[-1], mechanism.cell_angle
-    # angles come from rounded numbers, so a gap below 1e-9 is no dwell
+    # angles come from rounded numbers, so a gap below 1e-9 is not a dwell
     if entry + cell - exit_ > 1e-9:
         dwell = np.degrees([exit_, entry + cell])
         ax.axvspan(*dwell, label="dwell", **style.SHADE | {"color": style.LIGHT_GREY})
@@ -154,7 +154,8 @@ def plot_motion(motion: Motion) -> Figure:
 
 
 def _times(motion: Motion) -> FloatArray:
-    """Times even in time and in angle, every event among them: no sharp peak is cut."""
+    """Times that are evenly spaced in time and in angle, with all events, so that every peak
+    shows."""
     grid = motion.t
     if grid.size < 2:
         got = f"none ({motion.message})"
@@ -190,7 +191,7 @@ def _mark_events(ax: Axes, motion: Motion, factor: float, heights: FloatArray) -
         look: dict[str, Any] = {"color": style.LIGHT_GREY, "lw": 0.7, "ls": line, "zorder": 0}
         across = ax.get_xaxis_transform()
         ax.vlines(times, bottom, 1.0, transform=across, label="handoff", **look)
-    # the room at the right shows that the motion ends there, and its last handoff whole
+    # the space at the right shows that the motion ends there, and its last handoff completely
     ax.set_xlim(0.0, (1.0 + _ROOM) * motion.end_time * factor)
 
 

@@ -19,11 +19,11 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "driven": _ELLIPSE | {"facecolor": "#f6d9a8", "zorder": 2.0, "label": "output ellipse"},
     "driving": _ELLIPSE | {"facecolor": "#9cc7e8", "zorder": 2.1, "label": "driving ellipse"},
 }
-# broken lines show what the ellipses hide of the spur gears
+# broken lines show the parts of the spur gears behind the ellipses
 _BROKEN: dict[str, Any] = {"fill": False, "ec": style.GREY, "ls": (0, (4, 2.5)), "zorder": 2.4}
 _HIDDEN = {"sun": _BROKEN, "planet": _BROKEN | {"label": "planet"}}
 _LETTERS = "A: axis of carrier and output\nC: shaft of planet and driving ellipse"
-_WORDS = 0.95  # room of the legend [in]
+_WORDS = 0.95  # height of the legend [in]
 _MARGIN = 0.12  # the room around the gears is this share of the centre distance
 
 
@@ -63,7 +63,7 @@ def plot_planetary(
     box, distance = extent(mechanism, angle), 1e3 * mechanism.centre_distance
     own, ax = ax is None, drawing.dress_scene(ax, box)
     draw_planetary(ax, mechanism, angle, angle)
-    # letters stand to the right of the carrier, arrows to its left and behind it
+    # letters are to the right of the carrier, arrows to its left and behind it
     along, behind = np.exp(1j * angle), angle + np.pi
     aside = -10j * along
     for letter, place in (("A", 0.0 * along), ("C", distance * along)):

@@ -1,7 +1,7 @@
-"""Figures of a sample: what scatters, by how much, and which parameter it comes from.
+"""Figures of a sample: which results scatter, by how much, and because of which parameter.
 
-Some cases of a sample have an answer but no time, because it is longer than an engine
-follows: quantiles count such a time as longer than any.
+In some computed cases a time is missing, because it is longer than an engine follows the motion:
+quantiles count such a time as longer than any other.
 """
 
 import warnings
@@ -29,47 +29,47 @@ from escapement.status import Status
 from escapement.study.result import Study
 
 _RESULTS = ("period", "velocity_max", "rise_time")
-_MOST_PANELS = 3  # so many parameters have room beside one another
-_FEW, _MANY = 30, 300  # up to the one points are drawn large, beyond the other small
+_MOST_PANELS = 3  # number of parameters that fit beside one another
+_FEW, _MANY = 30, 300  # points are large up to the first number, small beyond the second
 _MOST_POINTS = 1500
 _BINS = (8, 40)
-_LINE = 20  # so many characters of a label fit beside a panel
+_LINE = 20  # characters of a label that fit beside a panel
 _MEDIAN: dict[str, Any] = {"color": style.BLACK, "lw": 0.8}
 _END: dict[str, Any] = {**_MEDIAN, "ls": (0, (4, 2))}
 _POINT: dict[str, Any] = {"ls": "", "marker": ".", "color": style.BLUE, "ms": 5, "mew": 0}
 _LOST: dict[str, Any] = {"ls": "", "marker": "x", "color": style.VERMILLION, "ms": 3.5, "mew": 0.8}
 _LONGER: dict[str, Any] = {"ls": "", "marker": "^", "color": style.PURPLE, "ms": 3.5, "mew": 0.0}
 QUANTILES = {0.5: (_MEDIAN, "center"), 0.05: (_END, "top"), 0.95: (_END, "bottom")}
-"""Shares of the cases, foremost first: their lines, and which end of a number is beside them."""
+"""Shares of the cases, the most important first: their lines, and the alignment of their
+numbers."""
 _ENDLESS = 1e300
 _APART = 0.06  # numbers closer than this share of a panel's height would overlap
 
 
 def plot_sample(study: Study, results: Sequence[str] | None = None) -> Figure:
-    """Results against each sampled parameter, and how they are distributed.
+    """Results against each sampled parameter, and their distribution.
 
     Parameters
     ----------
     study : Study
         A sweep's result over a sample.
     results : sequence of str, optional
-        Which results, by name, a row each; those without a number are left out. Default:
-        period, maximum velocity and rise time, but all of a study that chose its own.
+        Names of results, a row for each; those without a number are left out. Default: period,
+        maximum velocity and rise time, or all results if the study names its own.
 
     Returns
     -------
     Figure
-        Of more than three parameters, those whose ranks go most with the first
-        result. Lines across a row are its 5 %, 50 % and 95 % quantiles, of all cases
-        that have an answer; the points are at most 1500 of them, drawn at random. A
-        rise or settling time that a case lacks although it has an answer counts as
-        longer than any: such cases are marked at the top of the panels, and a quantile
-        that falls on one is not drawn.
+        With more than three parameters, those with the strongest rank correlation with the first
+        result. Lines across a row are its 5 %, 50 % and 95 % quantiles over all computed cases;
+        the points are at most 1500 of them, drawn at random. A rise or settling time that is
+        missing in a computed case counts as longer than any other: such cases are marked at the
+        top of the panels, and a quantile that falls on one is not drawn.
 
     Raises
     ------
     InvalidValue
-        When the study is no sample, has no such result, or no case has one.
+        When the study is not a sample, has no such result, or no case has one.
     """
     results = chosen(study, results, _RESULTS)
     varied = [name for name, values in study.axes.items() if values.size > 1]
@@ -143,7 +143,7 @@ def rank_correlation(x: FloatArray, y: FloatArray) -> float:
 
 
 def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray) -> None:
-    """Points; crosses below for no answer, triangles above for infinity."""
+    """Points; crosses at the bottom for failed cases, triangles at the top for infinity."""
     few, many = x.size <= _FEW, x.size > _MANY
     look: dict[str, Any] = {"alpha": 0.5 if many else 0.8, "zorder": 3.0 if few else 2.0}
     look["ms"] = 2.5 if many else 8.0 if few else 4.0
@@ -154,7 +154,7 @@ def _scatter(ax: Axes, x: FloatArray, y: FloatArray, failed: np.ndarray) -> None
 
 
 def _distribution(ax: Axes, values: FloatArray) -> None:
-    """A histogram on its side."""
+    """A horizontal histogram."""
     # Rice's rule: twice the cube root of the number of cases
     bins = int(np.clip(2.0 * values.size ** (1.0 / 3.0), *_BINS))
     look: dict[str, Any] = {"color": style.SKY, "edgecolor": "white", "lw": 0.3}
@@ -179,16 +179,16 @@ def _quantile_lines(row: Sequence[Axes], values: FloatArray) -> None:
 
 
 def ran(study: Study) -> np.ndarray:
-    """Which cases have an answer, shape of the results."""
+    """Which cases were computed, in the shape of the results."""
     return np.asarray(study.results["status"] == Status.OK)
 
 
 def counted(study: Study, result: str) -> FloatArray:
-    """A result as quantiles and ranks count it, of the shape of the results.
+    """A result as used for quantiles and ranks, in the shape of the results.
 
-    NaN where a case has no answer. A case that has one lacks a rise or settling time
-    only where that is beyond what an engine follows: infinity. Left out, the longest
-    would be missing, and every quantile too short.
+    It is NaN where a case failed. In a computed case a rise or settling time is missing only if
+    it is longer than an engine follows: it then counts as infinity. If such cases were left out,
+    the longest times would be missing, and every quantile would be too short.
     """
     values = study.results[result]
     if result not in TRANSIENT:
@@ -197,12 +197,12 @@ def counted(study: Study, result: str) -> FloatArray:
 
 
 def quantile(values: FloatArray, share: float | Sequence[float]) -> FloatArray:
-    """Quantile along the last axis, NaN where it falls on infinity or nothing counts.
+    """Quantile along the last axis, NaN if it falls on infinity or no case counts.
 
     values : shape (..., n), NaN where a case does not count.
     share : of one or more quantiles, which become the first axis.
     """
-    # infinity less infinity is no number, so a huge number stands for it
+    # infinity minus infinity is not a number, so a huge number replaces it
     finite = np.where(np.isinf(values), _ENDLESS, values)
     with warnings.catch_warnings(action="ignore"):  # NumPy warns where nothing counts
         found = np.nanquantile(finite, share, axis=-1)
@@ -210,6 +210,6 @@ def quantile(values: FloatArray, share: float | Sequence[float]) -> FloatArray:
 
 
 def missing(study: Study, result: str) -> str:
-    """How many of the cases with an answer lack a result: "no rise time in 3 of 20 cases"."""
+    """How many of the computed cases lack a result: "no rise time in 3 of 20 cases"."""
     lost, name = int(np.isinf(counted(study, result)).sum()), result.replace("_", " ")
     return f"no {name} in {lost} of {int(ran(study).sum())} cases" if lost else ""

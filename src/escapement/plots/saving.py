@@ -33,8 +33,8 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     Parameters
     ----------
     picture : Figure, Axes or FuncAnimation
-        What to write; of axes their whole figure. The same figure gives the same bytes:
-        nothing in the file tells the time.
+        What to write; for axes their whole figure. The same figure gives the same bytes, because
+        the file contains no date.
     path : path
         Its suffix decides the format: .png, .pdf or .svg; a film's is .gif. An existing
         file is replaced, unless it is read-only. Text in an .svg is text, to be edited and
@@ -45,7 +45,7 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     InvalidValue
         When the suffix is none of these.
     CannotCreate
-        When there can be no file at that place.
+        When the file cannot be created there.
     StorageError
         When writing fails half-way, for example on a full disk.
     """
@@ -53,7 +53,7 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     moving = isinstance(picture, FuncAnimation)
     suffix = files.file_format(path, files.FILMS if moving else files.FORMATS)
     files.check_target(path, force=True, writable=True)
-    # Pillow writes films to files alone
+    # Pillow can write films only to files
     with (
         files.storing(path),
         matplotlib.rc_context(_WRITING),

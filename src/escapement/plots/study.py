@@ -30,12 +30,12 @@ from escapement.plots.study_table import (
 from escapement.study.result import Study
 from escapement.study.varied import CASE
 
-_ENOUGH = 5  # a contour map needs so many points on either axis
-_BESIDE = 3  # so many maps have room beside one another
+_ENOUGH = 5  # fewest points of a contour map on either axis
+_BESIDE = 3  # number of maps that fit beside one another
 _FOREMOST = ("period", "velocity_mean", "rise_time")
 _SINGLE = ("period", "rise_time", "settling_time", "velocity_max", "velocity_mean", "velocity_min")
 _SHARED = {"s": "time", "rad s-1": "driver velocity"}
-"""What results of a unit have in common, so that they share a panel."""
+"""Labels of panels for results with the same unit."""
 
 
 def plot_lines(
@@ -50,8 +50,8 @@ def plot_lines(
     result : str
         Which result, for example "rise_time".
     x : str, optional
-        Axis of the study along the abscissa. Default: torque where it was
-        varied, else the axis with most points.
+        Axis of the study along the abscissa. Default: torque if it was varied, otherwise the axis
+        with most points.
     ax : Axes, optional
         Where to draw. Default: a new figure in one column.
     legend : bool
@@ -60,10 +60,10 @@ def plot_lines(
     Returns
     -------
     Axes
-        Computed points are marked where they are few, and not joined over a parameter that
-        is a whole number, nor where a rise or settling time jumps. A note says how many
-        have no answer, and why. Of many lines six are drawn. Axes beyond two stay at their
-        middle value, told in the legend.
+        Computed points are marked if they are few. They are not joined over a parameter that is a
+        whole number, nor where a rise or settling time jumps. A note says how many cases failed,
+        and why. At most six lines are drawn. Axes beyond two are fixed at their middle value,
+        which the legend names.
 
     Raises
     ------
@@ -95,14 +95,14 @@ def plot_rise_and_terminal(study: Study) -> Figure:
 def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
-    Contours, but cells of one colour each for times that jump, with lines where they do,
-    and over parameters that are whole numbers.
+    It has contours. Times that jump, and results over whole numbers, are drawn as a cell of one
+    colour for each case, with lines where a time jumps.
 
     Parameters
     ----------
     study : Study
-        A sweep's result with two varied axes or more; beyond the first two,
-        axes stay at their middle value.
+        A sweep's result with two varied axes or more; axes beyond the first two are fixed at
+        their middle value.
     result : str
         Which result.
     ax : Axes, optional
@@ -129,7 +129,7 @@ def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool 
 
 
 def plot_spread(study: Study, results: Sequence[str] | None = None) -> Figure:
-    """How far a sample scatters at each point of a grid.
+    """Scatter of a sample at each point of a grid.
 
     Parameters
     ----------
@@ -142,19 +142,19 @@ def plot_spread(study: Study, results: Sequence[str] | None = None) -> Figure:
     -------
     Figure
         Each result against a swept parameter: the median over the sample, in a band from
-        its 5 % to its 95 % quantile; a line for each value of a second one. A rise time
-        that a case lacks although it has an answer is longer than any: the median is not
-        drawn where half of the cases lack it, nor is the band where one in twenty does.
+        its 5 % to its 95 % quantile; a line for each value of a second one. A rise time that is
+        missing in a computed case counts as longer than any other: the median is not drawn where
+        half of the cases lack it, nor the band where one in twenty does.
 
     Raises
     ------
     InvalidValue
-        When the study is no sample, or varies no axis beside it.
+        When the study is not a sample, or varies no axis beside it.
     """
     if not study.sampled:
         raise refusal("be a sample for this figure", "a grid", "use plot_study")
     names = chosen(study, results, _FOREMOST)
-    # the period tells where others jump
+    # the period is needed to find where other times jump
     every = {*names, "period"} & {*study.results}
     quantiles = {name: quantile(counted(study, name), [*QUANTILES]) for name in every}
     axes = {name: values for name, values in study.axes.items() if name != CASE}
@@ -177,18 +177,18 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
     study : Study
         A sweep's result.
     results : sequence of str, optional
-        Which results, by name. Default: period, mean velocity and rise time, over one axis
-        also settling time and the other velocities; all of a study that chose its own.
+        Names of results. Default: period, mean velocity and rise time, over one axis also
+        settling time and the other velocities; all results if the study names its own.
 
     Returns
     -------
     Figure
-        One varied axis: a panel of times, one of velocities, and one of each other result.
-        Two: a panel of each result, a line for each value of the second;
-        with five points or more on both, maps below. More: the first
-        two, the others at their middle value, which the title tells; `study.at(slots=6)`
-        is the slice at another. A sample is drawn by `plot_sample`, or with axes beside it
-        by `plot_spread`.
+        With one varied axis there is a panel of times, one of velocities, and one for each other
+        result. With two there is a panel for each result, with a line for each value of the
+        second axis; with five points or more on both axes there are maps below. With more axes
+        the first two are drawn, and the others are fixed at their middle value, which the title
+        names; `study.at(slots=6)` is the slice at another value. A sample is drawn by
+        `plot_sample`, or with axes beside it by `plot_spread`.
 
     Raises
     ------
@@ -201,14 +201,14 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
     if sum(size > 1 for size in study.shape) == 1:
         return _plot_single(study, chosen(study, results, _SINGLE))
     tables = available(study, chosen(study, results, _FOREMOST))
-    # a contour map of fewer points would invent what lies between them
+    # a contour map of fewer points would be misleading between them
     if min(tables[0].values.shape[1:]) < _ENOUGH:
         return _stack(tables)
     return _plot_double(tables)
 
 
 def _stack(tables: Sequence[StudyTable], note: str = "") -> Figure:
-    """Panels of lines above one another, with a legend each or one for all."""
+    """Panels of lines above one another, each with a legend or with one for all."""
     figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(tables))
     panels = style.new_panels(figure, len(tables))
     for ax, table in zip(panels, tables, strict=True):
@@ -221,7 +221,7 @@ def _stack(tables: Sequence[StudyTable], note: str = "") -> Figure:
 
 
 def _plot_single(study: Study, names: Sequence[str]) -> Figure:
-    """Results against the only varied parameter, those that have much in common in one panel."""
+    """Results against the only varied parameter, similar ones in one panel."""
     groups: dict[str, list[str]] = {}
     for (name,), *_ in available(study, names):
         groups.setdefault(_SHARED.get(study.units.get(name, ""), name), []).append(name)

@@ -21,10 +21,10 @@ from escapement.plots import style
 from escapement.plots.study_table import STEPPED, Parameter, StudyTable, check_number
 from escapement.plots.style import LINE, number_text
 
-_FEW = 15  # a line of at most so many points has each of them marked
-_LEVELS = 7  # a map has about so many contours
+_FEW = 15  # a line with at most this many points has a marker on each
+_LEVELS = 7  # approximate number of contours of a map
 _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
-_MOST_TICKS = 10  # up to so many whole numbers along an axis each get a tick
+_MOST_TICKS = 10  # up to this many whole numbers along an axis each get a tick
 NARROW = 24
 """Characters of a label that fit below a third of a page."""
 _WIDE = 3.0  # from this ratio of the greatest result to the least, contours are in even ratios
@@ -33,16 +33,16 @@ _STEPS = (
     (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0),
 )  # fmt: skip
 """Round numbers within a decade, in ratios that are about equal."""
-_EDGE = 0.06  # so near to the frame, as a share of the map, no number has room
+_EDGE = 0.06  # closer to the frame than this share of the map a number does not fit
 _APART = 0.1  # numbers closer than this share of the map would overlap
 
 
 def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     """A line for each value of the second parameter, six at most; returns them.
 
-    Points are marked where they are few or stand alone. Over whole numbers each is marked, and
-    none is joined to the next. A line breaks where its result jumps. Of quantiles the second and
-    third are the ends of a band.
+    Points are marked if they are few or isolated. Over whole numbers each is marked, and none is
+    joined to the next. A line breaks where its result jumps. With quantiles the second and third
+    are the ends of a band.
     line : characters of a label that fit below the panel.
     """
     check_number(table.results, table.values[0])
@@ -75,7 +75,7 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
 def explain(
     ax: Axes, table: StudyTable, lines: list[Line2D], note: str = "", legend: bool = True
 ) -> None:
-    """What the lines stand for, over a panel in one column; of a single line the note alone."""
+    """A legend of the lines, above a panel in one column; for a single line only the note."""
     if legend and table.lines.values.size > 1:
         title = "\n".join(text for text in (note, legend_title(table)) if text)
         columns = 2 if len(lines) == 4 else 3
@@ -85,14 +85,14 @@ def explain(
 
 
 def legend_title(table: StudyTable) -> str:
-    """What the lines are, and how many of them are drawn: "Driving torque (in-lbf)"."""
+    """Title of the lines, and how many of them are drawn: "Driving torque (in-lbf)"."""
     text = style.label(table.lines.name, table.lines.unit)
     count, shown = table.lines.values.size, len(_columns_drawn(table))
     return text if shown == count else f"{text}, {shown} of {count} values"
 
 
 def head(figure: Figure | SubFigure, table: StudyTable) -> None:
-    """Say over the figure which axes were fixed, and where."""
+    """A title above the figure with the fixed axes and their values."""
     if table.note:
         figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
 
@@ -102,7 +102,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
 
     Between points there are labelled contours; but a result that jumps, and one over
     whole numbers, has a cell of one colour for each point.
-    bar : where the colour bar goes; on top of maps that stand side by side.
+    bar : place of the colour bar; on top of maps that are side by side.
     Returns what a legend should have: the hatching, and the lines where a result jumps.
     """
     check_number(table.results, table.values)
@@ -158,9 +158,9 @@ def _jumps(table: StudyTable) -> list[list[style.Point]]:
 
 
 def _levels(low: float, high: float, count: int) -> FloatArray:
-    """About so many round numbers, from `low` or below it to `high` or above it.
+    """About this many round numbers, from `low` or below it to `high` or above it.
 
-    Over a wide range their ratios are about equal. Results often go with a power of a
+    Over a wide range their ratios are about equal. Results are often proportional to a power of a
     parameter, and equal steps would crowd into one corner of the map.
     """
     if not 0.0 < _WIDE * low < high:
@@ -237,6 +237,6 @@ def _columns_drawn(table: StudyTable) -> list[int]:
     """Indices of the lines drawn: evenly spread, ends included."""
     count = table.lines.values.size
     most = min(count, len(style.LOOKS))
-    # equal steps between the lines drawn are preferred to one line more
+    # equal steps between the drawn lines are better than one more line
     shown = next((n for n in range(most, 3, -1) if (count - 1) % (n - 1) == 0), most)
     return [round(i) for i in np.linspace(0, count - 1, shown).tolist()]

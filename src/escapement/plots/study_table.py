@@ -1,4 +1,4 @@
-"""What of a study goes into a figure: results over one or two parameters, as printed."""
+"""Data of a study for a figure: results over one or two parameters, as printed."""
 
 import textwrap
 from collections.abc import Iterable, Sequence
@@ -30,16 +30,16 @@ _REASONS = {
     Status.NOT_CONVERGED: "not converged",
     Status.INVALID: "invalid",
 }
-_WIDEST = 56  # so many characters of a note fit over one column
+_WIDEST = 56  # characters of a note that fit above one column
 _HARD = "\N{NO-BREAK SPACE}"
-_LONGEST = 28  # a longer name makes no axis label
+_LONGEST = 28  # a longer name is not used as an axis label
 STEPPED = {
     "rise_time": "another extremum is the first within 2 %",
     "settling_time": "another extremum is the last beyond 1 %",
 }
 """Times of an extremum of the speed, and why they jump."""
-_LEAP = 0.25  # of a period: without a jump two neighbours differ by less, with one by more
-_DECADE = 8.0  # an axis that spans this factor in even ratios is drawn logarithmic
+_LEAP = 0.25  # of a period: neighbours that differ by more have a jump between them
+_DECADE = 8.0  # an axis that spans this factor in equal ratios is logarithmic
 
 
 class Parameter(NamedTuple):
@@ -56,7 +56,7 @@ class Parameter(NamedTuple):
 
     @property
     def logarithmic(self) -> bool:
-        """Whether it takes numbers in even ratios over a wide range."""
+        """Whether it takes numbers in equal ratios over a wide range."""
         values = np.sort(self.values)
         if values.size < 3 or values[0] <= 0.0 or values[-1] < _DECADE * values[0]:
             return False
@@ -73,7 +73,7 @@ class StudyTable(NamedTuple):
     values : the results in one unit, not finite where there is none.
     periods : of the same shape, times that may jump in periods of their own; 0 for other results.
     name, unit : of the first result, as printed.
-    note : which axes were fixed, and where, and which cases have no answer; "" for none.
+    note : the fixed axes with their values, and the cases that failed; "" if there are none.
     """
 
     results: Sequence[str]
@@ -88,7 +88,7 @@ class StudyTable(NamedTuple):
     def jumps(self, axis: int) -> NDArray[np.bool_]:
         """Whether values and their next along an axis of `values` are not to be joined.
 
-        A time that may jump is joined nowhere where the study does not tell the period.
+        A time that may jump is never joined if the study does not have the period.
         """
         return np.asarray(~(np.abs(np.diff(self.periods, axis=axis)) < _LEAP))
 
@@ -103,8 +103,8 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
     results : sequence of str
         Which results; the first one decides their unit.
     x : str, optional
-        First axis. Default: of the first two that were varied, torque, else
-        the one with most points.
+        First axis. Default: of the first two that were varied, torque, otherwise the one with
+        most points.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def parameter(study: Study, name: str, values: NDArray[Any]) -> Parameter:
 
 
 def _unanswered(status: NDArray[Any]) -> str:
-    """How many of the cases shown have no number, and why; "" for none."""
+    """How many of the shown cases have no number, and why; "" if there are none."""
     counts = {why: int((status == code).sum()) for code, why in _REASONS.items()}
     lost = sum(counts.values())
     reasons = [f"{count} {why}".replace(" ", _HARD) for why, count in counts.items() if count]
@@ -223,6 +223,6 @@ def _unanswered(status: NDArray[Any]) -> str:
 
 
 def _fixed(along: Parameter, size: int) -> str:
-    """A parameter that is not drawn, at the only one or the middle one of its values."""
+    """A parameter that is not drawn, fixed at its only value or at the middle one."""
     text = f"{along.name} = {number_text(along.values[0])} {along.unit}".rstrip()
     return text if size == 1 else f"{text} (middle of {size})"

@@ -1,11 +1,10 @@
 """House style of every figure: colours, sizes, legends, names and units as printed.
 
-Colours are the Okabe-Ito palette, which colour-blind readers can tell apart
-(Okabe and Ito, "Color universal design", 2008). Each goes with a line style and a
-marker of its own, so nothing is lost in grey print. Sizes and fonts are for a
-printed column and stay readable at half size. Only figure objects are used:
-nothing here touches pyplot's global state or opens a window. A notebook shows them all the same,
-because they are pictures by themselves.
+Colours are the Okabe-Ito palette, which colour-blind readers can distinguish (Okabe and Ito,
+"Color universal design", 2008). Each has its own line style and marker, so nothing is lost in
+grey print. Sizes and fonts are for a printed column and stay readable at half size. Only figure
+objects are used: nothing here touches pyplot's global state or opens a window. A notebook shows
+them nevertheless, because they have a picture representation.
 
 Data carry units in the spelling of UDUNITS ("rad s-1", "in lbf s2"); a figure
 prints "rad/s" and "in-lbf-s²", and picks a prefix that keeps numbers short.
@@ -36,7 +35,7 @@ TWO_COLUMN = 7.2
 LABEL_SIZE, TICK_SIZE, SMALL_SIZE = 10.0, 9.0, 8.0
 """Font sizes [pt]; the smallest is 4 pt at half size."""
 
-_MOST_DRAWN = 200  # more slots or lobes could not be told apart
+_MOST_DRAWN = 200  # more slots or lobes could not be distinguished
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = {"s": ("s", "ms", "µs", "ns"), "N m": ("N m", "mN m", "µN m", "nN m")}
 
@@ -68,25 +67,25 @@ Point = tuple[float, float]
 Named = tuple[str, str]
 """Name and unit of an axis."""
 HALO: Any = [withStroke(linewidth=2.2, foreground="white")]
-"""What keeps a number on a curve readable."""
+"""Halo that keeps a number on a curve readable."""
 ZERO: dict[str, Any] = {"color": BLACK, "lw": 0.6}
-"""How the line of zero is drawn."""
+"""Style of the zero line."""
 SHADE: dict[str, Any] = {"color": SKY, "alpha": 0.3, "lw": 0}
-"""How an area is shaded."""
+"""Style of a shaded area."""
 BROKEN: dict[str, Any] = {"color": VERMILLION, "ls": LOOKS[1].linestyle}
-"""How a second curve is drawn beside a blue one."""
+"""Style of a second curve beside a blue one."""
 REVERSAL: dict[str, Any] = {"mfc": "white", "mec": BLACK, "mew": 0.8, "label": "pin reversal"}
-"""How a pin reversal is marked."""
+"""Marker of a pin reversal."""
 
 
 def check_drawn(name: str, count: int) -> None:
-    """Refuse a drawing whose parts nobody could tell apart."""
+    """Refuse a drawing whose parts could not be distinguished."""
     if count > _MOST_DRAWN:
         raise validate.fail(name, f"at most {_MOST_DRAWN} in a drawing", count, "leave it undrawn")
 
 
 class Picture(Figure):
-    """A figure that a notebook shows where a cell ends with it."""
+    """A figure that a notebook shows if it is the last value of a cell."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, float]]:
         """Twice as fine as a screen, with the size in pixels to show it at."""
@@ -97,14 +96,14 @@ class Picture(Figure):
 
 
 class PictureAxes(Axes):
-    """The only axes of a picture: a cell that ends with them shows it whole."""
+    """The only axes of a picture: as the last value of a cell they show the whole picture."""
 
     def _repr_png_(self) -> Any:
         return self.figure._repr_png_()  # type: ignore[union-attr]
 
 
 def new_figure(width: float = ONE_COLUMN, height: float | None = None) -> Figure:
-    """An empty figure, laid out on its own, of a size in inches."""
+    """An empty figure with automatic layout, of a size in inches."""
     return Picture(figsize=(width, height or 0.72 * width), layout="constrained")
 
 
@@ -133,11 +132,11 @@ def dress(ax: Axes) -> Axes:
 
 
 def legend_above(ax: Axes, columns: int, title: str | None = None, **options: Any) -> None:
-    """A legend over the axes, where it can cover no data, or in them where there is no room."""
+    """A legend above the axes, where it covers no data, or inside if there is no space above."""
     place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
     place["borderaxespad"] = 0.3
     if ax.figure.get_layout_engine() is None:
-        # a figure of the reader's own makes no room above its axes
+        # a figure of the user has no space above its axes
         columns, place = 1, {"loc": "best", "frameon": True}
     space = {"columnspacing": 1.2, "handlelength": 2.6}
     add_legend(ax, columns, title, **{**place, **space, **options})
@@ -146,7 +145,7 @@ def legend_above(ax: Axes, columns: int, title: str | None = None, **options: An
 def finished(
     ax: Axes, x: Named, y: Named, columns: int, title: str | None = None, *, legend: bool = True
 ) -> Axes:
-    """The same axes, labelled, with a legend above unless none is wanted."""
+    """The same axes with labels, and a legend above if wanted."""
     ax.set(xlabel=label(*x), ylabel=label(*y))
     if legend:
         legend_above(ax, columns, title)
@@ -156,7 +155,7 @@ def finished(
 def add_legend(
     where: Axes | Figure | SubFigure, columns: int, title: str | None = None, **options: Any
 ) -> None:
-    """A legend in house style, of fewer columns where so many are wider than the figure."""
+    """A legend in house style, with fewer columns if all of them are wider than the figure."""
     whole = where.figure if isinstance(where, Axes) else where
     while True:
         legend = where.legend(ncols=columns, fontsize=SMALL_SIZE, **{"frameon": False, **options})
@@ -166,7 +165,7 @@ def add_legend(
         # one row more, with its entries spread evenly
         entries = len(legend.get_texts())
         columns = math.ceil(entries / (math.ceil(entries / columns) + 1))
-    # the title does not count for the width, because it may have lines of its own
+    # the title does not count for the width, because it may have several lines
     legend.set_title(title or "")
     legend.get_title().set(fontsize=SMALL_SIZE, multialignment="center")
 
@@ -182,7 +181,7 @@ def annotate(
 
 
 def grid(ax: Axes) -> None:
-    """Lines to read values by."""
+    """Grid lines for reading values."""
     ax.grid(which="major", color=LIGHT_GREY, lw=0.5)
     ax.grid(which="minor", color=LIGHT_GREY, lw=0.25)
     ax.set_axisbelow(True)
@@ -191,7 +190,7 @@ def grid(ax: Axes) -> None:
 def label(name: str, unit: str = "", line: int = LINE) -> str:
     """Text of an axis: name with a capital, its printed unit in brackets.
 
-    line : characters after which it goes on below.
+    line : characters after which a new line begins.
     """
     whole = unit.replace(" ", "~")
     text = name[:1].upper() + name[1:] + (f" ({whole})" if unit else "")
@@ -199,7 +198,7 @@ def label(name: str, unit: str = "", line: int = LINE) -> str:
 
 
 def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
-    """Factor and printed unit that bring times and moments to readable numbers.
+    """Factor and printed unit that make times and moments readable numbers.
 
     Parameters
     ----------
