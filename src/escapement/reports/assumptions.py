@@ -5,16 +5,16 @@ from typing import Any
 from escapement.model import Escapement
 
 ALWAYS = (
-    ("friction that depends on speed, load or time", "each coefficient holds at all speeds"),
-    ("side loads on bearings, as of weight", "a constant torque of the bearing stands for them"),
-    ("friction of the locking disc", "in a dwell the driver turns free of the follower"),
-    ("bending of shafts and discs", "parts are rigid but for the walls of slots, if they yield"),
+    ("friction that depends on speed, load or time", "each coefficient is the same at all speeds"),
+    ("side loads on bearings, such as weight", "they add to the constant torque of the bearing"),
+    ("friction of the locking disc", "in a dwell the driver turns without touching the follower"),
+    ("bending of shafts and discs", "parts are rigid, except for compliant walls of slots"),
 )
-"""What no design has, and what is assumed in its place."""
+"""Effects that no design includes, and the assumption instead."""
 
 
 def left_out(escapement: Escapement) -> list[tuple[str, str]]:
-    """What this design was not given, and what it usually changes.
+    """Effects without numbers in this design, and the change that they usually cause.
 
     The sizes are those of docs/effects.md and docs/imperfect-parts.md, for Geneva wheels at
     frictions from 0.20 to 0.35.
@@ -36,14 +36,14 @@ def left_out(escapement: Escapement) -> list[tuple[str, str]]:
         told = "a journal of a twentieth of the crank radius adds 0.3 to 2 % to the period"
         found.append(("friction of the bearings", told))
     if lacks("driver_drag", "follower_drag"):
-        found.append(("air", "plain wheels lose at most 0.2 % of the period to it"))
+        found.append(("air", "it changes the period of plain wheels by at most 0.2 %"))
     if lacks("driver_viscous", "follower_viscous"):
         told = "oil in journals adds less than 0.1 %, a film between faces 1 to 9 %"
         found.append(("oil", told))
     if getattr(wheel, "perfect", True):
         told = (
-            "a centre distance that is a thousandth too short adds 1 % to the period, too long "
-            "takes 0.3 %"
+            "a centre distance a thousandth too short makes the period 1 % longer, one too long "
+            "makes it 0.3 % shorter"
         )
         found.append(("errors of the parts", told))
     if own.curve is None:
