@@ -1,12 +1,12 @@
 """Run time against error of the package's two engines and SciPy's solve_ivp.
 
-`work_precision.run` measures, `work_precision.write` fills a folder. Here are times of calls, the
-machine they were measured on, and tables of them.
+`work_precision.run` measures, `work_precision.write` fills a folder. This module has times of
+calls, a description of the machine, and tables.
 
-A disturbance only ever makes a run longer, so the shortest of many says most about the
-code. Solvers take turns: what disturbs one for a while disturbs all. What runs on one
-core is timed by the processor time it used, in all threads: on an idle machine that is the
-time on the wall, and on a busy one a long run is not charged for its interruptions.
+Disturbances can only make a run longer, so the shortest of many runs is the best measure of the
+code. Solvers take turns, so that a disturbance affects all of them. Runs on one core are timed by
+the processor time of all threads: on an idle machine this equals the wall time, and on a busy one
+interruptions of a long run do not count.
 """
 
 import contextlib
@@ -30,12 +30,12 @@ Clock = Callable[[], float]
 
 processor, wall = time.process_time, time.perf_counter
 
-_SAMPLE = 5e-3  # [s] is long against the clock's grain and short against most disturbances
+_SAMPLE = 5e-3  # [s], long compared with the clock's resolution, short compared with disturbances
 _OTHER_FACTS = ("processor", "cores", "load", "system", "escapement", "quick")
 
 
 def timed(call: Call, clock: Clock = processor) -> tuple[float, Any]:
-    """Time of one call [s], and what it returned."""
+    """Time of one call [s], and its result."""
     begin = clock()
     result = call()
     return clock() - begin, result
@@ -61,7 +61,7 @@ def shortest(calls: Sequence[Call], rounds: int, clock: Clock = processor) -> li
 def describe_machine(packages: Sequence[str] = ()) -> dict[str, Any]:
     """Processor, cores, system, and versions, also of further `packages`.
 
-    Nothing in it tells whose machine this is.
+    It contains nothing that identifies the machine's owner.
     """
     installed = [name for name in ("numpy", "scipy", "numba", *packages) if find_spec(name)]
     allowed = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None
@@ -78,13 +78,13 @@ def describe_machine(packages: Sequence[str] = ()) -> dict[str, Any]:
 
 
 def machine_in_a_line(machine: dict[str, Any]) -> str:
-    """What `describe_machine` found, for the foot of a figure."""
+    """The result of `describe_machine`, for the foot of a figure."""
     versions = ", ".join(f"{name} {machine[name]}" for name in machine if name not in _OTHER_FACTS)
     return f"{machine['processor']}, {machine['cores']} cores; {versions}"
 
 
 def write_csv(path: Path, rows: Sequence[Any]) -> Path:
-    """Replace `path` by named tuples of one kind as CSV; what does not exist is empty."""
+    """Replace `path` by named tuples of one kind as CSV; missing values are empty."""
     lines = [rows[0]._fields, *([_short(value) for value in row] for row in rows)]
     replace_file(path, [as_csv(lines).encode()])
     return path
@@ -97,7 +97,7 @@ def _short(value: Any) -> Any:
 
 
 def _processor() -> str:
-    """The processor's model name, where the system tells."""
+    """The processor's model name, if the system gives it."""
     with contextlib.suppress(OSError, StopIteration):
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         named = next(line for line in lines if line.startswith("model name"))

@@ -1,13 +1,13 @@
-"""The problem that every solver gets, its equation, and the solvers that are measured.
+"""The problem for every solver, its equation, and the solvers that are measured.
 
 Four slots, four pins and Meyer's inertias (1973, Appendix E) under 0.10 in-lbf, twenty
 engagements from rest. The answer is the time and the driver speed at each handoff; the
 error is the largest relative difference from a reference of twenty digits.
 
-The package's engines get an `Escapement`. A solver that knows nothing of the package gets
-the textbook's equation in natural units (inertia of the follower, torque, `clock`).
-Between entry, dead centre, the one reversal and the exit the side s of the slot and the
-sense of sliding are fixed, so p = g + kappa u with kappa = s mu sign(u):
+The package's engines get an `Escapement`. A solver without the package gets the textbook's
+equation in natural units (inertia of the follower, torque, `clock`). Between entry, dead centre,
+the one reversal and the exit the side s of the slot and the direction of sliding are fixed, so p
+= g + kappa u with kappa = s mu sign(u):
 
     theta_ddot = (1 - p g' w) / (rho + g p),      w = theta_dot^2
 
@@ -15,10 +15,10 @@ With n = a cos - 1, L = a^2 + 1 - 2 a cos, g = n/L, u = a sin/L and g' = -(a^2 -
 (Meyer 1-7, 1-8) one division is left. The same source serves Python and Numba; the contact
 function, whose zero is the reversal, is multiplied by L^2.
 
-A solver turns a problem and a tolerance into a function that runs it once. What a user who
-repeats runs would pay once (building, compiling) belongs to the preparation and the first call;
-everything else to the run. solve_ivp gets each smooth piece on its own, up to a terminal event
-with a direction, so no step crosses a kink and no root at the start of a piece fires again.
+A solver turns a problem and a tolerance into a function that runs it once. Costs that occur only
+once in repeated runs (building, compiling) belong to the preparation and the first call;
+everything else belongs to the run. solve_ivp gets each smooth piece on its own, up to a terminal
+event with a direction, so no step crosses a kink and no root at the start of a piece fires again.
 Position and speed at an event are those of the dense output, as solve_ivp returns them.
 """
 

@@ -35,9 +35,9 @@ _LOOKS = {
 _HOLLOW = ("Vern8", "Taylor, angle")  # second methods of a package
 
 _FULL: dict[str, Any] = {"decades": 1, "longest": 1.0, "rounds": 5}
-"""Effort of a version of many minutes, as `sweep_tolerances` takes it."""
+"""Effort of a run of many minutes, arguments of `sweep_tolerances`."""
 _QUICK: dict[str, Any] = {"decades": 2, "longest": 0.25, "rounds": 2}
-"""That of ten seconds, on the first problem and with one of SciPy's methods."""
+"""Effort of a run of ten seconds, on the first problem and with one of SciPy's methods."""
 QUICK_SOLVERS = ("energy", "ivp", "solve_ivp DOP853 Numba")
 
 
@@ -45,7 +45,7 @@ class Point(NamedTuple):
     """One solver at one tolerance.
 
     problem, solver, family, method, language : names.
-    rtol : tolerance asked for [-].
+    rtol : requested tolerance [-].
     error : measured, see `Problem.error` [-].
     time : of a warm run, the shortest seen [s].
     first : preparation and first run in this process [s].
@@ -118,7 +118,7 @@ def run(
         Solvers to measure beside the package's engines and SciPy's; their families name
         the packages they come from.
     note : callable
-        Told what is being measured.
+        Called with a description of each measurement.
     """
     machine = benchmark.describe_machine(list(dict.fromkeys(each.family for each in further)))
     solvers = [each for each in own_solvers() if not quick or each.solver in QUICK_SOLVERS]
@@ -151,7 +151,7 @@ def sweep_tolerances(
     Parameters
     ----------
     problem, solvers :
-        What is solved, and by what.
+        The problem, and its solvers.
     decades : int
         Tolerances are this many powers of ten apart.
     longest : float
@@ -170,7 +170,7 @@ def sweep_tolerances(
             except (ArithmeticError, ValueError):
                 continue
             error = problem.error(*answer)
-            # a solver that is lost, or has not arrived (NaN), has no place in the diagram
+            # a solver that diverged or did not finish (NaN) has no place in the diagram
             if not error < 0.1:
                 continue
             time, _ = benchmark.timed(call)
@@ -187,9 +187,8 @@ def sweep_tolerances(
 def standings(points: Sequence[Point]) -> list[Standing]:
     """All solvers on all problems, fastest first.
 
-    The time of `energy` is that of the call as users make it, at its default
-    tolerance, whatever error below `COMPARED_AT` that gives; the others are
-    interpolated to exactly `COMPARED_AT`, in their favour.
+    The time of `energy` is that of a user's call at its default tolerance, whose error is below
+    `COMPARED_AT`; the others are interpolated to exactly `COMPARED_AT`, in their favour.
     """
     rows: list[Standing] = []
     for problem, here in groupby(points, key=lambda point: point.problem):
@@ -208,13 +207,13 @@ def standings(points: Sequence[Point]) -> list[Standing]:
 
 
 def time_at(points: Sequence[Point], error: float) -> float:
-    """Least time of a solver for an error [s]; NaN where it never gets there.
+    """Least time of a solver for an error [s]; NaN if it never reaches it.
 
-    Between its best points the logarithms are interpolated: a tolerance between the
-    ones tried would have given what lies between.
+    Between its best points the logarithms are interpolated, because an intermediate tolerance
+    would give an intermediate point.
     """
     errors, times = np.log(sorted((point.error, point.time) for point in points)).T
-    # points that no other beats in both time and error
+    # points that no other point beats in both time and error
     front = np.append(True, times[1:] < np.minimum.accumulate(times)[:-1])
     found = np.interp(math.log(error), errors[front], times[front], left=math.nan)
     return float(np.exp(found))
@@ -231,7 +230,7 @@ def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> F
     problems = [problem for problem in PROBLEMS if problem.name in names]
     figure = style.new_figure(style.TWO_COLUMN, 0.6 + 2.9 * len(problems))
     panels = style.new_panels(figure, len(problems))
-    panels[0].invert_xaxis()  # of all, for they share it
+    panels[0].invert_xaxis()  # of all panels, because they share it
     for ax, problem in zip(panels, problems, strict=True):
         _plot_solvers([point for point in drawn if point.problem == problem.name], ax)
         ax.set_title(problem.title, fontsize=style.LABEL_SIZE)

@@ -1,6 +1,6 @@
 """Constant driver speed: torque, power and pin reversals (Filemon 1960).
 
-Modules are loaded when they are first asked for: what a case is made of can be told without.
+Modules are loaded when they are first used, because a case can be described without them.
 """
 
 from dataclasses import dataclass, field
@@ -72,7 +72,7 @@ class Case(Declared):
     def half(self) -> float:
         """Driver angle where the first half of the engagement ends: dead centre [rad].
 
-        The middle, of a table or where angles are counted from elsewhere.
+        For a table, or if angles are not counted from dead centre, it is the middle of the cell.
         """
         entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
         centred = entry < 0.0 < exit_ and not self.mechanism.path.table

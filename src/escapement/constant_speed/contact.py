@@ -1,4 +1,4 @@
-"""The force between pin and slot of a drive in known motion, and the torque that it takes.
+"""The force between pin and slot of a drive in known motion, and the torque that it needs.
 
 The pin's moment on the follower is N R = M_load + I_f (g theta_ddot + g' theta_dot^2).
 """
@@ -51,7 +51,7 @@ def contact_moment(
     """Moment of the pin on the follower of a drive in any known motion [N m].
 
     N R = I_f (g theta_ddot + g' theta_dot^2) + M_load: the pin changes sides where
-    it changes sign. With no acceleration it is what `drive_torque` works with.
+    it changes sign. Without acceleration it is the moment in `drive_torque`.
 
     Parameters
     ----------
@@ -99,7 +99,8 @@ def engaged_state(case: Case, theta: FloatArray) -> TorqueState:
     found = transmission(case.mechanism.path, theta)
     with np.errstate(over="ignore", invalid="ignore"):
         moment = load + case.inertial * found.dg
-        # at moment 0 either side of the slot may be meant, as no force means no friction
+        # at moment 0 the side of the slot does not matter, because without force there is no
+        # friction
         side = np.where(moment >= 0.0, 1.0, -1.0)
         torque = (found.g + side * case.friction * np.abs(found.u)) * moment
         torque = np.where(torque >= 0.0, torque / case.efficiency, torque * case.efficiency)
@@ -136,7 +137,8 @@ def _load_at(load: Load, phi: FloatArray) -> FloatArray:
 def within_cell(mechanism: Mechanism, theta: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Driver angles, those of the dwell replaced by the exit, and whether each is one of these.
 
-    An angle outside the cell is an error; one a hair beyond an end or the exit is that.
+    An angle outside the cell is an error; one that rounding puts beyond an end or the exit counts
+    as that.
     """
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
     end = max(exit_, entry + mechanism.cell_angle)

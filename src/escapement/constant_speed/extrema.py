@@ -1,7 +1,7 @@
 """Extrema of the transmission, acceleration and jerk functions, and the limits that they set.
 
 The pin stays on its side of the slot as long as F = I_f omega^2/M_load does not exceed F12 of
-the mechanism: Filemon's question the other way round is how far a drive may go to there.
+the mechanism: The limits of a drive without reversals follow from this condition.
 """
 
 import math
@@ -24,7 +24,7 @@ from escapement.quantity import check_number
 from escapement.scene import smooth_intervals
 
 CONSTANT = 1e-12
-"""What rounding alone may make of g' over g [1/rad], as of a table whose ratio does not vary."""
+"""Greatest g'/g that rounding alone may cause [1/rad], as in a table with a constant ratio."""
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
 
 LIMITS = {
@@ -32,7 +32,7 @@ LIMITS = {
     "greatest_follower_inertia": "inertia",
     "least_load_torque": "torque",
 }
-"""How far a drive may go without a pin reversal: kind of unit of each figure."""
+"""Limits of a drive without a pin reversal: kind of unit of each figure."""
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
 
 
 def _greatest_inertia_torque(mechanism: Mechanism, load_torque: float) -> float:
-    """I_f omega^2 without a pin reversal [N m]; no load is needed where none threatens."""
+    """I_f omega^2 without a pin reversal [N m]; no load is needed if there can be no reversal."""
     load: float = check_number(Escapement, "load_torque", load_torque)
     limit = transmission_extrema(mechanism).reversal_limits[0]
     return limit if math.isinf(limit) else limit * load

@@ -116,7 +116,7 @@ def limit_angle(slots: ArrayLike) -> FloatArray:
 class ReversalStudy:
     """Filemon's figures over numbers of slots n and inertia ratios F.
 
-    All but `reversals` have the shape n and F broadcast to. Torques are those of a drive
+    All except `reversals` have the shape to which n and F broadcast. Torques are those of a drive
     without losses, over the load torque.
 
     slots, inertia_ratio : n and F [-].

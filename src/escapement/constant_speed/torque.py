@@ -28,7 +28,7 @@ _SAMPLES = 721
 
 @dataclass(frozen=True)
 class DriveTorque(Case):
-    """What a mechanism at constant driver speed asks of its drive.
+    """Torque, power and pin reversals of a mechanism at constant driver speed.
 
     Attributes
     ----------
@@ -37,10 +37,10 @@ class DriveTorque(Case):
     torque_max, torque_max_angle : float
         Greatest drive torque [N m] and its driver angle from dead centre [rad].
     torque_min, torque_min_angle : float
-        Least one; below zero the follower drives back.
+        Least drive torque and its angle; below zero the follower drives back.
     torque_mean : float
-        Mean from pin entry to dead centre, Filemon's (10), of a table to the middle of
-        its cell [N m].
+        Mean from pin entry to dead centre, Filemon's (10); for a table to the middle of its cell
+        [N m].
     reversals : ndarray
         Driver angles from dead centre where the pin changes sides [rad].
     zone : int
@@ -93,8 +93,8 @@ class DriveTorque(Case):
     def moment_deviation(self) -> float:
         """Greatest standard deviation of the contact moment, from a measured table's scatter [N m].
 
-        0 for any other mechanism. Reversals between which the moment stays within two or three
-        of it may be of the scatter.
+        0 for any other mechanism. If the moment between two reversals stays within two or three
+        of these, the reversals may be due to the scatter.
         """
         deviation = getattr(self.mechanism, "deviation", None)
         if deviation is None:
@@ -120,7 +120,7 @@ class DriveTorque(Case):
 
     @cached_property
     def samples(self) -> TorqueState:
-        """The engagement on an even grid, reversals and extrema among it."""
+        """The engagement on an even grid, which includes reversals and extrema."""
         entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
         marks = [*self.mechanism.breaks, self.torque_max_angle, self.torque_min_angle]
         even = np.linspace(entry, exit_, _SAMPLES)
@@ -142,17 +142,17 @@ def drive_torque(
     mechanism : Mechanism
         Geometry, for example `Geneva(slots=6)`.
     speed : float
-        Driver speed [rad/s], > 0. The driver's inertia plays no part.
+        Driver speed [rad/s], > 0. The driver's inertia has no influence.
     load_torque : float or callable
         Torque opposing the follower while it moves [N m], >= 0; or a function
         from an array of follower angles, zero at dead centre [rad], to the
         torque there [N m] of either sign, smooth except for up to 5000 kinks and jumps.
-        What is narrower than 1/3000 of a Geneva wheel's step may be passed over.
+        A feature narrower than 1/3000 of a Geneva wheel's step may be missed.
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     efficiency : float
-        Of the drive [-], in (0, 1]. Torque is divided by it where the drive
-        works and, other than in Filemon, multiplied where it is driven.
+        Efficiency of the drive [-], in (0, 1]. Torque is divided by it where the drive works and,
+        unlike in Filemon, multiplied where it is driven.
     friction : float
         Coefficient of friction between pin and slot [-], >= 0.
 
@@ -217,8 +217,8 @@ def _places(case: Case, points: Iterable[float]) -> FloatArray:
 def _torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
     """Extremes and mean of the torque, between the points where it has kinks."""
     points, half = extrema.edges(case.mechanism), case.half
-    # the torque bends where the pin changes sides, and where the power turns round: there
-    # friction holds what the follower drives, p = 0
+    # the torque has kinks where the pin changes sides, and where the power changes direction:
+    # there friction balances the driving follower, p = 0
     kinks = [*points, half, *reversals]
     if reversals.size and case.friction > 0.0 and case.efficiency < 1.0:
         kinks += zeros(lambda theta: _held(case, theta), points).tolist()
@@ -237,6 +237,6 @@ def _torque_figures(case: Case, reversals: FloatArray) -> dict[str, float]:
 
 
 def _held(case: Case, theta: FloatArray) -> FloatArray:
-    """The ratio as friction bends it where the follower drives, g - mu |u|."""
+    """The effective ratio where the follower drives, g - mu |u|."""
     found = transmission(case.mechanism.path, theta)
     return np.asarray(found.g - case.friction * np.abs(found.u))

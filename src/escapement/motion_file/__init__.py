@@ -47,13 +47,13 @@ from escapement.variables import (
 )
 
 CONTENT = "motion"
-"""Root attribute `content`, by which a motion is told from a study."""
+"""Root attribute `content`, which distinguishes a motion from a study."""
 _BLOCK = 65536  # samples computed and written at a time, and the greatest length of a chunk
 _READ = 1 << 20  # samples read at a time
 Progress = Callable[[int, int, int], None]
 """Called with the engagements written, their number and 0."""
 _Lines = dict[str, tuple[tuple[str, str, str], FloatArray]]
-"""Of datasets of one length, by their names: the column, and a stretch of values."""
+"""Datasets of one length by their names: the column, and a block of values."""
 
 
 def write_motion(
@@ -97,7 +97,7 @@ def write_motion(
     if table:
         write_file(path, _lines(blocks, units), force)
         return
-    # HDF5 may crash where memory ends while it has a file; later blocks need no more than the first
+    # HDF5 may crash if memory runs out while a file is open; later blocks need no more
     first = next(blocks)
     with pending_hdf5(path, force) as (hdf5, disk):
         _write_root(hdf5, motion)
@@ -110,7 +110,7 @@ def write_motion(
 def _write_root(hdf5: Any, motion: Motion) -> None:
     scene = motion.escapement
     run: dict[str, Any] = {"initial_speed": float(motion.at(0.0).theta_dot), "rtol": motion.rtol}
-    # so written, the file says all that it takes to simulate the motion again
+    # with these attributes the file has everything needed to simulate the motion again
     axis = "load_torque" if isinstance(scene.torque, TorqueCurve) else "torque"
     study = plan_from(scene, {axis: [getattr(scene, axis)]}, engine=motion.engine, **run)
     hdf5.attrs.update(
@@ -127,9 +127,10 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
 def _blocks(
     motion: Motion, whole: bool, progress: Progress | None
 ) -> Iterator[tuple[str, _Lines, int | None]]:
-    """Samples and, of a `whole` motion, all else, block by block, so that memory does not grow.
+    """Samples and, for a `whole` motion, all other data, block by block, so that memory does not
+    grow.
 
-    Beside the prefix and values of some datasets comes their final length, None where not known.
+        Beside the prefix and values of some datasets their final length is given, None if not known.
     """
     for part in motion.parts():
         # the end of a part is the start of the next one
@@ -177,7 +178,7 @@ def _append(
 def _create(
     hdf5: Any, prefix: str, columns: Columns, size: int | None, units: str
 ) -> dict[str, Any]:
-    """Datasets of one length, the first of them the dimension scale of all; None lets them grow."""
+    """Datasets of one length, the first the dimension scale of all; with None they can grow."""
     # an empty one has no chunks that could be filtered; the default cache would hold 16 chunks
     options: dict[str, Any] = FILTERS | {"rdcc_nbytes": 1 << 20}
     options = {} if size == 0 else options | {"chunks": (min(size or _BLOCK, _BLOCK),)}
@@ -194,10 +195,10 @@ def _create(
 
 
 def is_motion(path: str | PathLike[str]) -> bool:
-    """Whether `path` is an HDF5 file that says it holds a motion."""
+    """Whether `path` is an HDF5 file of a motion."""
     if not Path(path).is_file():
         return False
-    # HDF5 tells of a file that is none, or is damaged, by one or the other
+    # HDF5 raises one or the other for a damaged file, or one that is not HDF5
     try:
         with h5py.File(path, "r") as hdf5:
             return bool(hdf5.attrs.get("content") == CONTENT)
@@ -208,20 +209,20 @@ def is_motion(path: str | PathLike[str]) -> bool:
 def read_motion(path: str | PathLike[str]) -> Motion:
     """Read a motion.
 
-    Handoffs and events are as written. The state at any time is computed again from
-    the samples at reversals and handoffs. A motion with clearance is simulated again.
+    Handoffs and events are those in the file. The state at any time is computed again from the
+    samples at reversals and handoffs. A motion with clearance is simulated again.
 
     Raises
     ------
     MissingInput
         When there is no such file.
     InputFileError
-        When it holds no motion, is damaged, was written in a layout newer than this
-        version knows, or has a mechanism that is of no kind it knows.
+        When it holds no motion, is damaged, has a newer layout than this version can read, or has
+        a mechanism of an unknown kind.
     """
     with opened(path, "motion", "run", ("configuration", "t"), SCHEMA_VERSION) as hdf5:
         machine = configuration_of(hdf5)["mechanism"]
-        # a mechanism of somebody's own cannot be built from a file
+        # a mechanism class of the user cannot be built from a file
         if machine["kind"] not in KINDS and "description" in machine:
             raise InputFileError(
                 f"motion {path} must have a mechanism that a file can describe, got one of class "
@@ -238,11 +239,11 @@ def _read(hdf5: Any) -> Motion:
     escapement = plan.escapement(0)
     attributes = {name: kind(hdf5.attrs[name]) for name, kind in ATTRIBUTES.items()}
     if escapement.contact:
-        # what a free follower does between two samples only the engine knows
+        # only the engine can compute the motion of a free follower between two samples
         start = {"initial_speed": plan.values(0)["initial_speed"], "rtol": attributes["rtol"]}
         return simulate(escapement, duration=attributes["end_time"], **start)
     groups = [
-        # files of the first versions hold the loss in friction alone
+        # files of the first versions hold only the loss in friction
         {key: hdf5[prefix + key][()] for key in columns if key not in LOST or prefix + key in hdf5}
         for _, prefix, columns in GROUPS
     ]
@@ -277,7 +278,7 @@ def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
         t, *values = block.values()
         if not (np.diff(t, prepend=last) > 0.0).all() or (first == 0 and t[0] != 0.0):
             raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s")
-        # a piece of no length may end the motion
+        # a piece of zero length may end the motion
         upto = int(np.searchsorted(start, t[-1], side="right")) if t[-1] < end else start.size
         sample = np.minimum(np.searchsorted(t, start[done:upto]), t.size - 1)
         found[:, done:upto] = np.array(values)[:, sample]

@@ -1,4 +1,4 @@
-"""A trajectory from what a file holds of its pieces."""
+"""A trajectory from the data of its pieces in a file."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +10,7 @@ from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.trajectory import Events, Extrema, Held
 
-_RTOL = 1e-12  # of states between what the file holds
+_RTOL = 1e-12  # of states between the data in the file
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class SampledTrajectory(Held):
     def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angles in the cell [rad] and speeds [rad/s] at times, each within a piece.
 
-        From the piece's start by the equation of motion: no curve through the samples
-        would follow the speed of a light driver, which peaks between two of them.
+        They are computed from the piece's start with the equation of motion: a curve through the
+        samples would miss the speed of a light driver, which peaks between two of them.
         """
         clock, scenes = self.escapement.time_unit, self.escapement.scenes
         since = np.maximum(t - self.start[pieces], 0.0) / clock

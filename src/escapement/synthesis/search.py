@@ -1,4 +1,4 @@
-"""Inverse synthesis: charts of the ratio of times, and wheels that meet a designer's wishes."""
+"""Inverse synthesis: charts of the ratio of times, and wheels for given requirements."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ from escapement.mechanisms.gear_equation import CURVES, MOST_LOBES, lobe_ratios
 from escapement.synthesis.wheel import MotionPeaks, motion_peaks
 
 _MOST = 100_000
-_EDGE = 1e-12  # rounding may leave what lies exactly on a limit by less than this
+_EDGE = 1e-12  # a value exactly on a limit may miss it by less than this through rounding
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Candidate:
 
     @property
     def motion_ratio(self) -> float:
-        """Moving share of the cycle V [-]."""
+        """Share of the cycle during which the follower moves, V [-]."""
         return self.peaks.motion_ratio
 
     @property
@@ -73,7 +73,7 @@ def find_mechanisms(
     tolerance : float
         Greatest deviation from it [-].
     curves : str or sequence of str
-        Curves to look at; cognates have the same V.
+        Curves to search; cognates have the same V.
     most_lobes, finest : int
         Greatest number of lobes m, and the greatest denominator of one.
     most_pins, most_unused : int
@@ -120,7 +120,7 @@ def find_mechanisms(
         )
     lobes = sorted({Fraction(a, b) for b in range(1, finest + 1) for a in range(most * b + 1)})
     found = []
-    # the size is that of the largest mechanism in the space, so all lengths go with it
+    # the mechanism is as large as the space allows, so all lengths are proportional to that size
     for wheel in _near(_with_one_pin(n, names, lobes), wanted, room, most_pins, most_unused):
         scale = largest_radius / wheel.reach_over_fixed if largest_radius else 1.0
         closest = scale * wheel.closest_radius_over_fixed
@@ -181,7 +181,8 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
     stations : int
         Stations n, >= 3.
     lobes : array_like
-        Unreal lobes m [-], from 0 to 100 000, of any real value.
+        Number m of further lobes between two neighbouring lobes [-], from 0 to 100 000, any real
+        value.
     curve : str
         "hypocycloid", "epicycloid" or a cognate of theirs.
 
@@ -212,8 +213,8 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
 def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> list[float]:
     """Numbers of lobes that give a ratio of times with one pin, ascending.
 
-    The chart read the other way round, up to 100 000 lobes. They are real numbers: take a
-    rational one near by.
+    This is the inverse of the chart, up to 100 000 lobes. They are real numbers: take a rational
+    number nearby.
 
     Parameters
     ----------
@@ -227,8 +228,8 @@ def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> lis
     Returns
     -------
     list of float
-        Empty where the chart does not reach this ratio; two near a hypocycloid's
-        least one.
+        Empty if the chart does not reach this ratio; near the least ratio of a hypocycloid there
+        are two.
     """
     n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
     name = validate.choice("curve", curve, CURVES)

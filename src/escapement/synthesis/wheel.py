@@ -1,4 +1,4 @@
-"""A wheel: how its follower moves at constant driver speed, and the gears that drive it.
+"""A wheel: the motion of its follower at constant driver speed, and its gears.
 
 On a path of two vectors (g, u) runs along a circle through (g1, 0) and (g2, 0), and
 with s the sum of the two rates g' = u (s - 2 g), so that over an engagement
@@ -33,7 +33,7 @@ STANDARD_MODULES = (
 LEAST_TEETH = 17
 """A full-depth 20 degree pinion with fewer teeth is undercut."""
 LEAST_DIFFERENCE = 10
-"""Teeth of an internal gear above its pinion's, or the tips foul (full depth, 20 degrees)."""
+"""Fewest teeth of an internal gear above its pinion's: tips clear (full depth, 20 degrees)."""
 _SLOTTED = Wheel, "a slotted wheel", "give a Geneva or a GearDriven"
 _GEARED = GearDriven, "gear-driven", "give for example GearDriven(12, 3)"
 _POWERS = dict(velocity_max=1, acceleration_start=2, acceleration_max=2, jerk_start=3, jerk_max=3)
@@ -62,7 +62,7 @@ def follower_motion(mechanism: GearDriven | Geneva, time: ArrayLike) -> Follower
     Parameters
     ----------
     mechanism : GearDriven or Geneva
-        What moves. In a dwell the follower rests.
+        The mechanism. In a dwell the follower rests.
     time : array_like
         In cycles from the entry of a pin, of any sign and size.
 
@@ -100,8 +100,8 @@ class MotionPeaks:
 
     motion_ratio : moving share of the cycle [-].
     velocity_max : greatest velocity.
-    acceleration_start : acceleration with which the motion begins. It comes at once:
-        the jerk at the start and at the end is an impulse of this size.
+    acceleration_start : acceleration with which the motion begins. It jumps to this value: the
+        jerk at the start and at the end is an impulse of this size.
     acceleration_max : greatest acceleration.
     jerk_start : jerk right after the start. jerk_max : greatest size of the jerk.
     """
@@ -193,7 +193,7 @@ class GearPair:
             pair = f"{self.fixed_teeth}/{self.planet_teeth}"
             rule = f"in the ratio |k| = {ratio} exactly"
             raise validate.fail("teeth", rule, pair, "or the pin would miss its slots in time")
-        # beside an internal gear the tips of the pinion need room, whatever its own teeth
+        # in an internal gear the tips of the pinion need space, independent of its own teeth
         difference = abs(self.fixed_teeth - self.planet_teeth)
         if self.internal and difference < LEAST_DIFFERENCE:
             raise InvalidValue(
@@ -277,7 +277,7 @@ def planet_inertia(
     pin_mass: float = 0.0,
     planets: int = 1,
 ) -> float:
-    """What planets and pins add to the driver's moment of inertia [kg m^2].
+    """Contribution of planets and pins to the driver's moment of inertia [kg m^2].
 
     The planet's centre turns with the carrier and the planet itself at 1 - k times
     the carrier's speed, a constant factor, so that its kinetic energy is that of a
@@ -296,7 +296,7 @@ def planet_inertia(
     pin_mass : float
         Mass of one pin [kg].
     planets : int
-        Planets alike.
+        Number of equal planets.
 
     Notes
     -----

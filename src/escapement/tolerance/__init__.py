@@ -1,1 +1,1 @@
-"""What a change of a number does: derivatives, and the budget of a drawing's tolerances."""
+"""Effects of changes of numbers: derivatives, and the budget of a drawing's tolerances."""

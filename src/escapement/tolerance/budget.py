@@ -1,4 +1,4 @@
-"""`budget`: what the tolerances of a drawing do to figures of merit."""
+"""`budget`: effects of the tolerances of a drawing on figures of merit."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from escapement.tolerance.spread import Spread, spreads_of
 
 @dataclass(frozen=True, repr=False)
 class Budget(Shown):
-    """What tolerances do to figures of merit.
+    """Effects of tolerances on figures of merit.
 
     figures : the `Scatter` of each figure.
     spreads : mean, standard deviation and ends of each number.
     study : the sample.
-    failed : share of its cases without an answer.
+    failed : share of its cases that could not be computed.
     seed, size : of the sample.
-    message : what could not be said, and why.
+    message : limitations of the result, and their reasons.
     """
 
     figures: dict[str, Scatter]
@@ -80,18 +80,19 @@ def budget(
     tolerances : Mapping
         The distribution of each number that scatters [SI], as in the sample of a study:
         {"tolerance": 1e-5}, {"relative_standard_deviation": 0.02}, {"low": 0.15, "high": 0.25}.
-        A list, such as slot_angle_errors, is drawn for each part alone.
+        A list, such as slot_angle_errors, is drawn independently for each part.
     limits : Mapping, optional
-        Least and greatest value that is allowed of figures [SI], (low, high).
+        Least and greatest allowed value of figures [SI], (low, high).
     figures : sequence of str, optional
         Figures besides those with limits. Default: the period.
     method : str
         "random" or "latin-hypercube", of which twenty are drawn; "random" gives the intervals
         that hold without further assumptions.
     size, seed : int
-        Cases of the sample, and where its random numbers begin.
+        Number of cases of the sample, and the seed of its random numbers.
     correlations : sequence of (name, name, number), optional
-        Correlations between numbers; those of their normal scores, where they are not normal.
+        Correlations between numbers; for distributions that are not normal, those of the normal
+        scores.
     indices : int
         Cases n for Sobol' indices, for which (numbers + 2) n more are solved; 0 for none.
     path : path, optional

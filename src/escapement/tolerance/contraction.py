@@ -1,8 +1,8 @@
-"""How the contraction of a cycle changes with the numbers of the model.
+"""Derivatives of the contraction of a cycle by the numbers of the model.
 
-The logarithm of the contraction is the integral of f_w over the driver angle, and what blows add.
-The law is f = A + B w + C sqrt(w), C being viscous drag alone, so that three values of f give f_w
-with its own derivatives.
+The logarithm of the contraction is the integral of f_w over the driver angle, plus the
+contributions of blows. The law is f = A + B w + C sqrt(w), where C is due only to viscous drag,
+so that three values of f give f_w with its derivatives.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def contraction(varied: Variation, first: FloatArray) -> Dual:
 
 
 def _step(varied: Variation, boundary: Any) -> float:
-    """By how much f_w falls at an event, behind which another formula holds."""
+    """By how much f_w falls at an event, after which another formula holds."""
     before = float(value_of(_decay(varied, boundary.piece - 1, boundary.time)))
     # a cycle ends as it begins
     piece = boundary.piece % len(varied.sides)

@@ -1,6 +1,6 @@
 """Derivatives by differences, where the equation of motion cannot be differentiated.
 
-So it is with clearance and impact, with walls that yield, and with trains that lose power.
+They are needed for clearance and impact, for compliant contact, and for trains that lose power.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from escapement.status import Status
 from escapement.train import PLACES
 
 STEPS = (1e-2, 2e-3, 4e-4)
-"""Shares of a number by which it is changed; of each figure the step counts that errs least."""
+"""Relative steps of a number; for each figure the step with the smallest error is used."""
 _LEFT_OUT = ("energy_residual", "rise_time", "settling_time")
-"""Figures that are rounding or that jump."""
+"""Figures that consist of rounding errors, or that jump."""
 Slope = tuple[float, float]
-"""A derivative, and by how much it may be wrong."""
+"""A derivative and its uncertainty."""
 
 
 def needs_differences(escapement: Escapement) -> bool:
@@ -61,15 +61,15 @@ def slopes_by(
     """Derivatives of figures of merit by one number that is not 0.
 
     Each comes from Richardson's extrapolation of central differences over steps h and 2 h. Its
-    error is taken to be the extrapolation itself, and where engagements do not repeat that of the
-    means as well. A figure that some neighbour does not have is left out.
+    error is estimated by the extrapolation itself, plus the error of the means if engagements do
+    not repeat. A figure that is missing at one of the steps is left out.
 
     Parameters
     ----------
     escapement : Escapement
     name, value : of the number [SI].
     figures : sequence of str
-        Default: all that have derivatives. Rise times are found only where they are asked for.
+        Default: all that have derivatives. Rise times are computed only if they are named.
     """
     names = figures or [name for name in FIGURES if name not in (*_LEFT_OUT, *TRANSIENT)]
     best: dict[str, Slope] = {}
@@ -90,7 +90,7 @@ def slopes_by(
 
 
 def _terminal(escapement: Escapement, name: str, value: float) -> Figures:
-    """Figures at another value of a number; NaN where it cannot have that."""
+    """Figures at another value of a number; NaN if that value is not possible."""
     try:
         return simulation.terminal(with_number(escapement, name, value))
     except InvalidValue:

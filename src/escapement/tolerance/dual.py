@@ -1,4 +1,4 @@
-"""Numbers that carry their derivatives, with which the formulas of a kernel are differentiated.
+"""Numbers with their derivatives, which differentiate the formulas of a kernel.
 
 A `Dual` holds values of any shape and, for each of them, the derivatives by k numbers. NumPy's
 functions and Python's operators work on it, so that a formula written for numbers gives
@@ -32,7 +32,7 @@ _RULES: dict[Any, Callable[..., tuple[Any, ...]]] = {
     np.maximum: lambda a, b: (a >= b, a < b),
     np.copysign: lambda a, b: (np.copysign(1.0, a) * np.copysign(1.0, b), 0.0),
     np.negative: lambda a: (-1.0,),
-    # at 0 the sign of zero tells from which side it is reached
+    # at 0 the sign of zero shows from which side it is reached
     np.absolute: lambda a: (np.copysign(1.0, a),),
     np.sqrt: lambda a: (0.5 / np.sqrt(a),),
     np.exp: lambda a: (np.exp(a),),
@@ -44,7 +44,7 @@ _RULES: dict[Any, Callable[..., tuple[Any, ...]]] = {
     np.sign: lambda a: (0.0,),
     np.floor: lambda a: (0.0,),
 }
-"""Of each function its derivatives by its arguments."""
+"""The derivatives of each function by its arguments."""
 _COMPARED = {np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal}
 
 
@@ -52,11 +52,11 @@ class Dual(NDArrayOperatorsMixin):
     """Values with derivatives by k numbers.
 
     value : array of any shape.
-    slopes : of that shape with one more dimension behind it, of length k.
+    slopes : array of that shape with one more dimension at the end, of length k.
 
     A comparison is one answer for all values, so that kernels can branch on it; they must agree.
-    A dual is equal to a number only if its derivatives are zero, so that what is absent is not
-    taken for what has the value zero but varies.
+    A dual is equal to a number only if its derivatives are zero, so that a quantity that is zero
+    but varies does not count as absent.
     """
 
     def __init__(self, value: Any, slopes: Any) -> None:
@@ -95,7 +95,7 @@ class Dual(NDArrayOperatorsMixin):
             if any(dual is not None and dual.slopes.any() for dual in duals):
                 return bool(function is np.not_equal)
         elif function is np.greater and values[0].ndim == 0 and values[0] == values[1]:
-            # what varies from 0 is not absent
+            # a quantity that varies around 0 is not absent
             return duals[0] is not None and bool(duals[0].slopes.any())
         if answers.all():
             return True
@@ -122,9 +122,9 @@ def slopes_of(x: Any, count: int) -> Any:
 
 @cache
 def uncompiled(module: ModuleType) -> dict[str, Any]:
-    """What a module holds, its kernels as functions that Python runs and that take duals.
+    """The contents of a module, with its kernels as Python functions that accept duals.
 
-    So the law that is compiled for the engines is the one that is differentiated.
+    So the differentiated law is the same as the one that is compiled for the engines.
     """
     found: dict[str, Any] = dict(vars(module))
     for name, value in vars(module).items():

@@ -1,4 +1,4 @@
-"""How the greatest or least value of a quantity over a motion changes, to first order.
+"""First-order change of the greatest or least value of a quantity over a motion.
 
 Within a piece the place of a maximum does not matter, since the quantity is stationary there. At
 the end of a piece the event moves, and the quantity with it.
@@ -40,7 +40,7 @@ def extreme(varied: Variation, quantity: Quantity, sign: float = 1.0) -> tuple[f
         k = int(values.argmax())
         found.append((values[k], (panels, np.array([ends[0], *inner, ends[1]]), k)))
     best = max(value for value, _ in found)
-    # the peaks of several engagements may be nearly alike
+    # the peaks of several engagements may be nearly equal
     near = [place for value, place in found if value >= best - CLOSE * abs(best)]
     peaks = [_nearby(varied, quantity, sign, *place) for place in near]
     return max(peaks, key=lambda peak: sign * peak[0])

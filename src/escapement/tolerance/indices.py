@@ -1,8 +1,8 @@
-"""Sobol' indices: the share of a figure's variance that a tolerance brings, alone and in all.
+"""Sobol' indices: the share of a figure's variance due to a tolerance, alone and with others.
 
 Of n cases in A and n in B, drawn independently, A_B^i is A with number i from B. The first index
-counts what i brings alone, the total index all that it takes part in. SciPy computes them and their
-intervals, by drawing the cases anew with replacement.
+is the share of i alone, the total index the share of all effects in which i takes part. SciPy
+computes them and their intervals, by resampling the cases with replacement.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from escapement.mechanism import FloatArray
 from escapement.tolerance.intervals import LEVEL, Estimate
 
 RESAMPLES = 999
-"""Resamples for an interval."""
+"""Number of resamples for an interval."""
 
 
 def sobol_indices(
@@ -42,7 +42,7 @@ def sobol_indices(
     mixed = np.stack([np.where(np.arange(count)[:, None] == i, b, a) for i in range(count)])
     every = np.concatenate([a, b, *mixed], axis=1)
     values = evaluate(every).reshape(count + 2, 1, size)
-    # a common offset cancels, and would only cost digits
+    # a common offset cancels, and would only lose digits
     values = values - values[:2].mean()
     found: Any = compute(func={"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}, n=size)
     drawn = found.bootstrap(confidence_level=LEVEL, n_resamples=RESAMPLES)

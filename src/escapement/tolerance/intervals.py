@@ -1,10 +1,10 @@
 """Estimates from a sample, each with its 95 % interval.
 
-The interval of a moment comes from the scatter of its influence values: of a statistic T they are
-what each case adds to it, to first order, so that their standard deviation over sqrt(n) is the
-standard error of T whatever the distribution. That of a share is Clopper and Pearson's, that of a
-quantile counts the cases below it. Cases of a Latin hypercube are not independent, so that there
-the scatter over hypercubes that were drawn one by one gives the interval.
+The interval of a moment comes from the scatter of its influence values: for a statistic T they
+are the first-order contributions of each case, so that their standard deviation over sqrt(n) is
+the standard error of T for every distribution. That of a share is Clopper and Pearson's, that of
+a quantile counts the cases below it. Cases of a Latin hypercube are not independent; there the
+scatter over several independent hypercubes gives the interval.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def quantile(values: FloatArray, level: float, groups: int = 1) -> Estimate:
     value = float(np.quantile(values, level))
     if groups > 1:
         below = estimate(mean, (values <= value).astype(float), groups)
-        # where no hypercube differs from the others, a sample still tells no more than one case
+        # even if all hypercubes give the same share, the sample is not more certain than one case
         room = 0.5 * (below.high - below.low) or 0.5 / n
         levels = np.clip([level - room, level + room], 0.0, 1.0)
         return Estimate(value, *np.quantile(values, levels).tolist())

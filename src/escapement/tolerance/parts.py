@@ -1,4 +1,4 @@
-"""The handoffs of imperfect parts with duals: how they move with the errors of the parts.
+"""The handoffs of imperfect parts with duals: their derivatives by the errors of the parts.
 
 `mechanisms.pattern` finds the angles of handoffs as roots. Their derivatives follow from one step
 of Newton's method with duals, begun at the root: the implicit function theorem.
@@ -21,7 +21,7 @@ class Part(NamedTuple):
     """An engagement with duals.
 
     path : its path.
-    late : driver angle by which its angle 0 lies behind the nominal one [rad].
+    late : driver angle by which its angle 0 is later than the nominal one [rad].
     entry : its angle where it begins to drive.
     starts, leaves : driver angles, counted from the nominal dead centre, at which it begins to
         drive and at which it leaves the follower at rest.
@@ -37,7 +37,7 @@ class Part(NamedTuple):
 
 
 def error_names(mechanism: Any) -> dict[str, float]:
-    """The errors of the parts by the names that studies use [SI]; none of other mechanisms."""
+    """The errors of the parts by the names that studies use [SI]; none for other mechanisms."""
     if getattr(mechanism, "perfect", True):
         return {}
     found = {"centre_distance_error": mechanism.centre_distance_error}
@@ -74,7 +74,7 @@ def _engagement(mechanism: Any, k: int, longer: Any, unit: Any, each: Any) -> An
     row: Any = mechanism.pattern[k]
     j, i = k % mechanism.pins, k % mechanism.slots
     first, a, second, b, forward = mechanism.path_numbers["arms"]
-    # the errors lengthen either vector, whatever its sign
+    # positive errors lengthen both vectors, independent of their sign
     p = first + np.sign(first) * longer
     q = second + np.sign(second) * (each("crank_radius_errors", j) / unit)
     offset = each("slot_offsets", i) / unit

@@ -34,22 +34,22 @@ Limits = tuple[float, float]
 
 @dataclass(frozen=True, repr=False)
 class Scatter(Shown):
-    """What the tolerances do to one figure, in SI.
+    """Effect of the tolerances on one figure, in SI.
 
     nominal : its value without them.
-    worst : its ends when every number is at the worst place of its tolerance; of a normal
-        distribution without ends these are three standard deviations out.
+    worst : its ends with every number at the worst value within its tolerance; for a normal
+        distribution without ends these are three standard deviations from the mean.
     sigma : standard deviation to first order, the root of the sum of squares.
-    slopes : its derivative by each number; where it has a corner, that of the steeper side.
+    slopes : its derivative by each number; at a kink, that of the steeper side.
     contributions : share of each number in the variance to first order, greatest first.
-    balanced : by which factor each tolerance may change so that all contribute alike to the same
-        sigma: below 1 it is to be tightened, above 1 it may be relaxed.
+    balanced : factor for each tolerance with which all contribute equally to the same sigma:
+        below 1 the tolerance has to be tightened, above 1 it may be widened.
     mean, deviation : of the sample.
     quantiles : by share of the cases.
-    inside : share of the cases within the limits; those without an answer are outside.
+    inside : share of the cases within the limits; cases that could not be computed are outside.
     capability : C_pk, the distance of the mean from the nearer limit over 3 deviations.
     limits : the least and greatest value allowed.
-    first, total : Sobol' indices of each number, empty unless they were asked for.
+    first, total : Sobol' indices of each number, empty unless requested.
     """
 
     nominal: float
@@ -150,7 +150,8 @@ def scatter_of(
 def _first_order(
     plan: StudyPlan, nominal: Escapement, spreads: Mapping[str, Spread], figure: str
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Derivatives, what each number adds to the variance, and the variance to first order."""
+    """Derivatives, the contribution of each number to the variance, and the variance to first
+    order."""
     names = list(spreads)
     known = numbers_of(nominal.held)
     smooth = [name for name in names if name in known]

@@ -22,7 +22,7 @@ from escapement.tolerance.law import numbers_of
 JUMPS = ("rise_time", "settling_time")
 """Figures that jump where another extremum is the first one within the band."""
 _STEPS = np.array([1e-4, 2e-4, 4e-4])
-"""Roots of the errors at which corners are approached: a blow grows with the root of an error."""
+"""Square roots of the errors near a kink: a blow grows with the square root of an error."""
 _TO_ZERO = np.linalg.inv(np.vander(_STEPS, increasing=True))[0]
 _DIFFERENCES = "derivatives are differences; numbers that are 0 and rise times are left out"
 Table = dict[str, dict[str, float]]
@@ -34,13 +34,13 @@ class Sensitivities(Shown):
 
     absolute : by figure and number, dF/dq in SI: `absolute["period"]["torque"]`.
     relative : likewise d ln F/d ln q, per cent per cent; only where both are not zero.
-    one_sided : by figure and error of a part of a perfect wheel, where figures have a corner: the
-        derivatives towards errors below and above zero. Empty unless they were asked for.
-    doubts : by figure and number, by how much a derivative may be wrong that was found by
-        differences; empty where all are exact.
+    one_sided : by figure and error of a part of a perfect wheel, where figures have a kink: the
+        derivatives below and above zero. Empty unless requested.
+    doubts : by figure and number, the uncertainty of a derivative computed by differences; empty
+        if all are exact.
     jumps : figures that have no derivative, because they jump.
     figures : the figures of merit themselves.
-    message : what is left out, and why.
+    message : the derivatives that are left out, and the reason.
     """
 
     absolute: Table
@@ -62,9 +62,8 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
 
     They are exact: the equation of motion, its events and the fixed point of the cycle are
     differentiated, and nothing is taken from differences of figures. A number that is 0 and
-    cannot be negative, such as the radius of thin pins, has the derivative on its one side.
-
-    With clearance, walls that yield or trains that lose power they are differences with their
+    cannot be negative, such as the radius of thin pins, has a one-sided derivative. With
+    clearance, compliant contact or trains that lose power they are differences with their
     `doubts`; numbers that are 0 and rise times are then left out.
 
     Parameters
@@ -73,8 +72,8 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
         It needs a terminal cycle. Of a spring that runs down the derivatives are those at its full
         torque.
     errors : bool
-        Whether to give `one_sided` too, which takes some seconds. With perfect parts a figure has
-        a corner: these derivatives are the limits of those at ever smaller errors.
+        Whether to compute `one_sided` too, which takes some seconds. With perfect parts a figure
+        has a kink: these derivatives are the limits for smaller and smaller errors.
 
     Returns
     -------
@@ -85,7 +84,7 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
     Raises
     ------
     InvalidValue
-        Where there is no terminal cycle; the message gives the reason.
+        If there is no terminal cycle; the message gives the reason.
     """
     figures = simulation.terminal(escapement)
     if figures.status is not Status.OK or figures.motion is None:
@@ -112,7 +111,7 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
 def _by_differences(
     escapement: Escapement, numbers: dict[str, float], figures: Figures
 ) -> Sensitivities:
-    """The derivatives by all numbers that are not 0, each with its doubt."""
+    """The derivatives by all numbers that are not 0, each with its uncertainty."""
     absolute: Table = {}
     relative: Table = {}
     doubts: Table = {}
@@ -132,7 +131,7 @@ def corners_of(
 ) -> dict[str, dict[str, tuple[float, float]]]:
     """Derivatives by errors of parts on either side of perfect ones.
 
-    Pins are alike, and so are slots: what holds for the first one holds for each.
+    All pins are equal, and so are all slots: the derivatives for the first one hold for each.
     """
     mechanism: Any = escapement.mechanism
     solved: dict[str, list[dict[str, float]]] = {}

@@ -1,4 +1,4 @@
-"""What a tolerance does to a number: its mean, standard deviation and ends."""
+"""The distribution of a number with a tolerance: its mean, standard deviation and ends."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ class Spread:
     """A number of a plan with a tolerance, in SI.
 
     nominal, mean, sigma : its nominal value, mean and standard deviation.
-    low, high : its ends; of a normal distribution without ends, three standard deviations out.
+    low, high : its ends; for a normal distribution without ends, three standard deviations from
+        the mean.
     magnitude : mean of its distance from the nominal value.
     """
 
@@ -38,7 +39,7 @@ class Spread:
 def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]:
     """The spread of every sampled number, by name.
 
-    A plan keeps no nominal value of a number that is drawn between two ends: it is the one that is
+    A plan has no nominal value of a number that is drawn between two ends: it is the one in
     `given` [SI], or the mean.
     """
     from scipy.special import ndtr

@@ -1,4 +1,4 @@
-"""How a motion changes with the numbers of the model, to first order.
+"""First-order change of a motion with the numbers of the model.
 
 Let w = theta_dot^2 as a function of the driver angle, and S its derivative by a number q at a
 fixed angle. Between events
@@ -10,9 +10,9 @@ where f is smooth. At an event, where Phi(theta, w; q) = 0, its angle and S chan
     theta_q = -(Phi_q + Phi_w S)/(Phi_theta + Phi_w f),
     S_behind = S_before + (f_before - f_behind) theta_q,
 
-and a blow that leaves the share L of the speed makes of w the L^2-fold. The time of a stretch
-changes by the integral of -S/(2 w) over the time, and by theta_q/theta_dot at its ends. Along a
-known motion all of it is linear in S, so that quadratures of the equation give the derivatives to
+and a blow that leaves the share L of the speed multiplies w by L^2. The time of a stretch changes
+by the integral of -S/(2 w) over the time, and by theta_q/theta_dot at its ends. Along a known
+motion all of it is linear in S, so that quadratures of the equation give the derivatives to
 rounding. They are taken over the time, in which a start from rest is smooth too.
 
 Columns: one for each number, and a last one for a change of w at the start by 1.
@@ -44,7 +44,7 @@ class Boundary:
     time : [natural units].
     angle : theta_q, shape (columns,).
     before, behind : S on either side.
-    times : derivative of the time at a fixed angle behind it.
+    times : derivative of the time at a fixed angle after it.
     w_before, w_behind, slope_before, slope_behind : w and dw/dtheta on either side.
     """
 
@@ -71,7 +71,7 @@ class Boundary:
 
     @property
     def total_behind(self) -> FloatArray:
-        """Derivative of w just behind the event."""
+        """Derivative of w just after the event."""
         return self.behind + self.slope_behind * self.angle
 
 
@@ -194,7 +194,7 @@ class Variation:
         return s, times
 
     def begins(self, piece: int) -> bool:
-        """Whether a piece begins an engagement; behind the last one a motion ends with one."""
+        """Whether a piece begins an engagement; after the last one a motion ends with one."""
         engagements = self.engagements
         return piece in (0, len(engagements)) or engagements[piece] != engagements[piece - 1]
 
@@ -205,7 +205,7 @@ class Variation:
         return bool(self.sides[piece] != self.sides[piece - 1])
 
     def _moved(self, piece: int) -> FloatArray:
-        """theta_q where the errors of parts alone move an event."""
+        """theta_q at an event that is moved only by errors of parts."""
         moved, law = np.zeros(self.columns), self.law
         if not law.parts:
             return moved
@@ -225,7 +225,7 @@ class Variation:
         return int((self.engagements[-1] + 1) % len(self.law.scenes))
 
     def _behind(self, piece: int, before: Point) -> tuple[Point, Any]:
-        """The law behind an event, and the share of the speed that its blow leaves."""
+        """The law after an event, and the share of the speed that its blow leaves."""
         if not self.begins(piece):
             return self.point(piece, self.times[piece]), 1.0
         if not self.law.parts:
@@ -238,7 +238,8 @@ class Variation:
         return self.law.at(meeting, 1.0, *state, -1.0, 1.0), left
 
     def _condition(self, piece: int, before: Point) -> Any:
-        """What is zero at the event with which a piece begins; None where it stays in its place."""
+        """The function that is zero at the event with which a piece begins; None if it does not
+        move."""
         if self.reverses(piece):
             return before.contact
         if self.begins(piece) or self.sides[piece] == 0.0:

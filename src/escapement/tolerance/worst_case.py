@@ -17,8 +17,8 @@ class Worst(NamedTuple):
     """The ends of a figure.
 
     low, high : least and greatest value.
-    searched : whether they were searched for; otherwise they lie at a vertex, as derivatives of
-        one sign tell.
+    searched : whether they were searched for; otherwise derivatives of constant sign show that
+        they lie at a vertex.
     """
 
     low: float
@@ -35,9 +35,9 @@ def worst_case(
 ) -> Worst:
     """The ends of a figure over a box.
 
-    A derivative that has the same sign at the nominal place and at the two vertices to which the
-    signs point leads there. Otherwise the figure is searched from these vertices and from the
-    extreme cases of a sample.
+    If each derivative has the same sign at the nominal point and at the two vertices to which the
+    signs point, the ends are at these vertices. Otherwise the search starts from these vertices
+    and from the extreme cases of a sample.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def worst_case(
     bounds : ndarray, shape (n, 2)
         Ends of the numbers.
     nominal : ndarray, shape (n,)
-        The nominal place.
+        The nominal point.
     tried : ndarray, shape (2, n)
         Cases of a sample with the least and greatest value.
     """
@@ -76,7 +76,7 @@ def _climb(evaluate: Evaluate, sign: float, bounds: FloatArray, start: FloatArra
         return -sign * value if np.isfinite(value) else 1e300
 
     begin = np.clip((start - low) / wide, 0.0, 1.0)
-    # a figure may have corners, which a method without derivatives does not mind
+    # a figure may have kinks, so a method without derivatives is used
     found = minimize(
         cost, begin, method="Powell", bounds=[(0.0, 1.0)] * len(begin), options={"xtol": 1e-6}
     )
