@@ -130,7 +130,7 @@ def _blocks(
     """Samples and, for a `whole` motion, all other data, block by block, so that memory does not
     grow.
 
-        Beside the prefix and values of some datasets their final length is given, None if not known.
+        Beside the prefix and values of some datasets their final length is given, or None.
     """
     for part in motion.parts():
         # the end of a part is the start of the next one
