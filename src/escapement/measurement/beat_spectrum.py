@@ -1,4 +1,4 @@
-"""The spectrum of beats: which lines pins make, and which slots."""
+"""The spectrum of beats: which lines are caused by pins, and which by slots."""
 
 import math
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ special = Lazy("scipy.special")
 
 
 class BeatLine(NamedTuple):
-    """A sinusoidal change of beats that comes back with the pattern of pins and slots.
+    """A sinusoidal change of beats that repeats with the pattern of pins and slots.
 
     frequency : cycles a turn of the driver [-].
-    culprit : "pins" where it comes back every turn of the driver, "slots" where it does every
-        turn of the follower, "pins or slots" where both, and "pairs" where neither.
-    amplitude : of the sinusoid, or half of what two sides differ by, where it only alternates [s].
-    standard_error : of the amplitude, NaN without a second round to tell the noise [s].
-    p_value : probability that noise alone makes as much; NaN likewise.
+    culprit : "pins" if it repeats every turn of the driver, "slots" if it repeats every turn of
+        the follower, "pins or slots" if both, and "pairs" if neither.
+    amplitude : of the sinusoid, or half the difference of two sides if it only alternates [s].
+    standard_error : of the amplitude, NaN without a second round to estimate the noise [s].
+    p_value : probability that noise alone causes such an amplitude; NaN in the same case.
     """
 
     frequency: float
@@ -36,7 +36,7 @@ class BeatLine(NamedTuple):
 class BeatSpectrum:
     """Lines of beats, by their frequency.
 
-    lines : all that the pattern can have but the mean.
+    lines : all lines that the pattern can have, except the mean.
     mean : beat [s].
     rounds : the beats.
     """
@@ -47,11 +47,11 @@ class BeatSpectrum:
 
 
 def beat_spectrum(beats: ArrayLike, mechanism: Mechanism) -> BeatSpectrum:
-    """Lines in the spectrum of measured beats, each with the part that makes it.
+    """Lines in the spectrum of measured beats, each with the parts that cause it.
 
-    Errors of pins come back with every turn of the driver, those of slots with every turn of the
-    follower. So in cycles a turn of the driver the lines of m pins are at 1, 2, .., those of n
-    slots at m/n, 2 m/n, ..; where m and n have a factor in common, some of them are the same.
+    Errors of pins repeat with every turn of the driver, those of slots with every turn of the
+    follower. So in cycles per turn of the driver the lines of m pins are at 1, 2, .., those of n
+    slots at m/n, 2 m/n, ..; if m and n have a common factor, some of them coincide.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Measured beats back to parts: angle errors of pins and slots, by least squares."""
+"""From measured beats to parts: angle errors of pins and slots, by least squares."""
 
 import math
 from dataclasses import dataclass, field
@@ -35,23 +35,23 @@ _EXACT = {"xtol": 1e-9, "ftol": 1e-10, "gtol": 1e-12, "max_nfev": 30}
 class BeatFit:
     """Angle errors of pins and slots that explain measured beats.
 
-    Only differences between pins, and between slots, act on a beat: errors are those about the
+    Only differences between pins, and between slots, change a beat, so errors are relative to the
     mean of all pins, or of all slots. An interval is the estimate -+ its half width.
 
     Attributes
     ----------
     escapement : Escapement
-        What was given, with errors that explain the beats; they are the estimates where those
-        are told.
+        The given design with errors that explain the beats; they are the estimates if these are
+        determined.
     pin_angle_errors, slot_angle_errors : ndarray, shapes (m,) and (n,)
-        Estimates [rad]; NaN where pins and slots cannot be told apart. Of a slot that the beats
-        only confine, the middle of its interval.
+        Estimates [rad]; NaN if pins and slots cannot be distinguished. For a slot with only
+        bounds, the middle of its interval.
     pin_half_widths, slot_half_widths : ndarray, shapes (m,) and (n,)
         Of the intervals [rad].
     combinations : tuple of Combination
-        What is told besides; empty where all single errors are told.
+        Other angles that are determined; empty if all single errors are.
     rate, rate_half_width : float
-        Time measured over time computed, which takes up an inexact torque [-].
+        Measured time divided by computed time, which corrects an inexact torque [-].
     computed : ndarray, shape (pattern,)
         Beats of one pattern with these errors, times `rate` [s].
     rounds : Rounds
@@ -59,12 +59,12 @@ class BeatFit:
     noise : float
         Standard deviation of one beat, as given or found [s].
     p_value : float
-        Probability that noise alone leaves as much between the mean beats and `computed`; NaN
-        where there is nothing to judge by.
+        Probability that noise alone causes such a difference of the mean beats and `computed`;
+        NaN if this cannot be judged.
     confidence : float
         Of the intervals.
     message : str
-        What a reader of these figures must know, "" where there is nothing.
+        Warnings about these figures, "" if there are none.
     """
 
     escapement: Escapement
@@ -84,7 +84,7 @@ class BeatFit:
 
     @property
     def residuals(self) -> FloatArray:
-        """Beats measured less computed, in turn, NaN where there is none, shape (N,) [s]."""
+        """Measured minus computed beats, in turn, NaN if missing, shape (N,) [s]."""
         return (self.rounds.table - self.computed).ravel()
 
     @property
@@ -113,7 +113,7 @@ def fit_beats(
     escapement : Escapement
         The design, with a Geneva wheel. Known errors of lengths count; angle errors do not.
     noise : float, optional
-        Standard deviation of one beat [s], > 0. Default: from what the fit leaves.
+        Standard deviation of one beat [s], > 0. Default: from the residuals of the fit.
     parts : str
         Which of them may have errors: "both", "pins" or "slots".
     confidence : float
@@ -122,7 +122,8 @@ def fit_beats(
     Returns
     -------
     BeatFit
-        Its `message` says what cannot be told, and where the model does not explain the beats.
+        Its `message` says what cannot be determined, and where the model does not explain the
+        beats.
 
     Raises
     ------
@@ -131,10 +132,10 @@ def fit_beats(
 
     Notes
     -----
-    The noise of a beat is taken to be normal and independent of the others. A step from slot to
-    slot is measured where the pin strikes; where the pin picks the follower up, it is known to be
-    less than the geometry leaves free, and no more. Axes that are too far apart leave all steps
-    2 tan(pi/n) times the relative error of their distance free: give the distance they have.
+    The noise of a beat is assumed to be normal and independent of the others. A step from slot to
+    slot is measured where the pin strikes; where the pin picks the follower up, it is only known
+    to be less than the free step. If the axes are too far apart, all steps up to 2 tan(pi/n)
+    times the relative error of their distance cause no strike: give the real distance.
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
@@ -158,7 +159,7 @@ def fit_beats(
     if parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1:
         known = told_together(best.parts, rounds, doubt)
     else:
-        # what fits worse by no more than the edge of an interval may be true as well
+        # a fit that is worse by no more than the edge of an interval may be true as well
         edge = best.cost + 0.5 * (doubt.reach * doubt.noise / rounds.means.mean()) ** 2
         solutions = [told(best.parts, best.unknowns, doubt.root)]
         for trial in others:
@@ -175,7 +176,7 @@ def fit_beats(
 
 
 class _Trial(NamedTuple):
-    """Unknowns with one of the slots as the last one, and what they leave."""
+    """Unknowns with one of the slots as the last one, and their residuals."""
 
     parts: Parts
     unknowns: FloatArray
@@ -187,7 +188,7 @@ class _Trial(NamedTuple):
 
 
 def _fitted(escapement: Escapement, rounds: Rounds, pins: bool, slots: bool) -> list[_Trial]:
-    """The fits from all starts that come near the best, which is the first."""
+    """The fits from all starts that are nearly as good as the best, which is the first."""
     some = starts(escapement, pins, slots, rounds.means)
     rough = sorted((_improved(*one, rounds, _ROUGH) for one in some), key=_Trial.left)
     # where there are as many unknowns as beats, any start may lead to errors that explain them
@@ -209,7 +210,7 @@ def _alike(one: _Trial, other: _Trial) -> bool:
 def _improved(
     parts: Parts, start: FloatArray, rounds: Rounds, tolerances: dict[str, float]
 ) -> _Trial:
-    """The unknowns that leave the least squares."""
+    """The unknowns with the least sum of squares."""
     unit, weights = rounds.means.mean(), np.sqrt(rounds.counts)
 
     def rest(unknowns: FloatArray) -> FloatArray:

@@ -1,16 +1,16 @@
-"""What beats tell of angle errors: how late each pin comes, and how late each slot is struck.
+"""The unknowns of a fit of beats: how late each pin comes, and how late each slot is struck.
 
-A pin that enters its slot behind the follower strikes it a little later, when it has come up; a
-pin that enters ahead of the follower picks it up at once, however far ahead it is. Let slot i
+A pin that enters its slot behind the follower strikes it a little later, when it has caught up; a
+pin that enters ahead of the follower picks it up at once, independent of the distance. Let slot i
 stand ahead of slot i - 1 by the step d_i, and let the geometry allow the step free_i until there
 is a blow. Then the blow comes late by about the driver angle x_i, with
 
     d_i = free_i + tan(pi/n) x_i^2/2     where x_i > 0, and d_i <= free_i where x_i = 0,
 
-because g = 0 at the entry, with the slope tan(pi/n) per radian. Beats are smooth in psi and x,
-all but linear, and have a root of d. Therefore psi and x are what is fitted; the exact maps turn
-the steps into beats, so that the series need not be accurate. The steps of all slots add up to
-zero, and that of the `last` slot follows from the others.
+because g = 0 at the entry, with the slope tan(pi/n) per radian. Beats are smooth and almost
+linear in psi and x, but contain a square root of d. Therefore psi and x are fitted; the exact
+maps compute the beats from the steps, so that the series need not be accurate. The steps of all
+slots add up to zero, and that of the `last` slot follows from the others.
 """
 
 import math
@@ -37,7 +37,7 @@ _PIN, _BLOW = 1e-4, 0.02  # sizes that show the response to a late pin, and to a
 
 
 class Errors(NamedTuple):
-    """Angle errors of pins, and by how much each slot stands ahead of the one before [rad]."""
+    """Angle errors of pins, and by how much each slot is ahead of the one before [rad]."""
 
     pins: FloatArray
     steps: FloatArray
@@ -55,7 +55,7 @@ class Parts:
     Parameters
     ----------
     escapement : Escapement
-        With a Geneva wheel, whose own angle errors are put aside.
+        With a Geneva wheel, whose own angle errors are ignored.
     pins, slots : bool
         Which of them may have errors.
     last : int
@@ -110,7 +110,7 @@ class Parts:
         return Errors(self.late_pins @ unknowns[1 : self.blows.start], steps)
 
     def built(self, unknowns: FloatArray, late: FloatArray | float = 0.0) -> Escapement:
-        """The escapement with these errors, and pins that are late by some more."""
+        """The escapement with these errors, and with pins that are later by a further angle."""
         found = self.errors(unknowns)
         wheel = replace(
             self.wheel,
@@ -137,7 +137,8 @@ class Parts:
 
 
 def _orders(parts: Parts, unknowns: FloatArray) -> Iterator[tuple[Parts, FloatArray]]:
-    """Starts for pins alone without a dwell, where beats bend as pins come nearer or part."""
+    """Starts for pins only, without a dwell: beats have kinks where the distances of pins
+    change."""
     size, count = np.abs(unknowns[1:]).max(initial=_PIN), parts.wheel.pins or 1
     for nearer in product((True, False), repeat=count):
         if 0 < sum(nearer) < count:
@@ -151,7 +152,8 @@ def starts(
 ) -> Iterator[tuple[Parts, FloatArray]]:
     """Sets of unknowns from which a fit of mean beats may start, to first order.
 
-    The slot that comes least late is the last one; others that come hardly later are tried too.
+    The slot that is struck least late is the last one; others that are hardly later are tried
+    too.
     """
     first = Parts(escapement, pins, slots)
     count, many = first.wheel.pins or 1, first.wheel.slots
@@ -162,7 +164,7 @@ def starts(
         # every handoff strikes already, and beats are smooth in errors that are small enough
         yield from ((Parts(escapement, pins, slots, last), unknowns) for last in range(many))
         return
-    # what one late pin does, and a blow at one slot; pins and slots are alike so far
+    # the effects of one late pin, and of a blow at one slot; so far all pins and slots are equal
     late, blow = np.zeros(count), np.zeros(unknowns.size)
     late[0], blow[first.blows.start : first.blows.start + 1] = _PIN, _BLOW
     of_pin = first.beats(unknowns, late)

@@ -1,4 +1,4 @@
-"""Measured beats, sorted by the pin and the slot that made them."""
+"""Measured beats, sorted by their pin and slot."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from escapement.mechanisms import Geneva
 
 @dataclass(frozen=True, eq=False)
 class Rounds:
-    """Beats, of which every row passes all pairs of pins and slots once.
+    """Beats in rows; each row contains all pairs of pins and slots once.
 
     table : ndarray, shape (rounds, pattern)
         Beats [s], NaN where one is missing.
@@ -31,7 +31,7 @@ class Rounds:
 
     @property
     def samples(self) -> int:
-        """How many beats are there."""
+        """Number of measured beats."""
         return int(self.counts.sum())
 
     @cached_property
@@ -46,7 +46,7 @@ class Rounds:
 
     @cached_property
     def scatter(self) -> float:
-        """Sum of the squares that the means leave [s^2]."""
+        """Sum of the squared deviations from the means [s^2]."""
         return float(np.nansum((self.table - self.means) ** 2))
 
 

@@ -18,9 +18,9 @@ _ALIKE = 0.1  # a smaller correlation of neighbours spoils no interval
 
 
 class Combination(NamedTuple):
-    """An angle that the beats tell where they do not tell single errors.
+    """An angle that the beats determine where they do not determine single errors.
 
-    name : which one.
+    name : name of the angle.
     value, half_width : estimate, and of its confidence interval [rad].
     """
 
@@ -30,14 +30,14 @@ class Combination(NamedTuple):
 
 
 class Doubt(NamedTuple):
-    """How well the unknowns of a fit are known.
+    """Uncertainty of the unknowns of a fit.
 
     computed : beats of a pattern [s].
     root : the half width of any a . unknowns is the length of a . root.
     reach : half width of an interval, in standard deviations.
     noise : standard deviation of a beat [s].
-    p_value : probability that noise leaves as much of the mean beats.
-    alike : correlation of neighbours in what is left of the beats [-].
+    p_value : probability that noise alone causes such residuals of the mean beats.
+    alike : correlation of neighbouring residuals of the beats [-].
     """
 
     computed: FloatArray
@@ -49,7 +49,7 @@ class Doubt(NamedTuple):
 
 
 class Told(NamedTuple):
-    """Errors of pins and of slots, their half widths, combinations, and what is not told."""
+    """Errors of pins and slots, their half widths, combinations, and what is not determined."""
 
     pins: FloatArray
     slots: FloatArray
@@ -62,10 +62,10 @@ class Told(NamedTuple):
 def doubt_of(
     parts: Parts, unknowns: FloatArray, rounds: Rounds, noise: float | None, confidence: float
 ) -> Doubt:
-    """How well unknowns are known: by linear theory, with Student's law unless noise is given."""
+    """Uncertainty of unknowns, by linear theory, with Student's law unless noise is given."""
     computed = _computed(parts, unknowns)
     left = float(rounds.counts @ (rounds.means - computed) ** 2)
-    # as many unknowns as mean beats ought to leave nothing
+    # with as many unknowns as mean beats there are no residuals
     freedom, judged = rounds.samples - unknowns.size, max(rounds.pattern - unknowns.size, 1)
     within, p_value = rounds.samples - rounds.pattern, math.nan
     if noise is None:
@@ -94,10 +94,10 @@ def _computed(parts: Parts, unknowns: FloatArray) -> FloatArray:
 
 
 def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
-    """Errors of single parts, and steps of slots where those are not told.
+    """Errors of single parts, and steps of slots where single errors are not determined.
 
-    Of the steps that are not struck only the sum is told, and that each is less than what is
-    free. A slot has its extremes where all these steps but one are as great as they can be.
+    Of the steps that are not struck only the sum is known, and that each is less than the free
+    step. A slot has its extremes where all these steps except one are as great as possible.
     """
     slots, (pins, steps) = parts.wheel.slots, parts.errors(unknowns)
     pin_widths = np.linalg.norm(parts.late_pins @ root[1 : parts.blows.start], axis=1)
@@ -106,7 +106,7 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
     limit, late, own = np.zeros(slots), np.zeros(slots), np.zeros((slots, root.shape[1]))
     late[parts.others], limit[parts.others] = unknowns[parts.blows], _lengths(root[parts.blows])
     own[parts.others] = parts.slope * late[parts.others, None] * root[parts.blows]
-    # the last slot is taken for one that is not struck
+    # the last slot counts as one that is not struck
     unseen, seen = np.flatnonzero(late <= limit), np.flatnonzero(late > limit)
     most = np.where(late <= limit, parts.free + 0.5 * parts.slope * (late + limit) ** 2, steps)
     gather = np.tril(np.ones((slots, slots)))
@@ -124,8 +124,8 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
     names = (f"slot {i} less slot {(i - 1) % slots}" for i in seen)
     rows = zip(names, steps[seen].tolist(), _lengths(own[seen]).tolist(), strict=True)
     reason = (
-        f"no pin strikes slots {', '.join(map(str, unseen))}: how far each of them stands behind "
-        "the slot before it is not told, and intervals of slots are as wide as that leaves them"
+        f"no pin strikes slots {', '.join(map(str, unseen))}: the beats do not show how far each "
+        "of them is behind the slot before it, and the intervals of slots are wide accordingly"
     )
     return Told(*errors, tuple(Combination(*row) for row in rows), reason)
 
@@ -135,7 +135,7 @@ def _lengths(rows: FloatArray) -> FloatArray:
 
 
 def spanned(solutions: list[Told]) -> Told:
-    """What all of some solutions that explain the beats alike have in common."""
+    """The span of several solutions that explain the beats equally well."""
     if len(solutions) == 1:
         return solutions[0]
     pins, slots = (
@@ -143,21 +143,21 @@ def spanned(solutions: list[Told]) -> Told:
         for name in ("pin", "slot")
     )
     reason = (
-        f"{len(solutions)} sets of errors explain the beats alike: estimates and intervals span "
-        "them"
+        f"{len(solutions)} sets of errors explain the beats equally well: estimates and intervals "
+        "span them"
     )
     return Told(pins[0], slots[0], pins[1], slots[1], reason=reason)
 
 
 def _span(intervals: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
-    """Middles and half widths of what intervals cover together."""
+    """Middles and half widths of the unions of intervals."""
     low = np.min([middle - half for middle, half in intervals], axis=0)
     high = np.max([middle + half for middle, half in intervals], axis=0)
     return 0.5 * (low + high), 0.5 * (high - low)
 
 
 def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
-    """What is told where a pin meets some slots only, so that either may be at fault."""
+    """The results if a pin meets only some slots, so that pins and slots look the same."""
     pins, slots = parts.wheel.pins or 1, parts.wheel.slots
     mean = rounds.means.mean()
     speed = parts.wheel.cell_angle / mean
@@ -172,8 +172,8 @@ def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
     )
     reason = (
         f"each of {pins} pins meets {slots // math.gcd(pins, slots)} of {slots} slots only, so "
-        "that either may be at fault: what is told is how much longer than the mean each pair "
-        "drives, and with parts='slots' or 'pins' the errors of those if the others are good"
+        "that errors of both look the same: combinations tell how much longer than the mean each "
+        "pair drives; use parts='slots' or 'pins' if the others are known to be good"
     )
     nothing = np.full(pins, math.nan), np.full(slots, math.nan)
     return Told(*nothing, *nothing, tuple(found), reason)
@@ -186,15 +186,15 @@ def remarks(known: Told, doubt: Doubt, samples: int) -> Iterator[str]:
     if doubt.root.shape[1] <= doubt.root.shape[0] and np.isfinite(known.slots).all():
         yield (
             "there are as many unknowns as pairs of a pin and a slot, so that other errors may "
-            "explain the beats as well; intervals hold for those that were found"
+            "explain the beats as well; the intervals are only for the errors that were found"
         )
     if doubt.p_value < _SURE:
         yield (
-            f"the fit leaves more than noise does (p {doubt.p_value:.1g}): the parts differ from "
-            "the design in something else, such as friction, lengths or centre distance"
+            f"the residuals are greater than the noise (p {doubt.p_value:.1g}): the parts differ "
+            "from the design in something else, such as friction, lengths or centre distance"
         )
     if abs(doubt.alike) > max(_ALIKE, 4.0 / math.sqrt(samples)):
         yield (
             f"neighbouring residuals are alike (correlation {doubt.alike:.2f}), while intervals "
-            "take the noise of each beat for independent: do not trust their widths"
+            "assume that the noise of each beat is independent: do not trust their widths"
         )
