@@ -114,8 +114,7 @@ class Setting:
         return self.check(label, text)
 
     def to_si(self, values: Any) -> Any:
-        """Values that were read, in SI; those without a unit, such as whole numbers, are
-        unchanged."""
+        """Values that were read, in SI; those without a unit, as whole numbers, are unchanged."""
         scale = units.factor(self.unit, self.system)
         return values if scale == 1.0 else values * scale
 

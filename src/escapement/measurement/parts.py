@@ -137,8 +137,7 @@ class Parts:
 
 
 def _orders(parts: Parts, unknowns: FloatArray) -> Iterator[tuple[Parts, FloatArray]]:
-    """Starts for pins only, without a dwell: beats have kinks where the distances of pins
-    change."""
+    """Starts for pins only, without a dwell; beats have a kink at equal distances of pins."""
     size, count = np.abs(unknowns[1:]).max(initial=_PIN), parts.wheel.pins or 1
     for nearer in product((True, False), repeat=count):
         if 0 < sum(nearer) < count:

@@ -153,8 +153,7 @@ class Rows(Kind):
         return min((1.0, -1.0), key=self._leaps)
 
     def _leaps(self, sense: float) -> float:
-        """Sum of the squared steps of the rest from row to row for this sense, each over its
-        gap."""
+        """Sum of the squared steps of the rest between rows for this sense, each over its gap."""
         places, order = self._folded
         rest = self._rest(sense)[order]
         gaps = np.diff(np.append(places, places[0] + self.cell_angle))

@@ -23,7 +23,7 @@ CURVES = ("hypocycloid", "epicycloid", "contracted-hypocycloid", "pericycloid")
 COGNATES = dict(zip(CURVES, (*CURVES[2:], *CURVES[:2]), strict=True))
 """The other pair of gears that traces the same curve."""
 MOST_LOBES = 100_000
-"""Greatest number of lobes, and of unused ones; with it the search for a mechanism takes a
+"""Greatest number of lobes, and of unused ones; the search for a mechanism then takes a
 second."""
 
 

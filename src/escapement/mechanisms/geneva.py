@@ -116,7 +116,7 @@ class Geneva(ImperfectWheel):
 
     @property
     def motion_ratio(self) -> float:
-        """Share of the cell during which the follower moves [-]; exactly 1 for continuous
+        """Share of the cell in which the follower moves [-]; exactly 1 for continuous
         engagement."""
         more = 2 if self.internal else -2
         return self.pins * (self.slots + more) / (2 * self.slots)  # type: ignore[operator]

@@ -127,10 +127,9 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
 def _blocks(
     motion: Motion, whole: bool, progress: Progress | None
 ) -> Iterator[tuple[str, _Lines, int | None]]:
-    """Samples and, for a `whole` motion, all other data, block by block, so that memory does not
-    grow.
+    """Samples and, for a `whole` motion, all other data, block by block to limit the memory.
 
-        Beside the prefix and values of some datasets their final length is given, or None.
+    Beside the prefix and values of some datasets their final length is given, or None.
     """
     for part in motion.parts():
         # the end of a part is the start of the next one

@@ -175,8 +175,7 @@ def chain(corners: Iterable[complex], turns: Iterable[float]) -> Curve:
 
 
 def stadium(radius: float, length: float) -> Curve:
-    """Outline of all points within a radius of the real axis from 0 to a length: two lines, two
-    arcs."""
+    """Outline of the points within a radius of the real axis from 0 to a length."""
     side = radius * 1j
     return chain([-side, length - side, length + side, side], [0.0, math.pi, 0.0, math.pi])
 

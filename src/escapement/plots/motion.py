@@ -154,8 +154,7 @@ def plot_motion(motion: Motion) -> Figure:
 
 
 def _times(motion: Motion) -> FloatArray:
-    """Times that are evenly spaced in time and in angle, with all events, so that every peak
-    shows."""
+    """Times evenly spaced in time and in angle, with all events, so that every peak shows."""
     grid = motion.t
     if grid.size < 2:
         got = f"none ({motion.message})"

@@ -40,8 +40,7 @@ _POINT: dict[str, Any] = {"ls": "", "marker": ".", "color": style.BLUE, "ms": 5,
 _LOST: dict[str, Any] = {"ls": "", "marker": "x", "color": style.VERMILLION, "ms": 3.5, "mew": 0.8}
 _LONGER: dict[str, Any] = {"ls": "", "marker": "^", "color": style.PURPLE, "ms": 3.5, "mew": 0.0}
 QUANTILES = {0.5: (_MEDIAN, "center"), 0.05: (_END, "top"), 0.95: (_END, "bottom")}
-"""Shares of the cases, the most important first: their lines, and the alignment of their
-numbers."""
+"""Shares of the cases, the most important first: line styles and alignment of numbers."""
 _ENDLESS = 1e300
 _APART = 0.06  # numbers closer than this share of a panel's height would overlap
 

@@ -194,11 +194,10 @@ def by_place(cells: Cells) -> dict[Any, list[Cell]]:
 def compare(
     cells: Cells, slips: Iterable[Slip], heads: Mapping[Any, Record], keys: dict[str, str]
 ) -> Record:
-    """Content of the JSON: a row for each place with printed and true numbers and errata, and
-    counts.
+    """Content of the JSON: a row of printed and true numbers for each place, errata, and counts.
 
-        heads : further values of a place.
-        keys : names of numbers, instead of those of their columns.
+    heads : further values of a place.
+    keys : names of numbers, instead of those of their columns.
     """
     rows = []
     told = ("column", "printed", "true", "reason")

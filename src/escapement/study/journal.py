@@ -26,8 +26,7 @@ from escapement.study.configuration import difference
 from escapement.study.result import Study
 
 SYNC_EVERY = 1.0
-"""Seconds of finished work that a crash of the machine may cost; one of the process costs
-none."""
+"""Seconds of work that a crash of the machine may cost; one of the process costs none."""
 
 _PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet
 _OLD = b"escapement partial results, "  # how the partial results of version 0.1 begin

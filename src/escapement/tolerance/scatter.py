@@ -150,8 +150,7 @@ def scatter_of(
 def _first_order(
     plan: StudyPlan, nominal: Escapement, spreads: Mapping[str, Spread], figure: str
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Derivatives, the contribution of each number to the variance, and the variance to first
-    order."""
+    """Derivatives, contributions to the variance, and the variance to first order."""
     names = list(spreads)
     known = numbers_of(nominal.held)
     smooth = [name for name in names if name in known]

@@ -238,7 +238,7 @@ class Variation:
         return self.law.at(meeting, 1.0, *state, -1.0, 1.0), left
 
     def _condition(self, piece: int, before: Point) -> Any:
-        """The function that is zero at the event with which a piece begins; None if it does not
+        """The function that is zero at the event that begins a piece; None if it does not
         move."""
         if self.reverses(piece):
             return before.contact

@@ -89,9 +89,7 @@ def memory(size):
 
 @inner_jit(allocates=True)
 def case_of(addresses, shared, none, meetings, store, counts, events):
-    """Shares of w that the handoffs of a pattern leave, with the memory that `memory` gives; and
-    a status.
-    """
+    """Shares of w that the handoffs of a pattern leave, in the memory of `memory`; and a status."""
     size = meetings.size
     for i in range(counts.size):
         counts[i] = NO_PANELS

@@ -26,8 +26,7 @@ _FINE = 50  # number of rows for each printed one, enough to show a peak without
 def why(
     printed: RunFigures, exact: RunFigures, true: RunFigures, headed: RunFigures, run: RunArguments
 ) -> Iterator[str]:
-    """Explanations of figures with errors of more than half a printed digit, a sentence for each
-    cause.
+    """Explanations of errors of more than half a printed digit, a sentence for each cause.
 
     exact, headed : solved in the cell of 90 degrees, with the inertias of the thesis' figures
         and with those of the table's heading.

@@ -29,8 +29,7 @@ def printed_rows() -> dict[str, dict[str, str]]:
 
 
 def equations() -> list[Slip]:
-    """Corrections of the paper's equations and sentences; none is a formula that can be
-    tested."""
+    """Corrections of the paper's equations and sentences; none is a testable formula."""
     return read_slips("prikhodko", {})
 
 
@@ -49,8 +48,7 @@ def table() -> list[Cell]:
 
 
 def synthetic_measurement() -> Measurement:
-    """A synthetic measurement like the paper's: its drive, encoders, standard deviation and
-    classes.
+    """A synthetic measurement with the paper's drive, encoders, standard deviation and classes.
 
     148 readings over two cells, whose errors are normal with the printed deviation.
     """
