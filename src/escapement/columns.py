@@ -87,7 +87,7 @@ def read_columns(
     by_order : bool
         Whether the first of two columns with other names is the input.
     default : str
-        Unit of a column for which no unit is given.
+        Unit of a column of which nothing tells another.
 
     Raises
     ------
@@ -149,7 +149,8 @@ class _Lines:
 
 
 def _read(lines: _Lines, find: Callable[[str], _Layout], default: str, plain: bool) -> Columns:
-    """Both columns, of `plain` numbers or any allowed field; an error is in the last line."""
+    """Both columns, of `plain` numbers or of all that is allowed; an error is of the last
+    line."""
     rows = iter(lines)
     separator, header, width, places, units = find(next(rows))
     if header:
@@ -222,7 +223,7 @@ def _named_places(
             raise _BrokenLine(rule, f"name the {role}'s column")
         places.append(found[0] if found else None)
     first, second = places
-    # if one of two columns is known, the other one follows
+    # of two columns, the one that is known tells the other
     first = (0 if second is None else 1 - second) if first is None else first
     second = 1 - first if second is None else second
     if first == second:

@@ -34,7 +34,7 @@ STUDIES = (*HDF5, ".csv", ".parquet")
 MOTIONS = (*HDF5, ".csv")
 """Suffixes of files of motions."""
 
-# Errors that mean that a disk is full or fails.
+# A disk tells that it is full, or failing, by one of these.
 _DEVICE_ERRORS = {errno.ENOSPC, errno.EIO, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 

@@ -256,7 +256,7 @@ def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
 
 
 def add_plot(group: ArgumentGroup, text: str) -> None:
-    """Add a figure to draw; `_output.check_wanted` checks its place."""
+    """Add a figure to draw; `_output.check_wanted` looks at its place."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, replaced if it exists"
     group.add_argument("--plot", type=Path, metavar="FILE", help=text)
 

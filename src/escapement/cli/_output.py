@@ -193,7 +193,7 @@ def check_wanted(
 
 
 def check_output(path: Path, *others: Path, force: bool = False, picture: bool = False) -> None:
-    """Check whether a file can be written at `path`.
+    """Look whether a file can be put at `path`.
 
     Parameters
     ----------
@@ -204,8 +204,8 @@ def check_output(path: Path, *others: Path, force: bool = False, picture: bool =
     force : bool
         Whether an existing file may be replaced.
     picture : bool
-        Whether it is a picture. A picture can be drawn again from its data, so one that is not
-        read-only is replaced without asking.
+        Whether it is a picture. Pictures are made from data: one that is not read-only is
+        replaced without asking.
 
     Raises
     ------

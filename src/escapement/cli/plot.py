@@ -39,7 +39,7 @@ def execute(args: Arguments) -> int:
     _output.check_output(path, args.file, picture=True)
     from escapement.motion_file import is_motion, read_motion
 
-    # a file of a motion says so itself; every other one counts as a study
+    # a file of a motion says so itself; every other one is taken for a study
     holds, gaps = "motion", ""
     if is_motion(args.file):
         given = {"--select": args.select, "--result": args.result, "--units": args.units}

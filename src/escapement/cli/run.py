@@ -17,8 +17,8 @@ from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
 from escapement.units import SYSTEMS, printed
 
-# From this number of engagements on, writing takes seconds and shows its progress. Longer motions
-# are not drawn: it would take minutes and a gigabyte, and the curves could not be distinguished.
+# engagements from which writing them takes seconds, and shows its progress; more are not drawn,
+# as it would take minutes and a gigabyte, and nothing could be told apart
 _LONG = 10_000
 _START = {"initial_speed": declared(Run)["initial_speed"]}
 

@@ -103,7 +103,7 @@ class GenevaOutline:
             )
 
     def bodies(self, theta: float) -> list[Body | Disc]:
-        """All bodies in their positions at a driver angle.
+        """Everything that is drawn, where it stands at a driver angle.
 
         "follower", "crank-disc", "driver-shaft" and "pin-k" with k counted from 0 are always
         there; "locking-disc" only with a dwell and space for it, "follower-shaft" only in an

@@ -77,7 +77,7 @@ def animate(
     draw = _drawing(scene, mechanism, state.theta)
     slower = count / rate / (last - start)
     pace = f"{slower:.3g} times slower" if slower >= 1.0 else f"{1.0 / slower:.3g} times faster"
-    # enough decimals that successive pictures have different titles
+    # so many decimals that successive pictures have different titles
     digits = max(0, math.ceil(-math.log10(factor * (last - start) / count)))
 
     def show(frame: int) -> None:
@@ -96,10 +96,10 @@ def animate(
 
 
 def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Callable[[float], object]:
-    """The function that draws the mechanism at a driver angle, with fixed limits."""
+    """What draws the mechanism at a driver angle, with limits that do not change."""
     if not isinstance(mechanism, EllipticalPlanetary):
         return lambda theta: drawing.plot_mechanism(mechanism, theta, ax)
-    # the carrier turns, so the limits must fit every picture
+    # the carrier turns, so the limits must have room for every picture
     left, right, bottom, top = np.array([extent(mechanism, theta) for theta in angles]).T
     box = left.min(), right.max(), bottom.min(), top.max()
     return lambda theta: draw_planetary(drawing.dress_scene(ax, box), mechanism, theta, theta)

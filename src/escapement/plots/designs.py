@@ -1,4 +1,4 @@
-"""Figure of the designs that satisfy a wish."""
+"""Figure of the designs that meet a wish."""
 
 from typing import TYPE_CHECKING
 

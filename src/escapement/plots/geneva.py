@@ -47,8 +47,8 @@ def plot_geneva(
         Where to draw; its limits are set in crank radii, follower axis at the
         origin. Default: a new figure.
     exaggerate : float
-        Factor on the errors of the parts, >= 0. Unless it is 1, broken lines show the perfect
-        wheel and its pins.
+        By what the errors of the parts are multiplied, >= 0. Unless it is 1 the perfect wheel and
+        its pins are there in broken lines.
 
     Returns
     -------

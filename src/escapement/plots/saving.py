@@ -45,7 +45,7 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     InvalidValue
         When the suffix is none of these.
     CannotCreate
-        When the file cannot be created there.
+        When there can be no file at that place.
     StorageError
         When writing fails half-way, for example on a full disk.
     """
@@ -53,7 +53,7 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     moving = isinstance(picture, FuncAnimation)
     suffix = files.file_format(path, files.FILMS if moving else files.FORMATS)
     files.check_target(path, force=True, writable=True)
-    # Pillow can write films only to files
+    # Pillow writes films to files alone
     with (
         files.storing(path),
         matplotlib.rc_context(_WRITING),

@@ -35,7 +35,7 @@ MOST_CASES = 10**12
 _TOP = ("title", "units", "results", "mechanism", "inertia", *PLACES, "sweep", "sample", "solver")
 _NUMBERS = declared(Escapement)
 _SOLVER = declared(Solver)
-# other ways in which people write a number, and the remedy
+# what else people write for a number, and what to tell them
 _HABITS = {
     r"(?m)^\s*\w+\s*=\s*[-+]?\d*,\d": "write a decimal point, as 0.1",
     r"(?m)^\s*\w+\s*=\s*[-+.\d]+(e[-+]?\d+)? ?[a-zA-Z]": "put a number with its unit in quotes: "
@@ -61,7 +61,7 @@ def load_plan(path: AnyPath) -> StudyPlan:
 
 
 def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
-    """The plan of a study file, and its tables that are not part of it; errors as above."""
+    """The plan of a study file, and tables of it that are not the study's; errors as above."""
     check_input(path, "study file")
     try:
         # editors on Windows begin a file with a byte order mark

@@ -1,4 +1,4 @@
-"""The times of the engagements of a terminal cycle, without its other figures."""
+"""The times of the engagements of a terminal cycle, and nothing else of it."""
 
 from typing import Any
 
@@ -18,8 +18,8 @@ from escapement.status import Status
 def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     """Beats of the terminal cycle of a Geneva wheel [s], None where there is no such cycle.
 
-    They are those of `escapement.terminal`; other figures are left out, because a fit needs
-    hundreds of cycles. A wheel without errors has a pattern as well, of equal engagements.
+    They are those of `escapement.terminal`, without its other figures: a fit asks for hundreds.
+    A wheel without errors has a pattern as well, of engagements that are all alike.
     """
     mechanism: Any = escapement.mechanism
     if mechanism.misfit:

@@ -92,7 +92,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
         return _found(STALL, state, first.left, 0.0, count)
     if lossy:
-        # outside the march E is that of the scene without losses in its trains
+        # beside the march E is that of the scene without losses in its trains
         state = _turned(state, first.entry.g, own.rho, scene.rho)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]
@@ -146,8 +146,8 @@ def _enter(scene, panel, w, rising, used):
 
 @inner_jit(inlined=True)
 def _turned(state, g, rho, after):
-    """MarchState where power in a train changes direction and rho in E = (rho + g^2) w
-    changes."""
+    """MarchState where power turns back through a train, which changes rho in E = (rho + g^2)
+    w."""
     ratio = (after + g * g) / (rho + g * g)
     return MarchState(
         state.panel, state.w, state.w * (after + g * g), state.side, state.rising, state.time,

@@ -161,7 +161,7 @@ class _Simulation:
         """Advance to the end of a smooth interval, through any reversals."""
         sign = 0.0 if span.locked else self.law.side(self.theta, self.speed)
         if sign * self.side < 0.0:
-            # the force vanishes on the break before, as after the spring is spent at dead centre
+            # the force vanishes on the break before, as behind a spent spring at dead centre
             self._note_reversal()
         while self.theta < span.end and not self.over:
             at_rest = self.speed <= self.law.rest(self.theta, sign)
