@@ -149,8 +149,7 @@ class _Lines:
 
 
 def _read(lines: _Lines, find: Callable[[str], _Layout], default: str, plain: bool) -> Columns:
-    """Both columns, of `plain` numbers or of all that is allowed; an error is of the last
-    line."""
+    """Both columns, of `plain` numbers or of all that is allowed; an error is of the last line."""
     rows = iter(lines)
     separator, header, width, places, units = find(next(rows))
     if header:

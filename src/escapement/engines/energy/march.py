@@ -146,8 +146,7 @@ def _enter(scene, panel, w, rising, used):
 
 @inner_jit(inlined=True)
 def _turned(state, g, rho, after):
-    """MarchState where power turns back through a train, which changes rho in E = (rho + g^2)
-    w."""
+    """MarchState where power turns back through a train, which changes rho in E = (rho + g^2) w."""
     ratio = (after + g * g) / (rho + g * g)
     return MarchState(
         state.panel, state.w, state.w * (after + g * g), state.side, state.rising, state.time,
