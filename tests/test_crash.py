@@ -94,7 +94,7 @@ def test_a_limit_on_the_size_of_files(tmp_path, limit):
     told = tools.run_limited(limit, call)
     assert told.startswith(f"writing {path} failed: ")
     assert tools.partial_path(path).exists() == (limit > 20_000)
-    assert ("is kept in a.h5.partial" in told) == (limit > 20_000)
+    assert ("are kept in a.h5.partial" in told) == (limit > 20_000)
     assert ("nothing was left behind" in told) == (limit < 20_000)
     tools.write(path, tools.small_study(), resume=True)
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]

@@ -81,7 +81,7 @@ def test_figures_scale_by_similarity():
 
 @pytest.mark.parametrize(("bounds", "told"), [
     ({"scatter": 0.01}, r"^scatter must be at most 0\.01, and the least is 0\.05"),
-    ({"size": 0.001}, r"^size must be at most 0\.001 m, and the least is 0\.014.* m, where all"),
+    ({"size": 0.001}, r"^size must be at most 0\.001 m, and the least is 0\.014.* m, if all"),
     ({"size": 0.01, "contact_force_max": 1.0}, r"size must .*; contact_force_max .*; no single"),
 ])  # fmt: skip
 def test_an_impossible_wish_gets_its_reason(bounds, told):

@@ -136,7 +136,7 @@ def test_a_part_of_the_cell_without_rows_is_warned_about():
     wheel = esc.Geneva(6, pins=1)
     cell = {"cell_angle": wheel.cell_angle, "follower_step": wheel.follower_step}
     theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 60)
-    with pytest.warns(UserWarning, match="none for 240 of 360 degrees after 60: the curve across"):
+    with pytest.warns(UserWarning, match="none for 240 of 360 degrees after 60: the curve there"):
         table = esc.Tabulated(theta, wheel.follower_angle(theta), **cell)
     dwell = np.linspace(90.0, 240.0, 6) * np.pi / 180.0
     assert np.abs(table.follower_angle(dwell) - wheel.follower_angle(theta[-1])).max() > 0.05
