@@ -195,9 +195,9 @@ def _print_table(inputs: list[Input], record: dict[str, Any], units: str) -> Non
     times, speeds = record["handoff_times"], record["handoff_velocities"]
     found = record | {"handoffs": len(times)}
     if len(times):
-        found |= {"last_handoff": times[-1], "velocity_there": speeds[-1]}
+        found |= {"last_handoff": times[-1], "last_handoff_velocity": speeds[-1]}
     kinds = {name: figure.kind for name, figure in FIGURES.items()}
-    kinds |= {"handoffs": "ratio", "last_handoff": "time", "velocity_there": "speed"}
+    kinds |= {"handoffs": "ratio", "last_handoff": "time", "last_handoff_velocity": "speed"}
     if found["uniqueness_friction"] == found["critical_friction"]:
         del found["uniqueness_friction"]
     order = [key for key in (*kinds, "status", "engine") if key in found]
