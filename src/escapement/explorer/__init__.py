@@ -65,7 +65,7 @@ def design_of(
     InvalidValue
         When the escapement has what the page does not compute.
     """
-    wheel, remedy = escapement.mechanism, "simulate it with the package"
+    wheel, remedy = escapement.mechanism, "serve it: escapement explore --serve"
     if not isinstance(wheel, Geneva):
         kind = getattr(wheel, "kind", type(wheel).__name__)
         raise validate.fail("mechanism", "a Geneva wheel for the explorer", kind, remedy)

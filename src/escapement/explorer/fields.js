@@ -66,11 +66,6 @@ export class Fields {
       if (WIDE.includes(name) && (this.design[name] ?? null) === null) return;
       this.changed(name, this.fromSlider(name, Number(slider.value)));
     });
-    // a slider that was moved far is set anew about its number, so that it can be moved further
-    slider.addEventListener("change", () => {
-      delete this.centres[name];
-      this.refresh(this.design, this.figures);
-    });
     // arrow keys move a slider by a hundredth of its way, or by one
     slider.addEventListener("keydown", (event) => {
       const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];

@@ -75,7 +75,10 @@ function show(found, numbers, active = null) {
   // browsers bound how often an address may change
   show.later = setTimeout(() => {
     const fragment = `#${server?.text ? `toml=${encodeURIComponent(server.text)}` : asFragment(design)}`;
-    if (data.fields && location.hash !== fragment) history.replaceState(null, "", fragment);
+    if (!data.fields) return;
+    // the frame of a notebook has no address, and is told
+    if (parent !== window) parent.postMessage({ explorer: design }, "*");
+    else if (location.hash !== fragment) history.replaceState(null, "", fragment);
   }, 250);
   refresh(active);
   byId("shows").dispatchEvent(new Event("shown"));
@@ -237,6 +240,10 @@ function connectDesign() {
   byId("read").addEventListener("click", () => readText(byId("toml").value));
   byId("save").addEventListener("click", () => save("design.toml", byId("toml").value, "application/toml"));
   addEventListener("hashchange", readAddress);
+  addEventListener("message", (event) => {
+    const told = event.source === parent && parent !== window ? event.data?.explorer : null;
+    if (told && Object.keys(told).some((name) => told[name] !== design[name])) change(told);
+  });
   stops.forEach(({ title }, i) => {
     const button = element("button", { type: "button", textContent: `${i + 1}. ${title}` });
     button.addEventListener("click", () => showStop(i));

@@ -4,6 +4,7 @@ Functions named after one panel draw into the axes they are given, or into a new
 figure of their own; nothing is shown on a screen. `save` writes a figure.
 """
 
+from escapement.explorer.widget import explore as explore
 from escapement.plots.animation import animate as animate
 from escapement.plots.beats import plot_beat_spectrum as plot_beat_spectrum
 from escapement.plots.beats import plot_beats as plot_beats
