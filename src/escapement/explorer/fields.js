@@ -91,6 +91,7 @@ export class Fields {
 
   typed(name, text) {
     const { label, optional } = this.told[name];
+    this.inputs[name].said = "";
     const words = text.value.trim();
     const value = words === "" ? (optional ? null : NaN)
       : Number(words) * this.units()[this.kindOf(name)].factor;
@@ -103,7 +104,10 @@ export class Fields {
   }
 
   refuse(name) {
-    this.inputs[name]?.text?.setAttribute("aria-invalid", "true");
+    const input = this.inputs[name];
+    if (!input?.text) return;
+    input.said = "";
+    input.text.setAttribute("aria-invalid", "true");
   }
 
   /** Length that others are compared with. */
@@ -160,14 +164,20 @@ export class Fields {
 
   refreshNumber(name, value, { slider, text, after }, active) {
     const { needs, unit: kind } = this.told[name];
-    const { name: unit, factor } = this.units()[kind];
+    const lacks = Boolean(needs) && !this.crank;
     const busy = document.activeElement;
+    const held = active === name && (busy === text || busy === slider);
+    const position = value === null ? 0 : this.toSlider(name, value);
+    // an element that is left alone costs nothing
+    const said = [value, position, lacks, this.units()[kind].name].join();
+    if (!held && this.inputs[name].said === said && busy !== text) return;
+    this.inputs[name].said = said;
+    const { name: unit, factor } = this.units()[kind];
     if (busy !== text || active !== name) text.value = value === null ? "" : short(value / factor);
     text.removeAttribute("aria-invalid");
-    const lacks = Boolean(needs) && !this.crank;
     slider.disabled = lacks || (WIDE.includes(name) && !(value > 0));
     after.textContent = lacks ? "needs crank" : unit;
-    if (busy !== slider || active !== name) slider.value = value === null ? 0 : this.toSlider(name, value);
+    if (busy !== slider || active !== name) slider.value = position;
     slider.setAttribute("aria-valuetext", value === null ? "none" : this.shown(value, kind));
   }
 }

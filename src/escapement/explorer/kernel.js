@@ -119,8 +119,9 @@ export function stateAt(motion, t) {
 /** Columns of the motion at the points of its panels, as it was computed, for plots; in SI. */
 export function samples({ runs, scene, design }) {
   const size = runs.length * (N + 1);
-  const names = ["t", "angle", "theta_dot", "phi_dot", "contact_moment", "engagement"];
+  const names = ["t", "angle", "theta_dot", "phi_dot", "contact_moment"];
   const columns = Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
+  columns.engagement = new Uint16Array(size);
   let row = 0;
   for (const run of runs) {
     const { panel, w, push, s, solution, times } = run;

@@ -77,8 +77,8 @@ def explore(
 @cache
 def _widget() -> Any:
     """The class of the widget, which only a notebook needs."""
-    anywidget = validate.package("anywidget", "the explorer in a notebook", "notebook")
-    traitlets = validate.package("traitlets", "the explorer in a notebook", "notebook")
+    anywidget: Any = validate.package("anywidget", "the explorer in a notebook", "notebook")
+    traitlets: Any = validate.package("traitlets", "the explorer in a notebook", "notebook")
 
     class Explorer(anywidget.AnyWidget):  # type: ignore[misc]
         """The page in a frame of its own, which reaches nothing beyond its own script."""
