@@ -25,7 +25,7 @@ export class Fields {
 
   shown(value, kind) {
     const { factor, name } = this.units()[kind];
-    return `${digits(value / factor)} ${name.replaceAll(" ", "\u00a0")}`.trim();
+    return `${digits(value / factor)} ${name}`.trim().replaceAll(" ", "\u00a0");
   }
 
   /** Make the fields of some groups, which are names by their title. */

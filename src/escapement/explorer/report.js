@@ -30,7 +30,7 @@ export function report(motion, kept, shown) {
       return name === "contact_force_max" && design.slots && !design.crank_radius ? "needs crank radius" : "–";
     };
     const gain = has(now) && has(before) && before !== 0 ? 100 * (now / before - 1) : NaN;
-    const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)} %` : "–";
+    const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)}\u00a0%` : "–";
     return [words, told(now), kept ? told(before) : "–", kept ? change_ : "–"];
   });
   const body = byId("figures").tBodies[0];

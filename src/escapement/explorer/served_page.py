@@ -129,7 +129,8 @@ def shown_study(plan: StudyPlan, study: Study) -> dict[str, Any]:
     answered = study.results["status"] == Status.OK
 
     def row(name: str, values: Any) -> dict[str, Any]:
-        told = {"words": study.long_names[name].capitalize(), "unit": spelt(study.units[name])}
+        told = {"words": study.long_names[name].capitalize(), "name": words(name)}
+        told["unit"] = spelt(study.units[name])
         return told | {"values": plain(values)}
 
     results = [

@@ -3,6 +3,8 @@
 import { byId, digits, element } from "./dom.js";
 import { Plot } from "./plots.js";
 
+const named = (words, unit) => (unit && unit !== "1" ? `${words} [${unit}]` : words);
+
 export class StudyView {
   /** study : axes, rows of name, words, unit and values; results, the same with their values. */
   constructor(study, served) {
@@ -60,7 +62,7 @@ export class StudyView {
     const [low, high] = known.length ? [Math.min(...known), Math.max(...known)] : [0, 1];
     const room = 0.05 * (high - low || Math.abs(high) || 1);
     this.plot.axes([Math.min(...xs), Math.max(...xs)], [low - room, high + room],
-      `${words} [${unit}]`, `${result.words} [${result.unit}]`.replace(" [1]", ""));
+      named(words, unit), named(result.name, result.unit));
     this.plot.line(xs, ys, { colour: "driver", width: 2,
       lifts: (i) => !Number.isFinite(ys[i]) || !Number.isFinite(ys[i - 1]) });
     this.plot.head(xs[this.place[0]], ys[this.place[0]]);
