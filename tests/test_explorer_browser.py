@@ -258,6 +258,18 @@ def test_one_playhead_drives_everything(page):
     assert page.get_attribute("#play", "aria-pressed") == "false"
 
 
+def test_arrow_keys_move_a_slider(page):
+    names = ("Coefficient of friction between pin and slot", "Slots of the follower")
+    friction, slots = (page.locator(f"input[aria-label='{name}, slider']") for name in names)
+    friction.focus()
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("explorer.design.friction") == pytest.approx(0.35, rel=0.02)
+    assert page.evaluate("explorer.design.friction") < 0.35
+    slots.focus()
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate("explorer.design.slots") == 5
+
+
 def test_reduced_motion_is_respected(browser, file, page):
     assert page.get_attribute("#play", "aria-pressed") == "false"
     with opened(browser, file, reduced_motion="no-preference") as moving:

@@ -69,6 +69,21 @@ def test_the_package_computes_what_the_page_does_not(page):
     until(page, f"{ENGINE} === 'this page' && document.getElementById('slots') !== null")
 
 
+def test_a_mechanism_that_the_page_does_not_know_is_served_from_the_first(browser):
+    wheel = esc.GearDriven(4, 1, "epicycloid")
+    server = server_of(esc.Escapement(wheel, INERTIA, torque=0.0113, friction=0.05))
+    with serving(server), opened(browser, server.url) as page:
+        assert page.evaluate(ENGINE) == "energy"
+        page.fill("#stations", "6")
+        until(page, "explorer.design.stations === 6")
+        page.fill("#friction", "0.5")
+        until(page, "explorer.motion.status === 'painleve'")
+        assert "no motion" in page.locator("#now").inner_text()
+        page.locator("#stop button").first.click()
+        assert page.evaluate(ENGINE) == "this page"
+        assert page.locator("#slots").is_visible()
+
+
 def test_a_text_of_any_study_is_read(page):
     curve = "[torque]\nangle = [0.0, 100.0]\ntorque = [0.012, 0.01]\n"
     text = "load_torque = 1e-4\n[mechanism]\nkind = 'geneva'\nslots = 4\n[inertia]\ndriver = 1e-6\n"

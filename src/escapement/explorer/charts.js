@@ -32,8 +32,9 @@ function bounds(values, from, to) {
  *
  * choice : which engagements are shown, "all", "first" or "last".
  * torque : name and size of the unit of torque.
+ * kept : columns of the design that this one is compared with, if any.
  */
-export function drawCharts(plots, motion, columns, choice, torque) {
+export function drawCharts(plots, motion, columns, choice, torque, kept = null) {
   const { t, angle, theta_dot, phi_dot, contact_moment } = columns;
   const { low, high, from, to } = windowShown(motion, columns, choice);
   const ky = 1 / torque.factor;
@@ -45,6 +46,12 @@ export function drawCharts(plots, motion, columns, choice, torque) {
   const kx = 180 / Math.PI;
   phase.axes([(start * 180) / Math.PI, ((start + cell) * 180) / Math.PI], bounds(theta_dot, 0, t.length),
     "driver angle from dead centre [°]", "velocity [rad/s]");
+  if (kept) {
+    // of a long motion what is beyond the axes is cut off
+    velocity.line(kept.t, kept.theta_dot, { colour: "muted", dash: [2, 3] });
+    phase.line(kept.angle, kept.theta_dot, { colour: "muted", dash: [2, 3], kx,
+      lifts: (i) => i > 0 && kept.angle[i] < kept.angle[i - 1] - 0.01 });
+  }
   if (t.length) {
     velocity.line(t, theta_dot, { colour: "driver", width: 2, ...some });
     velocity.line(t, phi_dot, { colour: "follower", dash: [6, 3], ...some });

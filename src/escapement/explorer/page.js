@@ -88,14 +88,14 @@ function refresh(active = null) {
   fields.refresh(design, motion.figures, active);
   const toml = byId("toml");
   if (data.fields && document.activeElement !== toml) toml.value = server?.text ?? asToml(design);
-  report(motion, kept, shown);
+  report(motion, kept?.figures, shown);
   draw();
   setTime(time);
 }
 
 function draw() {
   if (!plots.velocity.width) return;
-  drawCharts(plots, motion, columns, byId("shown").value, systems[units].torque);
+  drawCharts(plots, motion, columns, byId("shown").value, systems[units].torque, kept?.columns);
 }
 
 /** Show the motion at a time [s]; all that moves is driven by this function. */
@@ -230,12 +230,12 @@ function connectDesign() {
     refresh();
   });
   byId("keep").addEventListener("click", () => {
-    kept = { ...motion.figures };
-    report(motion, kept, shown);
+    kept = { figures: { ...motion.figures }, columns };
+    refresh();
   });
   byId("forget").addEventListener("click", () => {
     kept = null;
-    report(motion, kept, shown);
+    refresh();
   });
   byId("read").addEventListener("click", () => readText(byId("toml").value));
   byId("save").addEventListener("click", () => save("design.toml", byId("toml").value, "application/toml"));
@@ -298,14 +298,14 @@ function connectServer({ reply, study, ...told }) {
     refuse: (name) => fields.refuse(name), lay: (groups) => fields.lay(groups) });
   server.cloud = new Cloud(told, fields, server);
   if (study) server.study = new StudyView(study, server);
-  if (!design) server.hear(reply);
+  if (reply) server.hear(reply, null);
 }
 
 connect();
 if (data.fields) {
   connectDesign();
   if (data.served) connectServer(data.served);
-  if (design) take(design);
+  if (data.design) take(design);
   readAddress();
 } else {
   byId("figures").tHead.rows[0].cells[1].textContent = "Value";
