@@ -71,6 +71,9 @@ export class Picture {
     const up = this.add(svg, "g", { transform: "scale(1,-1)" });
     this.parts = bodies.map(({ name, path, at, turn }) => ({ at, turn,
       element: this.add(up, "path", { d: path, class: name.replace(/-\d+$/, ""), "fill-rule": "evenodd" }) }));
+    this.place({ theta: 0, phi: 0 });
+    // what stands still is placed once
+    this.parts = this.parts.filter(({ at, turn }) => turn.some(Boolean) || at.some(([, , rate]) => rate));
     this.add(up, "path", { class: "centres", d: `M${left - 0.8 * room} 0L${right + 0.8 * room} 0` });
     this.jam = this.add(svg, "g", { class: "jam" });
     this.jamLine = this.add(this.jam, "path", { transform: "scale(1,-1)" });
@@ -86,14 +89,18 @@ export class Picture {
   /** Turn everything to a state of the motion; the arrow is the force on the follower. */
   turn(state, greatest) {
     if (!this.drawn) return;
-    for (const { element, at, turn } of this.parts) {
-      const [x, y] = placeOf(at, state.theta);
-      const angle = (turn[0] * state.theta + turn[1] * state.phi) * DEGREES;
-      element.setAttribute("transform", `translate(${x.toFixed(6)} ${y.toFixed(6)}) rotate(${angle.toFixed(5)})`);
-    }
+    this.place(state);
     const { engagement = 0 } = state;
     if (this.marked !== engagement && Number.isFinite(this.jamAngle)) this.mark(engagement);
     this.push(state, greatest);
+  }
+
+  place({ theta, phi }) {
+    for (const { element, at, turn } of this.parts) {
+      const [x, y] = placeOf(at, theta);
+      const angle = (turn[0] * theta + turn[1] * phi) * DEGREES;
+      element.setAttribute("transform", `translate(${x.toFixed(6)} ${y.toFixed(6)}) rotate(${angle.toFixed(5)})`);
+    }
   }
 
   push(state, greatest) {
