@@ -241,7 +241,7 @@ def test_text_in_inches_is_taken_with_the_package_s_factors(page):
 
 def test_one_playhead_drives_everything(page):
     page.evaluate("explorer.setTime(0.01)")
-    before = page.get_attribute("#picture g g:nth-of-type(2)", "transform")
+    before = page.get_attribute("#picture .arm", "transform")
     for _ in range(3):
         page.keyboard.press(".")
     time = page.evaluate("explorer.time")
@@ -249,13 +249,25 @@ def test_one_playhead_drives_everything(page):
         "[...explorer.motion.reversals, ...explorer.motion.extrema].map(e => e.time)"
     )
     assert min(abs(time - event) for event in events) < 1e-12
-    assert page.get_attribute("#picture g g:nth-of-type(2)", "transform") != before
+    assert page.get_attribute("#picture .arm", "transform") != before
     assert float(page.input_value("#scrub")) == pytest.approx(time)
     page.keyboard.press(" ")
     until(page, f"explorer.time > {time}")
     assert page.get_attribute("#play", "aria-pressed") == "true"
     page.keyboard.press(" ")
     assert page.get_attribute("#play", "aria-pressed") == "false"
+
+
+def test_arrow_keys_move_a_slider(page):
+    names = ("Coefficient of friction between pin and slot", "Slots of the follower")
+    friction, slots = (page.locator(f"input[aria-label='{name}, slider']") for name in names)
+    friction.focus()
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("explorer.design.friction") == pytest.approx(0.35, rel=0.02)
+    assert page.evaluate("explorer.design.friction") < 0.35
+    slots.focus()
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate("explorer.design.slots") == 5
 
 
 def test_reduced_motion_is_respected(browser, file, page):
@@ -295,7 +307,7 @@ def test_everything_has_a_name_and_the_picture_is_a_file(page):
         page.click("#svg")
     root = ElementTree.parse(download.value.path()).getroot()
     assert root.tag.endswith("svg")
-    assert len(root.findall(".//{*}circle")) >= 5
+    assert len(root.findall(".//{*}path[@class='pin']")) == 4
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -25,6 +25,8 @@ FILMS = (".gif",)
 """Suffixes of films."""
 REPORTS = (".html",)
 """Suffix of a report."""
+PAGES = (".html", ".htm")
+"""Suffixes of pages that a browser shows."""
 CUTS = (".dxf", ".svg")
 """Suffixes of drawings for cutting."""
 HDF5 = (".h5", ".hdf5", ".nc")

@@ -1,16 +1,17 @@
 """A page that shows an escapement move, and computes its motion anew while one drags."""
 
+import sys
+import threading
 from pathlib import Path
+from typing import Any
 
 from escapement.cli import _arguments, _log, _output, run
 from escapement.cli._arguments import Arguments, Parser, UsageError
-from escapement.files import file_format, write_file
+from escapement.files import PAGES, file_format, write_file
 from escapement.model import Run
 from escapement.quantity import declared
 from escapement.solver import Solver
 
-PAGES = (".html", ".htm")
-"""Suffixes of a page."""
 _LENGTH = {"engagements": declared(Run)["engagements"]}
 
 
@@ -21,17 +22,26 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "model", run.model())
     _arguments.add_group(parser, "length of the motion", _LENGTH)
     parser.set_defaults(**dict.fromkeys(declared(Solver)))
-    _arguments.add_output(parser.add_argument_group("output"), "page.html", "write the page")
+    output = parser.add_argument_group("output")
+    _arguments.add_output(output, "page.html", "write the page")
+    text = (
+        "show it in a browser of this machine until Ctrl-C, where the package computes what a page "
+        "cannot: every mechanism, clearance, tolerances, and all cases of a study"
+    )
+    output.add_argument("--serve", action="store_true", help=text)
 
 
 def execute(args: Arguments) -> int:
-    """Write the page with the design that was asked for."""
+    """Write the page with the design that was asked for, or serve it."""
     if isinstance(args.kind, Path):
         if args.study is not None:
             raise UsageError(f"--from must not come with {args.kind}; leave one of them out")
         args.study, args.kind = args.kind, None
+    if args.serve:
+        return _serve(args)
     if args.output is None:
-        raise UsageError("--output must name the page to write, got none; add -o page.html")
+        remedy = "add -o page.html, or --serve"
+        raise UsageError(f"--output must name the page to write, got none; {remedy}")
     file_format(args.output, PAGES)
     inputs = [args.study] if args.study is not None else []
     _output.check_output(args.output, *inputs, force=args.force)
@@ -45,3 +55,43 @@ def execute(args: Arguments) -> int:
     record = {"output": str(args.output), "bytes": len(text.encode())}
     _output.tell(args, record, lambda: _output.note(f"open {args.output} in a browser"))
     return 0
+
+
+def _serve(args: Arguments) -> int:
+    """Serve the page until Ctrl-C."""
+    for name in ("output", "force"):
+        if getattr(args, name):
+            raise UsageError(f"--{name} must not come with --serve, which writes no file")
+    from escapement.explorer.serve import serving
+    from escapement.explorer.served_page import server_of
+
+    case = _study(args)
+    if case is None:
+        escapement, settings = run.read_case(args)
+    else:
+        plan = case["plan"]
+        escapement, settings = plan.escapement(0), plan.values(0)
+    length = {} if args.engagements is None else {"engagements": args.engagements}
+    server = server_of(escapement, settings["initial_speed"], **length, **case or {})
+    with serving(server):
+        record = {"url": server.url}
+        _log.record("serving", **record)
+        _output.tell(
+            args, record, lambda: _output.note(f"open {server.url} in a browser; Ctrl-C ends it")
+        )
+        sys.stdout.flush()
+        threading.Event().wait()
+    return 0
+
+
+def _study(args: Arguments) -> dict[str, Any] | None:
+    """Plan and results of a study file that is to be shown as a whole, or None."""
+    path = args.study
+    if path is None or args.select is not None or path.suffix.lower() == ".toml":
+        return None
+    import escapement as esc
+    from escapement.study.parse import parse_plan
+    from escapement.study.reader import read_configuration
+
+    plan = parse_plan(read_configuration(path))
+    return None if plan.cases == 1 else {"plan": plan, "study": esc.read_study(path)}

@@ -5,11 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import escapement as esc
-from escapement.cli import _output
+from escapement.cli import _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.cli.sweep import in_system, parse_selection
 from escapement.errors import InvalidValue
-from escapement.files import check_input
+from escapement.files import PAGES, check_input, write_file
 from escapement.status import Status
 from escapement.text import words
 from escapement.units import SYSTEMS
@@ -21,7 +21,10 @@ def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
     add("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
-    text = ".png, .pdf or .svg, replaced if it exists (default: FILE.png beside FILE.h5)"
+    text = (
+        ".png, .pdf or .svg, replaced if it exists (default: FILE.png beside FILE.h5); of a "
+        "motion also .html, a page that plays it"
+    )
     add("-o", "--output", type=Path, metavar="OUT", help=text)
     text = (
         "only the cases at these values, in the units of the file or with their own: slots=6 of a "
@@ -36,7 +39,8 @@ def execute(args: Arguments) -> int:
     """Draw the file."""
     check_input(args.file, "file")
     path = args.output or args.file.with_suffix(".png")
-    _output.check_output(path, args.file, picture=True)
+    page = path.suffix.lower() in PAGES
+    _output.check_output(path, args.file, force=page, picture=not page)
     from escapement.motion_file import is_motion, read_motion
 
     # a file of a motion says so itself; every other one is taken for a study
@@ -48,7 +52,18 @@ def execute(args: Arguments) -> int:
                 raise UsageError(
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
-        _output.draw(path, lambda plots: plots.motion.plot_motion(read_motion(args.file)))
+        motion = read_motion(args.file)
+        if page:
+            from escapement.explorer import player
+
+            write_file(path, [player(motion).encode()], force=True)
+            _log.record("saved", file=str(path))
+        else:
+            _output.draw(path, lambda plots: plots.motion.plot_motion(motion))
+    elif page:
+        raise UsageError(
+            f"--output must be a picture of a study, got {path}; a page plays a motion"
+        )
     else:
         holds, study = "study", esc.read_study(args.file)
         try:

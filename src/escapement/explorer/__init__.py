@@ -5,22 +5,42 @@ imports, is the angle-domain method of `engines.energy` for Geneva wheels. It re
 compute, and so does `design_of`.
 """
 
+import html
 import json
 import re
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
 from escapement import validate
+from escapement.explorer.played import cycle_of, played
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia, Run
-from escapement.quantity import Setting, declared
+from escapement.motion import Motion
+from escapement.quantity import Choice, Setting, Truth, declared
+from escapement.status import Status
 from escapement.units import SYSTEMS, factor, printed
 
 MODULES = (
-    *("polynomial", "law", "panels", "march", "figures", "rules", "kernel"),
-    *("dom", "bodies", "design", "picture", "plots", "charts", "report", "page"),
+    *("polynomial", "law", "bodies", "panels", "march", "figures", "rules", "kernel", "dom"),
+    *("design", "picture", "plots", "charts", "report", "played", "fields", "page"),
 )
 """Files of the page's script, in the order in which they follow each other."""
+SERVED = ("served", "cloud", "study")
+"""Those of a page that is served, before the last."""
+GROUPS = {
+    "Mechanism": ("slots", "pins", "internal", "crank_radius", "pin_radius"),
+    "Drive, inertia and load": (
+        *("torque", "spring_rate", "driver_inertia", "follower_inertia", "load_torque"),
+        *("initial_speed", "engagements"),
+    ),
+    "Friction": (
+        *("friction", "driver_bearing_friction", "driver_bearing_radius"),
+        *("follower_bearing_friction", "follower_bearing_radius", "driver_bearing_torque"),
+    ),
+    "Air": ("driver_drag", "follower_drag"),
+}
+"""Fields of the page, by the words over them."""
 MOST_SLOTS, MOST_ENGAGEMENTS = 40, 1000
 """What the page computes while one drags."""
 COMPUTED = (
@@ -31,7 +51,7 @@ COMPUTED = (
     *("initial_speed", "engagements"),
 )
 """Numbers of a design that the page computes with, by the names of studies."""
-_KINDS = ("ratio", "time", "speed", "force", "torque")
+_KINDS = ("ratio", "time", "speed", "force", "torque", "length")
 _MODULE = re.compile(r"^import .*?;\n|^export (?=\w)", re.MULTILINE | re.DOTALL)
 
 
@@ -45,7 +65,7 @@ def design_of(
     InvalidValue
         When the escapement has what the page does not compute.
     """
-    wheel, remedy = escapement.mechanism, "simulate it with the package"
+    wheel, remedy = escapement.mechanism, "serve it: escapement explore --serve"
     if not isinstance(wheel, Geneva):
         kind = getattr(wheel, "kind", type(wheel).__name__)
         raise validate.fail("mechanism", "a Geneva wheel for the explorer", kind, remedy)
@@ -85,43 +105,102 @@ def page(escapement: Escapement, initial_speed: float = 0.0, engagements: int = 
     InvalidValue
         When the escapement has what the page does not compute.
     """
-    shown = {name: _told(entry) for name, entry in _settings().items() if name in COMPUTED}
-    kinds = {*_KINDS, *(told["unit"] for told in shown.values())}
-    data = {
-        "design": design_of(escapement, initial_speed, engagements),
-        "fields": shown,
-        "systems": {
-            system: {
-                kind: {"name": printed(kind, system), "factor": factor(kind, system)}
-                for kind in sorted(kinds)
-            }
-            for system in SYSTEMS
-        },
-        "stops": stops(),
-    }
+    data = explored(GROUPS, settings())
+    design = design_of(escapement, initial_speed, engagements)
+    return filled("explore", LEAD, data | {"design": design})
+
+
+LEAD = (
+    "Drag a number: the motion is computed anew, exactly, in this page. Nothing is sent anywhere."
+)
+_TITLES = {"explore": "Geneva escapement explorer", "play": "Motion of an escapement"}
+
+
+def player(motion: Motion) -> str:
+    """A page that plays a motion, as the text of an HTML file that needs no other.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of any engine and mechanism; a table has no bodies, so that its plots are shown alone.
+
+    Raises
+    ------
+    InvalidValue
+        For a motion without length, or one that is too long to be played.
+    """
+    if not motion.end_time > 0.0:
+        got = f"none ({motion.message})"
+        raise validate.fail("motion", "longer than zero to be played", got, "change its inputs")
+    record = played(motion, cycle_of(motion))
+    kind = getattr(motion.escapement.mechanism, "kind", "escapement")
+    count = motion.handoff_times.size
+    lead = f"{count} engagements of a {kind} mechanism, as engine {motion.engine} computed them"
+    told = "." if motion.status is Status.OK else f"; {motion.message}."
+    return filled("play", html.escape(lead + told), {"motion": record, "systems": systems()})
+
+
+def explored(groups: Mapping[str, Sequence[str]], entries: Mapping[str, Setting]) -> dict[str, Any]:
+    """What a page needs whose design may be changed: its fields, their words and units."""
+    names = [name for group in groups.values() for name in group]
+    fields = {name: _told(entries[name]) for name in names}
+    return {"fields": fields, "groups": groups, "systems": systems(), "stops": stops()}
+
+
+def systems() -> dict[str, Any]:
+    """Name and size of the unit of every kind, by system."""
+    kinds = sorted({*_KINDS, *(entry.unit for entry in settings().values())})
+
+    def told(kind: str, system: str) -> dict[str, Any]:
+        return {"name": printed(kind, system), "factor": factor(kind, system)}
+
+    return {system: {kind: told(kind, system) for kind in kinds} for system in SYSTEMS}
+
+
+def filled(mode: str, lead: str, data: Mapping[str, Any], served: str = "") -> str:
+    """The page with its data; `served` is what the page of a server has beside."""
+    modules = [*MODULES[:-1], *(SERVED if served else ()), MODULES[-1]]
     parts = {
-        "STYLE": _read("page.css"),
+        "MODE": f"{mode} served" if served else mode,
+        "TITLE": _TITLES[mode],
+        "LEAD": lead,
+        "CONNECT": "; connect-src 'self'" if served else "",
+        "SERVED": served,
+        "STYLE": read("page.css"),
         # nothing in the data may end the element that holds it
-        "DATA": json.dumps(data, ensure_ascii=False).replace("<", "\\u003c"),
-        "SCRIPT": "\n".join(_MODULE.sub("", _read(f"{name}.js")) for name in MODULES),
+        "DATA": json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+        "SCRIPT": "\n".join(_MODULE.sub("", read(f"{name}.js")) for name in modules),
     }
-    return re.sub(r"/\*(STYLE|DATA|SCRIPT)\*/", lambda mark: parts[mark[1]], _read("page.html"))
+    return re.sub(rf"/\*({'|'.join(parts)})\*/", lambda mark: parts[mark[1]], read("page.html"))
 
 
 def stops() -> list[dict[str, Any]]:
     """The guided stops of the page; each claim names the test that proves it."""
-    found: list[dict[str, Any]] = json.loads(_read("stops.json"))
+    found: list[dict[str, Any]] = json.loads(read("stops.json"))
     return found
 
 
-def _settings() -> dict[str, Setting]:
+def settings() -> dict[str, Setting]:
+    """Everything that a Geneva wheel and its motion may be given, by name."""
     return declared(Geneva) | declared(Inertia) | declared(Escapement) | declared(Run)
 
 
-def _told(entry: Setting) -> dict[str, str]:
-    """What the page says of a number: its words, and its kind of unit."""
-    return {"label": entry.long_name[0].upper() + entry.long_name[1:], "unit": entry.unit}
+def _told(entry: Setting) -> dict[str, Any]:
+    """What the page says of a number: its words, its kind of unit, and how it is typed."""
+    own = entry.name in ("crank_radius", "fixed_radius", "sun_radius", "planet_radius")
+    told = {
+        "label": entry.long_name[0].upper() + entry.long_name[1:],
+        "unit": entry.unit,
+        "default": entry.default if isinstance(entry.default, int | float | str) else None,
+        "whole": bool(getattr(entry, "whole", False)),
+        "optional": entry.default is None and not entry.required,
+        "needs": entry.unit == "length" and not own,
+        "truth": isinstance(entry, Truth),
+        "choices": list(entry.allowed) if isinstance(entry, Choice) else None,
+    }
+    return {name: value for name, value in told.items() if value not in (None, False)}
 
 
-def _read(name: str) -> str:
+def read(name: str) -> str:
+    """A file of the page."""
     return files(__name__).joinpath(name).read_text(encoding="utf-8")

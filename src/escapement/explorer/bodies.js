@@ -117,8 +117,40 @@ export function lockingDisc(shape) {
   });
 }
 
-/** Where pin k stands at a driver angle from the first dead centre. */
-export function pinAt({ sigma, centre, cell }, theta, k) {
-  const [x, y] = polar(sigma, sigma * (theta - k * cell));
-  return [centre + x, y];
+const circle = (r, x = 0) => `M${x + r} 0A${r} ${r} 0 1 0 ${x - r} 0A${r} ${r} 0 1 0 ${x + r} 0Z`;
+const pathOf = (edge) =>
+  edge.length ? `M${edge.map(([x, y]) => `${x.toFixed(4)} ${y.toFixed(4)}`).join("L")}Z` : "";
+
+/**
+ * What a picture draws of a wheel whose pins have the radius r_p, 0 where none was given, in the
+ * form that `bodies.py` describes.
+ */
+export function bodiesOf(wheel) {
+  const shape = proportionsOf(wheel, wheel.r_p);
+  const { sigma, centre, reach, crankDisc, internal, slotEnd, halfSlot } = shape;
+  const axis = [[centre, 0, 0]];
+  const [still, driver, follower] = [[0, 0], [sigma, 0], [0, 1]];
+  const body = (name, path, at = [], turn = still) => ({ name, path, at, turn });
+  const mark = internal ? slotEnd + halfSlot + 0.09 : 0.78 * (slotEnd - halfSlot);
+  const bodies = [
+    body("crank-disc", circle(crankDisc), axis),
+    body("follower", pathOf(followerEdge(shape)) + (internal ? circle(reach) : ""), [], follower),
+    // slot 0 is marked, so that the eye can follow the wheel
+    body("mark", circle(Math.min(0.045, 0.25 * mark), mark), [], follower),
+    ...(internal ? [] : [body("shaft", circle(shape.followerShaft))]),
+    body("hidden", circle(crankDisc), axis),
+    body("locking-disc", "", axis, driver),
+    body("shaft", circle(shape.driverShaft), axis),
+    body("arm", `M0 0L${sigma} 0`, axis, driver),
+  ];
+  for (let k = 0; k < wheel.pins; k++) {
+    const [x, y] = polar(sigma, -sigma * k * wheel.cell);
+    bodies.push(body(`pin-${k}`, circle(shape.pin), [...axis, [x, y, sigma]]));
+  }
+  const half = Math.max(reach, crankDisc);
+  return {
+    key: [wheel.slots, wheel.pins, internal, wheel.r_p].join(), bodies,
+    contact: [...axis, [sigma, 0, sigma]], box: [-reach, Math.max(reach, centre + crankDisc), -half, half],
+    later: (show) => show(["locking-disc", pathOf(lockingDisc(shape))]),
+  };
 }

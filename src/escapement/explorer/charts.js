@@ -1,15 +1,13 @@
 /** The four plots of a motion. */
 
-import { handoffMap } from "./kernel.js";
-
 /** Times and rows of the columns that are shown. */
 function windowShown(motion, columns, choice) {
-  const { handoff_times: ends, runs, end_time } = motion;
+  const { handoff_times: ends, end_time } = motion;
   const last = ends.length;
   const rows = columns.t.length;
   const row = (engagement) => {
-    const index = runs.findIndex((run) => run.engagement === engagement);
-    return index < 0 ? rows : (rows / runs.length) * index;
+    const index = columns.engagement.indexOf(engagement);
+    return index < 0 ? rows : index;
   };
   if (choice === "first" && last > 3) return { low: 0, high: ends[2], from: 0, to: row(3) };
   if (choice === "last" && last > 2) {
@@ -34,8 +32,9 @@ function bounds(values, from, to) {
  *
  * choice : which engagements are shown, "all", "first" or "last".
  * torque : name and size of the unit of torque.
+ * kept : columns of the design that this one is compared with, if any.
  */
-export function drawCharts(plots, motion, columns, choice, torque) {
+export function drawCharts(plots, motion, columns, choice, torque, kept = null) {
   const { t, angle, theta_dot, phi_dot, contact_moment } = columns;
   const { low, high, from, to } = windowShown(motion, columns, choice);
   const ky = 1 / torque.factor;
@@ -43,11 +42,16 @@ export function drawCharts(plots, motion, columns, choice, torque) {
   const { velocity, moment: force, phase, map } = plots;
   velocity.axes([low, high], bounds(theta_dot, from, to), "time [s]", "velocity [rad/s]");
   force.axes([low, high], bounds(contact_moment, from, to).map((value) => ky * value), "time [s]", `moment [${torque.name}]`);
-  const cell = motion.scene.cell;
-  const start = -motion.scene.exit;
+  const { cell, entry: start } = motion;
   const kx = 180 / Math.PI;
   phase.axes([(start * 180) / Math.PI, ((start + cell) * 180) / Math.PI], bounds(theta_dot, 0, t.length),
     "driver angle from dead centre [°]", "velocity [rad/s]");
+  if (kept) {
+    // of a long motion what is beyond the axes is cut off
+    velocity.line(kept.t, kept.theta_dot, { colour: "muted", dash: [2, 3] });
+    phase.line(kept.angle, kept.theta_dot, { colour: "muted", dash: [2, 3], kx,
+      lifts: (i) => i > 0 && kept.angle[i] < kept.angle[i - 1] - 0.01 });
+  }
   if (t.length) {
     velocity.line(t, theta_dot, { colour: "driver", width: 2, ...some });
     velocity.line(t, phi_dot, { colour: "follower", dash: [6, 3], ...some });
@@ -60,14 +64,16 @@ export function drawCharts(plots, motion, columns, choice, torque) {
 }
 
 function drawMap(map, motion) {
-  const speeds = [motion.design.initial_speed, ...motion.handoff_velocities];
+  const speeds = [motion.initial_speed, ...motion.handoff_velocities];
   const most = 1.15 * Math.max(...speeds, 1e-9);
   map.axes([0, most], [0, most], "velocity at this handoff [rad/s]", "at the next [rad/s]");
-  if (motion.status === "painleve") return;
-  const grid = Array.from({ length: 17 }, (_, i) => (most * i) / 16);
-  const next = handoffMap(motion, grid);
+  if (!motion.next && !motion.handoff_times.length) return;
   map.line([0, most], [0, most], { colour: "muted", width: 1, dash: [3, 3] });
-  map.line(grid, next, { colour: "driver", width: 2, lifts: (i) => Number.isNaN(next[i]) || Number.isNaN(next[i - 1]) });
+  if (motion.next) {
+    const grid = Array.from({ length: 17 }, (_, i) => (most * i) / 16);
+    const next = motion.next(grid);
+    map.line(grid, next, { colour: "driver", width: 2, lifts: (i) => Number.isNaN(next[i]) || Number.isNaN(next[i - 1]) });
+  }
   const steps = speeds.slice(0, -1).flatMap((v, i) => [[v, v], [v, speeds[i + 1]]]);
   map.line(steps.map(([x]) => x), steps.map(([, y]) => y), { colour: "follower", width: 1 });
   if (motion.figures.status === "ok") {

@@ -23,6 +23,12 @@ export function short(value) {
   return size !== 0 && (size < 1e-3 || size >= 1e6) ? rounded.toExponential() : String(rounded);
 }
 
+/** All digits of a number, without a row of zeros. */
+function exact(value) {
+  const size = Math.abs(value);
+  return size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential() : String(value);
+}
+
 const isDefault = (name, value) => value === null || value === (NUMBERS[name]?.[2] ?? false);
 
 /** The design as the fragment of an address: what is not its default. */
@@ -71,17 +77,17 @@ export function fromFragment(fragment) {
 /** The design as a study of one case, which `escapement sweep` and `escapement explore` read. */
 export function asToml(design) {
   const lines = (names) => names.filter(([, name]) => !isDefault(name, design[name]))
-    .map(([key, name]) => `${key} = ${design[name]}`);
+    .map(([key, name]) => `${key} = ${exact(design[name])}`);
   const model = Object.keys(NUMBERS).filter((name) => ![...MECHANISM, ...Object.values(INERTIA),
     ...OF_RUN, "friction", "torque"].includes(name));
   const own = [...model, "initial_speed"].map((name) => [name, name]);
   return [
-    'title = "a design of the explorer"', 'units = "SI"', `torque = ${design.torque}`, ...lines(own),
+    'title = "a design of the explorer"', 'units = "SI"', `torque = ${exact(design.torque)}`, ...lines(own),
     "", "[mechanism]", 'kind = "geneva"', `slots = ${design.slots}`, `pins = ${design.pins}`,
     `internal = ${design.internal}`,
     ...lines([["crank_radius", "crank_radius"], ["pin_radius", "pin_radius"]]),
-    "", "[inertia]", `driver = ${design.driver_inertia}`, `follower = ${design.follower_inertia}`,
-    "", "[sweep]", `friction = [${design.friction}]`, "",
+    "", "[inertia]", `driver = ${exact(design.driver_inertia)}`, `follower = ${exact(design.follower_inertia)}`,
+    "", "[sweep]", `friction = [${exact(design.friction)}]`, "",
   ].join("\n");
 }
 

@@ -5,6 +5,7 @@
  * on a piece of an engagement, `march` an engagement, and `figures` the terminal cycle.
  */
 
+import { bodiesOf } from "./bodies.js";
 import { emptyRecord, figuresOf, marchAll } from "./figures.js";
 import { followerAngle, frictionLimits, leastMargin, sceneOf } from "./law.js";
 import { March, NotConverged, Stopped } from "./march.js";
@@ -26,8 +27,6 @@ export function simulate(given) {
   const scene = sceneOf(design);
   const limits = frictionLimits(design);
   const { clock } = scene;
-  const none = { design, scene, status: "painleve", end_time: 0, handoff_times: [],
-    handoff_velocities: [], reversals: [], extrema: [], runs: [] };
   const jams = scene.r_p > 0 || scene.b_d > 0 || scene.b_f > 0
     ? !(leastMargin(scene, 0, scene.exit).value > 0) : design.friction >= limits.critical;
   if (jams) {
@@ -35,7 +34,9 @@ export function simulate(given) {
       uniqueness_friction: limits.unique, critical_angle: limits.theta,
       jam_margin: 1 - design.friction / limits.critical,
       message: "friction is at or above the Painleve limit: no unique rigid motion exists" };
-    return { ...none, figures, message: figures.message };
+    return Object.assign(offered(design, scene), { status: "painleve", end_time: 0,
+      handoff_times: [], handoff_velocities: [], reversals: [], extrema: [], runs: [], figures,
+      message: figures.message, next: null });
   }
   const chain = chainOf(scene);
   const out = emptyRecord();
@@ -45,14 +46,14 @@ export function simulate(given) {
     time: t * clock, angle: theta, theta: theta + engagement * scene.cell,
     speed: Math.sqrt(square) / clock });
   const events = out.events.map(inSI);
-  const motion = {
-    design, scene, chain, status, end_time: time * clock,
+  const motion = Object.assign(offered(design, scene), {
+    chain, status, end_time: time * clock,
     handoff_times: out.handoffs.map((at) => at.time * clock),
     handoff_velocities: out.handoffs.map((at) => Math.sqrt(at.w) / clock),
     reversals: events.filter(({ kind }) => kind === "reversal"),
     extrema: events.filter(({ kind }) => kind !== "reversal"), runs: out.runs,
     stop: status === "ok" ? null : { angle: out.stopAngle, engagement: out.stopEngagement },
-  };
+  });
   const reasons = { ok: "done", stall: "the drive cannot carry the load and the mechanism stops",
     spent: "the spring is spent and nothing moves any more",
     not_converged: "the iteration did not converge within its limit" };
@@ -62,6 +63,17 @@ export function simulate(given) {
     get: () => (figures ??= figuresOf(motion, limits, w, out)),
   });
   motion.unique = design.friction < limits.unique;
+  return motion;
+}
+
+/** What every motion offers to the page, `Played` as well. */
+function offered(design, scene) {
+  const motion = { design, scene, engine: "this page", initial_speed: design.initial_speed,
+    entry: -scene.exit, cell: scene.cell, at: (t) => stateAt(motion, t),
+    samples: () => samples(motion), events: () => eventsOf(motion),
+    next: (speeds) => handoffMap(motion, speeds) };
+  let drawn = null;
+  Object.defineProperty(motion, "drawn", { get: () => (drawn ??= bodiesOf(scene)) });
   return motion;
 }
 
@@ -109,6 +121,7 @@ export function samples({ runs, scene, design }) {
   const size = runs.length * (N + 1);
   const names = ["t", "angle", "theta_dot", "phi_dot", "contact_moment"];
   const columns = Object.fromEntries(names.map((name) => [name, new Float64Array(size)]));
+  columns.engagement = new Uint16Array(size);
   let row = 0;
   for (const run of runs) {
     const { panel, w, push, s, solution, times } = run;
@@ -118,6 +131,7 @@ export function samples({ runs, scene, design }) {
       const J = scene.rho + g * (g + solution.bend[i]);
       columns.t[row] = (run.start + times[i]) * scene.clock;
       columns.angle[row] = panel.theta[i];
+      columns.engagement[row] = run.engagement;
       columns.theta_dot[row] = v;
       columns.phi_dot[row] = g * v;
       columns.contact_moment[row] = panel.locked ? 0 : ((s * push[i]) / J) * design.torque;

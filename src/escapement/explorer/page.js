@@ -1,27 +1,23 @@
 /** The page: fields, figures, plots and playback, all drawn from one motion at one time. */
 
-import { eventsOf, samples, simulate, stateAt } from "./kernel.js";
-import { frictionLimits, mostPins } from "./law.js";
+import { simulate, samples, stateAt } from "./kernel.js";
+import { frictionLimits } from "./law.js";
 import { NUMBERS, checkDesign } from "./rules.js";
 import { drawCharts } from "./charts.js";
 import { byId, digits, element } from "./dom.js";
-import { asFragment, asToml, fromFragment, fromToml, short } from "./design.js";
+import { asFragment, asToml, fromFragment, fromToml } from "./design.js";
+import { Fields } from "./fields.js";
 import { Picture } from "./picture.js";
+import { Played } from "./played.js";
 import { Plot } from "./plots.js";
+import { Served } from "./served.js";
+import { Cloud } from "./cloud.js";
+import { StudyView } from "./study.js";
 import { report } from "./report.js";
 
-const { design: given, fields, systems, stops } = JSON.parse(byId("data").textContent);
-const GROUPS = {
-  "Mechanism": ["slots", "pins", "internal", "crank_radius", "pin_radius"],
-  "Drive, inertia and load": ["torque", "spring_rate", "driver_inertia", "follower_inertia",
-    "load_torque", "initial_speed", "engagements"],
-  "Friction": ["friction", "driver_bearing_friction", "driver_bearing_radius",
-    "follower_bearing_friction", "follower_bearing_radius", "driver_bearing_torque"],
-  "Air": ["driver_drag", "follower_drag"],
-};
-const WHOLE = ["slots", "pins", "engagements"];
-const WIDE = ["torque", "driver_inertia", "follower_inertia", "crank_radius"];
-let design = checkDesign(given);
+const data = JSON.parse(byId("data").textContent);
+const { systems, stops } = data;
+let design = data.design && checkDesign(data.design);
 let motion = null;
 let columns = null;
 let events = [];
@@ -29,190 +25,112 @@ let kept = null;
 let time = 0;
 let playing = false;
 let units = "SI";
+/** What asks the package, where the page is served. */
+let server = null;
 const picture = new Picture(byId("picture"));
 const plots = Object.fromEntries(["velocity", "moment", "phase", "map"].map((id) => [id, new Plot(byId(id))]));
-
-const kindOf = (name) => fields[name]?.unit ?? "ratio";
-const factor = (kind) => systems[units][kind].factor;
-const unit = (kind) => systems[units][kind].name;
-const shown = (value, kind) => `${digits(value / factor(kind))} ${unit(kind).replaceAll(" ", "\u00a0")}`.trim();
-
-/** Least and greatest value of a slider. */
-function rangeOf(name) {
-  const limits = { slots: [3, 12], pins: [1, mostPins(design.slots, design.internal)],
-    engagements: [1, 60], driver_bearing_friction: [0, 0.4], follower_bearing_friction: [0, 0.4],
-    initial_speed: [0, 500] };
-  if (name in limits) return limits[name];
-  const crank = design.crank_radius ?? 0;
-  const critical = motion?.figures.critical_friction ?? 1;
-  const most = { friction: Number.isFinite(critical) ? 1.05 * critical : 1,
-    load_torque: 0.6 * design.torque, spring_rate: 0.05 * design.torque,
-    driver_bearing_torque: 0.5 * design.torque, driver_drag: 0.1 * design.follower_inertia,
-    follower_drag: 0.1 * design.follower_inertia, pin_radius: 0.15 * crank,
-    driver_bearing_radius: 0.2 * crank, follower_bearing_radius: 0.2 * crank };
-  return [0, most[name]];
-}
-
-// a slider of a number without an upper end runs over four decades about where it was taken up
-const centres = {};
-const toSlider = (name, value) => {
-  if (WIDE.includes(name)) return 0.5 + Math.log10(value / (centres[name] ??= value)) / 4;
-  const [low, high] = rangeOf(name);
-  return high > low ? (value - low) / (high - low) : 0;
-};
-const fromSlider = (name, share) => {
-  if (WIDE.includes(name)) return Number((centres[name] * 10 ** (4 * (share - 0.5))).toPrecision(4));
-  const [low, high] = rangeOf(name);
-  const value = low + share * (high - low);
-  return WHOLE.includes(name) ? Math.round(value) : Number(value.toPrecision(4));
-};
-
-const inputs = {};
-
-function makeFields() {
-  for (const [title, names] of Object.entries(GROUPS)) {
-    const group = element("fieldset", {}, element("legend", { textContent: title }));
-    for (const name of names) group.append(name === "internal" ? makeCheck() : makeField(name));
-    byId("fields").append(group);
-  }
-  byId("fields").addEventListener("submit", (event) => event.preventDefault());
-  for (const name of Object.keys(systems)) byId("units").append(element("option", { value: name, textContent: name }));
-  byId("units").addEventListener("change", (event) => {
-    units = event.target.value;
-    refresh();
-  });
-}
-
-function makeCheck() {
-  const box = element("input", { type: "checkbox", id: "internal" });
-  box.addEventListener("change", () => change({ internal: box.checked, pins: null }));
-  inputs.internal = { box };
-  return element("div", { className: "check" }, box,
-    element("label", { htmlFor: "internal", textContent: fields.internal.label }));
-}
-
-function makeField(name) {
-  const label = fields[name].label;
-  const slider = element("input", { type: "range", min: 0, max: 1, step: "any" });
-  slider.setAttribute("aria-label", `${label}, slider`);
-  const text = element("input", { type: "text", inputMode: "decimal", id: name, name });
-  const after = element("span", { className: "unit" });
-  const of = (value) => ({ [name]: value, ...(name === "slots" ? { pins: null } : {}) });
-  slider.addEventListener("input", () => {
-    if (WIDE.includes(name) && design[name] === null) return;
-    const value = fromSlider(name, Number(slider.value));
-    change(of(value), name);
-  });
-  text.addEventListener("input", () => {
-    const typed = text.value.trim();
-    const empty = typed === "" && ["crank_radius", "pins"].includes(name);
-    const value = empty ? null : Number(typed === "" ? NaN : typed) * factor(kindOf(name));
-    if (value !== null && !Number.isFinite(value)) {
-      complain(`${label} must be a number, got '${typed.slice(0, 40)}'; the last good design stays`);
-      text.setAttribute("aria-invalid", "true");
-      return;
-    }
-    change(of(value), name);
-  });
-  text.addEventListener("blur", () => refresh());
-  inputs[name] = { slider, text, after };
-  return element("div", { className: "field" },
-    element("label", { htmlFor: name, textContent: label }), slider, text, after);
-}
+const fields = new Fields(byId("fields"), data.fields ?? {}, () => systems[units], {
+  change: (numbers, name) => change(numbers, name),
+  complain: (line) => complain(line),
+});
+const shown = (value, kind) => fields.shown(value, kind);
 
 const complain = (line) => {
   byId("problem").textContent = line;
 };
 
-/** Show the design in all fields but the one that has the focus. */
-function refresh(active = null) {
-  for (const [name, { slider, text, after, box }] of Object.entries(inputs)) {
-    const value = design[name];
-    if (box) {
-      box.checked = value;
-      continue;
-    }
-    const kind = kindOf(name);
-    const busy = document.activeElement;
-    if (busy !== text || active !== name) {
-      text.value = value === null ? "" : short(value / factor(kind));
-      text.removeAttribute("aria-invalid");
-    } else if (text.getAttribute("aria-invalid")) text.removeAttribute("aria-invalid");
-    const needs = ["pin_radius", "driver_bearing_radius", "follower_bearing_radius"].includes(name);
-    const lacks = (needs && design.crank_radius === null) || (name === "crank_radius" && value === null);
-    slider.disabled = lacks;
-    after.textContent = needs && lacks ? "needs crank" : unit(kind);
-    const share = value === null ? 0 : toSlider(name, value);
-    if (busy !== slider || active !== name) slider.value = share;
-    slider.setAttribute("aria-valuetext", value === null ? "none" : shown(value, kind));
-  }
-  const toml = byId("toml");
-  if (document.activeElement !== toml) toml.value = asToml(design);
-  report(motion, kept, shown);
-  draw();
-  setTime(time);
-}
-
 /** Take some numbers into the design; a design that breaks a rule leaves the last good one. */
 function change(numbers, active = null) {
+  if (server?.takes(numbers)) {
+    server.ask({ change: numbers }, active);
+    return;
+  }
   try {
     take(checkDesign({ ...design, ...numbers }), active);
   } catch (error) {
     if (!(error instanceof RangeError)) throw error;
     complain(error.message);
-    if (active && inputs[active]?.text) inputs[active].text.setAttribute("aria-invalid", "true");
+    if (active) fields.refuse(active);
   }
 }
 
+/** Compute a design in this page and show it. */
 function take(next, active = null) {
   const found = simulate(next);
-  design = found.design;
+  server?.leave();
+  show(found, found.design, active);
+}
+
+/** Show a motion, and the design that it is of. */
+function show(found, numbers, active = null) {
   motion = found;
-  columns = samples(motion);
-  events = eventsOf(motion);
+  design = numbers;
+  columns = motion.samples();
+  events = motion.events();
   time = Math.min(time, motion.end_time);
   complain("");
   picture.layOut(motion);
-  const fragment = `#${asFragment(design)}`;
-  clearTimeout(take.later);
-  // browsers bound how often an address may change
-  take.later = setTimeout(() => {
-    if (location.hash !== fragment) history.replaceState(null, "", fragment);
-  }, 250);
   byId("scrub").max = motion.end_time || 1;
+  clearTimeout(show.later);
+  // browsers bound how often an address may change
+  show.later = setTimeout(() => {
+    const fragment = `#${server?.text ? `toml=${encodeURIComponent(server.text)}` : asFragment(design)}`;
+    if (!data.fields) return;
+    // the frame of a notebook has no address, and is told
+    if (parent !== window) parent.postMessage({ explorer: design }, "*");
+    else if (location.hash !== fragment) history.replaceState(null, "", fragment);
+  }, 250);
   refresh(active);
+  byId("shows").dispatchEvent(new Event("shown"));
+}
+
+function refresh(active = null) {
+  fields.refresh(design, motion.figures, active);
+  const toml = byId("toml");
+  if (data.fields && document.activeElement !== toml) toml.value = server?.text ?? asToml(design);
+  report(motion, kept?.figures, shown);
+  draw();
+  setTime(time);
 }
 
 function draw() {
   if (!plots.velocity.width) return;
-  drawCharts(plots, motion, columns, byId("shown").value, systems[units].torque);
+  drawCharts(plots, motion, columns, byId("shown").value, systems[units].torque, kept?.columns);
 }
 
 /** Show the motion at a time [s]; all that moves is driven by this function. */
 export function setTime(t) {
   time = Math.min(Math.max(t, 0), motion.end_time);
   byId("scrub").value = time;
-  const state = stateAt(motion, time);
+  const state = motion.at(time);
   if (!state) {
     byId("now").textContent = "There is no motion to show.";
-    picture.turn({ theta: 0, angle: 0, side: 0, contact_moment: 0 }, 0);
+    picture.turn({ theta: 0, phi: 0, angle: 0, side: 0, contact_moment: 0 }, 0);
     for (const plot of Object.values(plots)) if (plot.width) plot.head(NaN);
     return;
   }
-  picture.turn(state, motion.figures.contact_moment_max ?? greatestMoment());
-  const wall = { 1: "the pin presses on the front wall", "-1": "the pin presses on the rear wall", 0: "the follower is locked" };
-  const degrees = digits((state.angle * 180) / Math.PI, 4);
-  const told = `${time.toFixed(5)} s, engagement ${state.engagement + 1}, ${degrees}° from dead centre: `
-    + `driver ${digits(state.theta_dot, 4)} rad/s, follower ${digits(state.phi_dot, 4)} rad/s; ${wall[state.side]}`
-    + (state.side ? ` with ${shown(Math.abs(state.contact_moment), "torque")} about the follower's axis.` : ".");
+  picture.turn(state, motion.figures.contact_moment_max || greatestMoment());
+  const told = saying(state);
   byId("now").textContent = told;
   byId("scrub").setAttribute("aria-valuetext", told);
   if (!plots.velocity.width) return;
   plots.velocity.head(time);
   plots.moment.head(time);
   plots.phase.head((state.angle * 180) / Math.PI, state.theta_dot);
-  const ends = [design.initial_speed, ...motion.handoff_velocities];
+  const ends = [motion.initial_speed, ...motion.handoff_velocities];
   plots.map.head(ends[state.engagement], ends[state.engagement + 1] ?? NaN);
+}
+
+/** A state in words. */
+function saying({ engagement, angle, theta_dot, phi_dot, side, contact_moment }) {
+  const nothing = motion.engine === "contact" ? "the pin touches no wall" : "the follower is locked";
+  const [front, rear] = motion.meshed ? ["the driver pushes the follower", "the driver holds the follower back"]
+    : ["the pin presses on the front wall", "the pin presses on the rear wall"];
+  const wall = { 1: front, "-1": rear, 0: nothing }[side];
+  const degrees = digits((angle * 180) / Math.PI, 4);
+  const moment = side ? ` with ${shown(Math.abs(contact_moment), "torque")} about the follower's axis` : "";
+  return `${time.toFixed(5)} s, engagement ${engagement + 1}, ${degrees}° from dead centre: `
+    + `driver ${digits(theta_dot, 4)} rad/s, follower ${digits(phi_dot, 4)} rad/s; ${wall}${moment}.`;
 }
 
 const greatestMoment = () => columns.contact_moment.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
@@ -262,7 +180,7 @@ function showStop(index) {
       byId("shown").value = range;
       play(false);
       time = 0;
-      for (const name of Object.keys(centres)) delete centres[name];
+      fields.centres = {};
       take(checkDesign(numbers));
     });
     return button;
@@ -279,14 +197,59 @@ function save(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
+/** Take a design from a text; what this page cannot compute goes to the package, if it is there. */
+function readText(text) {
+  try {
+    take(fromToml(text, data.fields, systems));
+  } catch (error) {
+    if (!(error instanceof RangeError)) throw error;
+    if (server) server.ask({ text });
+    else complain(`${error.message}; the last good design stays`);
+  }
+}
+
 function readAddress() {
   if (location.hash.length < 2) return;
   try {
-    take(fromFragment(decodeURIComponent(location.hash)));
+    const fragment = decodeURIComponent(location.hash);
+    if (fragment.startsWith("#toml=")) readText(fragment.slice(6));
+    else take(fromFragment(fragment));
   } catch (error) {
+    if (!(error instanceof URIError || error instanceof RangeError)) throw error;
     const line = error instanceof URIError ? "the address holds a broken % sign; correct it" : error.message;
     complain(`${line}; the last good design stays`);
   }
+}
+
+/** Connect what a page has whose design may be changed. */
+function connectDesign() {
+  fields.lay(data.groups);
+  for (const name of Object.keys(systems)) byId("units").append(element("option", { value: name, textContent: name }));
+  byId("units").addEventListener("change", (event) => {
+    units = event.target.value;
+    refresh();
+  });
+  byId("keep").addEventListener("click", () => {
+    kept = { figures: { ...motion.figures }, columns };
+    refresh();
+  });
+  byId("forget").addEventListener("click", () => {
+    kept = null;
+    refresh();
+  });
+  byId("read").addEventListener("click", () => readText(byId("toml").value));
+  byId("save").addEventListener("click", () => save("design.toml", byId("toml").value, "application/toml"));
+  addEventListener("hashchange", readAddress);
+  addEventListener("message", (event) => {
+    const told = event.source === parent && parent !== window ? event.data?.explorer : null;
+    if (told && Object.keys(told).some((name) => told[name] !== design[name])) change(told);
+  });
+  stops.forEach(({ title }, i) => {
+    const button = element("button", { type: "button", textContent: `${i + 1}. ${title}` });
+    button.addEventListener("click", () => showStop(i));
+    byId("stops").append(button);
+  });
+  showStop(0);
 }
 
 function connect() {
@@ -297,26 +260,11 @@ function connect() {
     play(false);
     setTime(Number(event.target.value));
   });
-  byId("shown").addEventListener("change", () => refresh());
-  byId("keep").addEventListener("click", () => {
-    kept = { ...motion.figures };
-    report(motion, kept, shown);
+  byId("shown").addEventListener("change", () => {
+    draw();
+    setTime(time);
   });
-  byId("forget").addEventListener("click", () => {
-    kept = null;
-    report(motion, kept, shown);
-  });
-  byId("read").addEventListener("click", () => {
-    try {
-      take(fromToml(byId("toml").value, fields, systems));
-    } catch (error) {
-      if (!(error instanceof RangeError)) throw error;
-      complain(`${error.message}; the last good design stays`);
-    }
-  });
-  byId("save").addEventListener("click", () => save("design.toml", asToml(design), "application/toml"));
   byId("svg").addEventListener("click", () => save("mechanism.svg", picture.asText(), "image/svg+xml"));
-  addEventListener("hashchange", readAddress);
   addEventListener("keydown", (event) => {
     if (event.target.matches("input[type=text], textarea, select") || event.ctrlKey || event.metaKey) return;
     if (event.key === " " && !event.target.matches("button, summary, input")) {
@@ -338,22 +286,31 @@ function connect() {
   };
   new ResizeObserver(measure).observe(document.body);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", measure);
-  stops.forEach(({ title }, i) => {
-    const button = element("button", { type: "button", textContent: `${i + 1}. ${title}` });
-    button.addEventListener("click", () => showStop(i));
-    byId("stops").append(button);
-  });
   for (const [id, words] of Object.entries({ velocity: "velocities over time", moment: "contact moment over time",
     phase: "driver velocity over its angle", map: "handoff map" })) {
     byId(id).querySelector("[role=img]").setAttribute("aria-label", `Plot of ${words}; the text above the sliders tells the values at the playhead`);
   }
 }
 
-makeFields();
+/** Connect a page that is served to the program that serves it. */
+function connectServer({ reply, study, ...told }) {
+  server = new Served(told, { design: () => design, take, show, complain,
+    refuse: (name) => fields.refuse(name), lay: (groups) => fields.lay(groups) });
+  server.cloud = new Cloud(told, fields, server);
+  if (study) server.study = new StudyView(study, server);
+  if (reply) server.hear(reply, null);
+}
+
 connect();
-take(design);
-readAddress();
-showStop(0);
+if (data.fields) {
+  connectDesign();
+  if (data.served) connectServer(data.served);
+  if (data.design) take(design);
+  readAddress();
+} else {
+  byId("figures").tHead.rows[0].cells[1].textContent = "Value";
+  show(new Played(data.motion), data.motion.design);
+}
 window.explorer = { simulate, setTime,
   criticalFriction: (numbers) => frictionLimits(checkDesign(numbers)).critical, samples, stateAt, change, numbers: NUMBERS,
   get design() { return design; }, get motion() { return motion; }, get time() { return time; } };

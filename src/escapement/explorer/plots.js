@@ -36,7 +36,8 @@ export class Plot {
     const style = getComputedStyle(this.figure);
     const known = {};
     this.colour = (name) => (known[name] ??= style.getPropertyValue(`--${name}`).trim());
-    this.font = `12px ${style.fontFamily}`;
+    // to set a font takes longer than to draw a plot
+    this.lower.getContext("2d").font = `12px ${style.fontFamily}`;
   }
 
   /** Axes between two corners, with their words. */
@@ -44,7 +45,6 @@ export class Plot {
     Object.assign(this, { x0, x1: x1 > x0 ? x1 : x0 + 1, y0, y1: y1 > y0 ? y1 : y0 + 1 });
     const pen = this.lower.getContext("2d");
     pen.clearRect(0, 0, this.width, this.height);
-    pen.font = this.font;
     pen.lineWidth = 1;
     pen.setLineDash([]);
     const across = ticksOf(this.x0, this.x1, Math.max(2, Math.floor(this.width / 90)));

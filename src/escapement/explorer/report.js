@@ -27,10 +27,10 @@ export function report(motion, kept, shown) {
     const has = (value) => value !== undefined && value !== null && !Number.isNaN(value);
     const told = (value) => {
       if (has(value)) return value === Infinity ? "none" : shown(value, kind);
-      return name === "contact_force_max" && !design.crank_radius ? "needs crank radius" : "–";
+      return name === "contact_force_max" && design.slots && !design.crank_radius ? "needs crank radius" : "–";
     };
     const gain = has(now) && has(before) && before !== 0 ? 100 * (now / before - 1) : NaN;
-    const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)} %` : "–";
+    const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)}\u00a0%` : "–";
     return [words, told(now), kept ? told(before) : "–", kept ? change_ : "–"];
   });
   const body = byId("figures").tBodies[0];
@@ -52,16 +52,15 @@ export function report(motion, kept, shown) {
 
 function showMargin(motion) {
   const { figures, design } = motion;
-  const margin = figures.jam_margin;
   const share = design.friction / figures.critical_friction;
-  byId("gauge").style.width = `${Math.min(100 * share, 100)}%`;
+  byId("gauge").style.width = `${Math.min(100 * (share || 0), 100)}%`;
   byId("gauge").className = share >= 1 ? "over" : "";
   const where = Number.isFinite(figures.critical_angle)
     ? ` It jams first ${digits((figures.critical_angle * 180) / Math.PI, 4)}° from dead centre, marked in the picture.` : "";
   const beside = figures.uniqueness_friction;
   const unique = motion.status !== "painleve" && !motion.unique
     ? ` From friction ${digits(beside)} on another motion exists beside this one: a blow could jam the pin.` : "";
-  byId("margin").textContent = Number.isFinite(margin)
+  byId("margin").textContent = Number.isFinite(figures.critical_friction)
     ? `Friction is ${digits(100 * share, 3)} % of the Painlevé limit ${digits(figures.critical_friction)}.${where}${unique}`
-    : "This pin cannot jam.";
+    : motion.meshed ? "A mesh of gears has no Painlevé limit." : "This pin cannot jam.";
 }

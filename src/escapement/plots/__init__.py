@@ -4,6 +4,7 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 `save` writes a figure.
 """
 
+from escapement.explorer.widget import explore as explore
 from escapement.plots.animation import animate as animate
 from escapement.plots.beats import plot_beat_spectrum as plot_beat_spectrum
 from escapement.plots.beats import plot_beats as plot_beats

@@ -1,0 +1,218 @@
+"""What the served page asks of the package: the motion of any design, and a cloud of cases."""
+
+import math
+import time
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from escapement import simulation, validate
+from escapement.errors import InvalidValue
+from escapement.explorer import MOST_ENGAGEMENTS, design_of
+from escapement.explorer.as_text import numbers_of, text_of
+from escapement.explorer.played import played
+from escapement.mechanisms import kind_of
+from escapement.merits import FIGURES
+from escapement.model import Escapement
+from escapement.painleve import friction_limits
+from escapement.study.parse import parse_plan, plan_from
+from escapement.study.plan import StudyPlan, unit_kind
+from escapement.study.run import run_plan
+from escapement.text import words
+from escapement.torque_curve import TorqueCurve
+
+EXAMPLES: dict[str, dict[str, Any]] = {
+    "geneva": {"slots": 4, "crank_radius": 0.02},
+    "gear-driven": {"stations": 4, "lobes": 1, "curve": "epicycloid", "fixed_radius": 0.02},
+    "elliptical-planetary": {"sun_radius": 0.03, "planet_radius": 0.02},
+}
+"""With what the page begins where another kind of mechanism is chosen."""
+TOLERANCES = ("friction", "torque", "driver_inertia", "follower_inertia")
+CLOUD = ("period", "velocity_mean", "velocity_max", "velocity_min", "handoff_velocity")
+MOST_CASES = 100_000
+_BINS = (64, 40)
+_BLOCK = 5000  # cases that are drawn and solved at a time
+_LONGEST = 3.0  # seconds after which no further block is begun: a hand does not wait longer
+
+
+@dataclass
+class Answers:
+    """What a served page may ask.
+
+    plan : StudyPlan, optional
+        The study whose cases it shows.
+    """
+
+    plan: StudyPlan | None = None
+
+    def motion(self, question: Mapping[str, Any]) -> dict[str, Any]:
+        """The motion of a design.
+
+        Parameters
+        ----------
+        question : Mapping
+            `text`, a study of one case in TOML, or `case` of the study, or the `kind` of another
+            mechanism with the numbers of the text; `change`, numbers in SI by name that replace
+            its own; and `engagements`.
+
+        Returns
+        -------
+        dict
+            `text` of the changed design, its `kind` and `design`, numbers by name; `motion`, see
+            `played`; `plain`, the design where the page itself computes it, or None, and then no
+            motion.
+
+        Raises
+        ------
+        InvalidValue
+            Where the question cannot be understood, or the design breaks a rule.
+        """
+        count = question.get("engagements") or 20
+        change = dict(self._table(question, "change"))
+        count = change.pop("engagements", count)
+        count = validate.integer("engagements", count, 1, "show fewer", MOST_ENGAGEMENTS)
+        return self.shown(*self._escapement(question, change), count)
+
+    @staticmethod
+    def shown(escapement: Escapement, speed: float, count: int) -> dict[str, Any]:
+        """What `motion` answers of an escapement."""
+        found: dict[str, Any] = {
+            "kind": getattr(escapement.mechanism, "kind", ""),
+            "plain": None,
+            "motion": None,
+        }
+        found["text"] = text_of(escapement, speed)
+        found["design"] = numbers_of(escapement) | {"initial_speed": speed, "engagements": count}
+        try:
+            found["plain"] = design_of(escapement, speed, count)
+        except InvalidValue:
+            motion = simulation.simulate(escapement, count, initial_speed=speed)
+            figures = simulation.terminal(escapement, initial_speed=speed)
+            found["motion"] = played(motion, figures)
+        return found
+
+    def cloud(self, question: Mapping[str, Any]) -> dict[str, Any]:
+        """How a figure scatters where numbers lie anywhere between their tolerances.
+
+        Parameters
+        ----------
+        question : Mapping
+            `text` as of `motion`; `tolerances`, shares of numbers by their names; `figure`, one of
+            `CLOUD`; and `size`, how many cases.
+
+        Returns
+        -------
+        dict
+            `counts` of cases over the first number and the figure, the axes `x` and `y`, three
+            `quantiles` of the figure, how many cases there are and `failed`, and the time it took.
+            There are fewer cases than asked for where they take longer than a hand waits.
+        """
+        start = time.perf_counter()
+        escapement, speed = self._escapement(question, {})
+        figure = validate.choice("figure", question.get("figure"), CLOUD)
+        remedy = f"give at most {MOST_CASES}"
+        size = validate.integer("size", question.get("size"), 100, remedy, MOST_CASES)
+        sample: dict[str, Any] = {"method": "random"}
+        for name, share in self._table(question, "tolerances").items():
+            validate.choice("tolerances", name, TOLERANCES)
+            if getattr(escapement, name, None) != 0.0 and _has(escapement, name):
+                sample[name] = {"relative_tolerance": share}
+        names = [name for name in TOLERANCES if name in sample]
+        if not names:
+            remedy = "give one of them a tolerance"
+            raise validate.fail("tolerances", f"of {', '.join(TOLERANCES)}", "none", remedy)
+        blocks = []
+        for seed in range(math.ceil(size / _BLOCK)):
+            own = {"seed": seed, "size": min(_BLOCK, size - seed * _BLOCK)}
+            chosen: dict[str, Any] = {"sample": sample | own, "results": [figure]}
+            study = run_plan(plan_from(escapement, {}, initial_speed=speed, **chosen), workers=2)
+            blocks.append((study.sampled[names[0]], study.results[figure]))
+            if time.perf_counter() - start > _LONGEST:
+                break
+        across, values = (np.concatenate(columns) for columns in zip(*blocks, strict=True))
+        known, size = np.isfinite(values), values.size
+        if not known.any():
+            raise InvalidValue(f"{figure} must have a value in some case, got none of {size}")
+        counts, x, y = np.histogram2d(across[known], values[known], _BINS)
+        return {
+            "cases": size,
+            "failed": int(size - known.sum()),
+            "figure": FIGURES[figure].long_name[0].upper() + FIGURES[figure].long_name[1:],
+            "kind": unit_kind(figure),
+            "counts": counts.astype(int).tolist(),
+            "x": _axis(names[0], x),
+            "y": _axis(figure, y),
+            "quantiles": np.quantile(values[known], [0.05, 0.5, 0.95]).tolist(),
+            "seconds": time.perf_counter() - start,
+        }
+
+    def _escapement(
+        self, question: Mapping[str, Any], change: dict[str, Any]
+    ) -> tuple[Escapement, float]:
+        """The escapement that a question is about, and its initial speed."""
+        plan, case = self._plan(question)
+        values = plan.values(case)
+        for name in change:
+            validate.choice("change", name, tuple(values))
+        escapement = plan.built(values | change)
+        speed = float(change.get("initial_speed", values["initial_speed"]))
+        kind = question.get("kind")
+        if kind is None or kind == getattr(escapement.mechanism, "kind", ""):
+            return escapement, speed
+        return another_kind(escapement, validate.choice("kind", kind, tuple(EXAMPLES))), speed
+
+    def _plan(self, question: Mapping[str, Any]) -> tuple[StudyPlan, int]:
+        if question.get("case") is not None:
+            if self.plan is None:
+                raise validate.fail("case", "left out", question["case"], "no study is open")
+            remedy = "choose a case of the study"
+            return self.plan, validate.integer(
+                "case", question["case"], 0, remedy, self.plan.cases - 1
+            )
+        text = question.get("text")
+        if not isinstance(text, str):
+            raise validate.fail("text", "a study in TOML", text, "give it as a text")
+        try:
+            plan = parse_plan(tomllib.loads(text))
+        except tomllib.TOMLDecodeError as error:
+            raise InvalidValue(f"the text must be TOML, got an error: {error}") from None
+        if plan.cases != 1:
+            rule = "a study of one case"
+            raise validate.fail("text", rule, f"{plan.cases} cases", "give each axis one value")
+        return plan, 0
+
+    @staticmethod
+    def _table(question: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+        value = question.get(name) or {}
+        if not isinstance(value, Mapping):
+            raise validate.fail(name, "numbers by their names", value, "give an object")
+        return value
+
+
+def _has(escapement: Escapement, name: str) -> bool:
+    """Whether a number is there to be varied."""
+    meshed = bool(getattr(escapement.mechanism, "meshed", False))
+    curve = isinstance(escapement.torque, TorqueCurve)
+    return not (name == "friction" and meshed) and not (name == "torque" and curve)
+
+
+def _axis(name: str, edges: np.ndarray) -> dict[str, Any]:
+    ends = {"low": float(edges[0]), "high": float(edges[-1])}
+    return {"words": words(name), "kind": unit_kind(name), **ends}
+
+
+def another_kind(escapement: Escapement, kind: str) -> Escapement:
+    """An escapement with the same drive and the example of another kind of mechanism."""
+    wheel = kind_of(kind)(**EXAMPLES[kind])
+    own = {name: getattr(escapement, name) for name in ("torque", "load_torque", "friction")}
+    if wheel.meshed:
+        own["friction"] = 0.0
+        return Escapement(wheel, escapement.inertia, **own, efficiency=0.9)
+    made = Escapement(wheel, escapement.inertia, **own | {"friction": 0.0})
+    # a wheel of another kind may jam sooner
+    most = 0.5 * friction_limits(made)[0]
+    own["friction"] = min(own["friction"] or 0.1, float(f"{most:.2g}"))
+    return Escapement(wheel, escapement.inertia, **own)

@@ -1,0 +1,183 @@
+/** Sliders and fields for the numbers of a design. */
+
+import { digits, element } from "./dom.js";
+import { short } from "./design.js";
+import { mostPins } from "./law.js";
+
+// a slider of a number without an upper end runs over four decades about where it was taken up
+const WIDE = ["torque", "driver_inertia", "follower_inertia", "crank_radius", "fixed_radius",
+  "stiffness", "damping", "slip_speed", "sun_radius", "planet_radius"];
+
+export class Fields {
+  /**
+   * told : words of each number, by name: label, unit, whole, optional, needs, choices and truth.
+   * units : () => the units in use, name and factor by kind.
+   * on : what to do with numbers that were changed, and with a line of complaint.
+   */
+  constructor(form, told, units, on) {
+    Object.assign(this, { form, told, units, on, inputs: {}, centres: {}, design: {}, figures: {} });
+    form.addEventListener("submit", (event) => event.preventDefault());
+  }
+
+  kindOf(name) {
+    return this.told[name]?.unit ?? "ratio";
+  }
+
+  shown(value, kind) {
+    const { factor, name } = this.units()[kind];
+    return `${digits(value / factor)} ${name}`.trim().replaceAll(" ", "\u00a0");
+  }
+
+  /** Make the fields of some groups, which are names by their title. */
+  lay(groups) {
+    this.inputs = {};
+    this.form.replaceChildren(...Object.entries(groups).map(([title, names]) =>
+      element("fieldset", {}, element("legend", { textContent: title }),
+        ...names.map((name) => this.make(name)))));
+  }
+
+  make(name) {
+    const { label, truth, choices } = this.told[name];
+    if (truth) {
+      const box = element("input", { type: "checkbox", id: name });
+      box.addEventListener("change", () => this.changed(name, box.checked));
+      this.inputs[name] = { box };
+      return element("div", { className: "check" }, box,
+        element("label", { htmlFor: name, textContent: label }));
+    }
+    if (choices) {
+      const list = element("select", { id: name }, ...choices.map((value) =>
+        element("option", { value, textContent: value })));
+      list.addEventListener("change", () => this.changed(name, list.value));
+      this.inputs[name] = { list };
+      return element("div", { className: "choice" },
+        element("label", { htmlFor: name, textContent: label }), list);
+    }
+    return this.makeNumber(name, label);
+  }
+
+  makeNumber(name, label) {
+    const slider = element("input", { type: "range", min: 0, max: 1, step: "any" });
+    slider.setAttribute("aria-label", `${label}, slider`);
+    const text = element("input", { type: "text", inputMode: "decimal", id: name, name });
+    text.autocomplete = "off";
+    const after = element("span", { className: "unit" });
+    slider.addEventListener("input", () => {
+      if (WIDE.includes(name) && (this.design[name] ?? null) === null) return;
+      this.changed(name, this.fromSlider(name, Number(slider.value)));
+    });
+    // arrow keys move a slider by a hundredth of its way, or by one
+    slider.addEventListener("keydown", (event) => {
+      const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+      if (!way || slider.disabled) return;
+      event.preventDefault();
+      const [low, high] = this.rangeOf(name);
+      const step = this.told[name].whole ? 1 / (high - low || 1) : 0.01;
+      slider.value = Number(slider.value) + way * step;
+      slider.dispatchEvent(new Event("input"));
+    });
+    text.addEventListener("input", () => this.typed(name, text));
+    text.addEventListener("blur", () => this.refresh(this.design, this.figures));
+    this.inputs[name] = { slider, text, after };
+    return element("div", { className: "field" },
+      element("label", { htmlFor: name, textContent: label }), slider, text, after);
+  }
+
+  changed(name, value) {
+    // the most pins follow from the slots
+    const more = ["slots", "internal"].includes(name) ? { pins: null } : {};
+    this.on.change({ [name]: value, ...more }, name);
+  }
+
+  typed(name, text) {
+    const { label, optional } = this.told[name];
+    this.inputs[name].said = "";
+    const words = text.value.trim();
+    const value = words === "" ? (optional ? null : NaN)
+      : Number(words) * this.units()[this.kindOf(name)].factor;
+    if (value !== null && !Number.isFinite(value)) {
+      this.on.complain(`${label} must be a number, got '${words.slice(0, 40)}'; the last good design stays`);
+      this.refuse(name);
+      return;
+    }
+    this.changed(name, value);
+  }
+
+  refuse(name) {
+    const input = this.inputs[name];
+    if (!input?.text) return;
+    input.said = "";
+    input.text.setAttribute("aria-invalid", "true");
+  }
+
+  /** Length that others are compared with. */
+  get crank() {
+    return this.design.crank_radius ?? this.design.fixed_radius ?? this.design.planet_radius ?? 0;
+  }
+
+  /** Least and greatest value of a slider. */
+  rangeOf(name) {
+    const { design, crank, figures } = this;
+    if (WIDE.includes(name)) return [0, 1];
+    const critical = figures.critical_friction;
+    const small = 0.1 * design.follower_inertia;
+    // without a speed of the cycle, that which the torque gives the follower in a radian
+    const speed = figures.velocity_mean || Math.sqrt(design.torque / design.follower_inertia);
+    const limits = {
+      slots: [3, 12], pins: [1, design.slots ? mostPins(design.slots, design.internal) : 4],
+      stations: [2, 16], lobes: [0, 12], unused_lobes: [0, 4], engagements: [1, 60],
+      initial_speed: [0, 500], driver_bearing_friction: [0, 0.4], follower_bearing_friction: [0, 0.4],
+      friction: [0, Number.isFinite(critical) ? 1.05 * critical : 1], load_torque: [0, 0.6 * design.torque],
+      spring_rate: [0, 0.05 * design.torque], driver_bearing_torque: [0, 0.5 * design.torque],
+      driver_drag: [0, small], follower_drag: [0, small],
+      driver_viscous: [0, (0.3 * design.torque) / speed], follower_viscous: [0, (0.3 * design.torque) / speed],
+      pin_radius: [0, 0.15 * crank], roller_radius: [0, 0.2 * crank],
+      driver_bearing_radius: [0, 0.2 * crank], follower_bearing_radius: [0, 0.2 * crank],
+      clearance: [0, 0.02 * crank], centre_distance_error: [-0.01 * crank, 0.01 * crank],
+    };
+    return limits[name] ?? [0, 1];
+  }
+
+  toSlider(name, value) {
+    if (WIDE.includes(name)) return 0.5 + Math.log10(value / (this.centres[name] ??= value)) / 4;
+    const [low, high] = this.rangeOf(name);
+    return high > low ? (value - low) / (high - low) : 0;
+  }
+
+  fromSlider(name, share) {
+    const [low, high] = this.rangeOf(name);
+    const value = WIDE.includes(name) ? this.centres[name] * 10 ** (4 * (share - 0.5))
+      : low + share * (high - low);
+    return this.told[name].whole ? Math.round(value) : Number(value.toPrecision(4));
+  }
+
+  /** Show a design in all fields but the one that has the focus. */
+  refresh(design, figures, active = null) {
+    Object.assign(this, { design, figures });
+    for (const [name, { slider, text, after, box, list }] of Object.entries(this.inputs)) {
+      const value = design[name] ?? this.told[name].default ?? null;
+      if (box) box.checked = value;
+      else if (list) list.value = value;
+      else this.refreshNumber(name, value, { slider, text, after }, active);
+    }
+  }
+
+  refreshNumber(name, value, { slider, text, after }, active) {
+    const { needs, unit: kind } = this.told[name];
+    const lacks = Boolean(needs) && !this.crank;
+    const busy = document.activeElement;
+    const held = active === name && (busy === text || busy === slider);
+    const position = value === null ? 0 : this.toSlider(name, value);
+    // an element that is left alone costs nothing
+    const said = [value, position, lacks, this.units()[kind].name].join();
+    if (!held && this.inputs[name].said === said && busy !== text) return;
+    this.inputs[name].said = said;
+    const { name: unit, factor } = this.units()[kind];
+    if (busy !== text || active !== name) text.value = value === null ? "" : short(value / factor);
+    text.removeAttribute("aria-invalid");
+    slider.disabled = lacks || (WIDE.includes(name) && !(value > 0));
+    after.textContent = lacks ? "needs crank" : unit;
+    if (busy !== slider || active !== name) slider.value = position;
+    slider.setAttribute("aria-valuetext", value === null ? "none" : this.shown(value, kind));
+  }
+}
