@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOCKED, LOST, WALLS
+from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
 from escapement.engines.contact.compliant.march import (
-    BENDS,
     CELL,
     FIRST,
     MODE,
+    SERIES,
     TIME,
     TOUCH,
 )
 from escapement.engines.contact.compliant.rows import TABLE, tabulate
+from escapement.engines.contact.compliant.slot import LOCKED
 from escapement.engines.contact.state import COLUMNS, OWN, every_loss, state_from
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
@@ -94,7 +95,7 @@ class CompliantTrajectory(Held):
         self.engagement: np.ndarray = table[first, CELL].astype(int)
         mode = table[first, MODE]
         self.sign: FloatArray = np.where(mode == LOCKED, 0.0, mode)
-        gained = (table[last, FIRST:BENDS] - table[first, FIRST:BENDS]).T
+        gained = (table[last, FIRST:SERIES] - table[first, FIRST:SERIES]).T
         self.losses: FloatArray = every_loss(gained[LOST : LOST + len(OWN)] * torque)
         self.load_work: FloatArray = gained[LOAD] * torque
 
