@@ -221,6 +221,11 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         if fresh:
             case = Engagement(scene, joint, clock.engagement * cell_of(scene), clock.touch)
             rates(y, clock.mode, case, work.stages[0])
+            there = clock.engagement >= engagements or clock.time >= end
+            if not there and room(y, work.stages[0], clock.mode, case)[0] < -_TOUCHED:
+                # a new pin may be off the wall of the one before, or in one already
+                _switch(y, clock, case)
+                continue
             prepare(y, clock.mode, case, work)
             _write(rows, n, clock, y, bare)
             work.span[0], n, fresh = 0.0, n + 1, False

@@ -43,7 +43,7 @@ _FARTHEST = 2.0
 """How many times longer a step may be than the one whose polynomial gives its first guess."""
 _EXACT = 0.01
 """Share of the tolerance that an iteration may leave."""
-_ROUNDING = 4e-16
+_ROUNDING = 2e-15
 _SLOW = 0.1
 """Speed [sqrt(torque/I_f)] below which the error is no longer relative."""
 
@@ -222,7 +222,7 @@ def attempt(y, h, mode, case, rtol, work):
     _invert(h, work)
     _guess(h, work)
     work.span[0] = 0.0
-    if not _solve(y, h, mode, case, max(_EXACT * rtol, _ROUNDING * swing) * scale, work):
+    if not _solve(y, h, mode, case, max(_EXACT * rtol, _ROUNDING) * scale, work):
         return np.inf
     for k in range(4, STATE):
         gain = 0.0
