@@ -210,6 +210,11 @@ def test_contact_summary_counts_what_the_motion_does():
     force = np.abs(motion.at(times).contact_force)
     assert found.force_max >= force.max() * (1.0 - 1e-9)
     assert found.force_max == pytest.approx(force.max(), rel=1e-3)
+    assert abs(motion.at(found.force_max_time).contact_force) == pytest.approx(found.force_max)
+    loose = esc.contact_summary(
+        esc.simulate(timer(play=1e-3, share=0.1, stiffness=1e5), 3, rtol=1e-7)
+    )
+    assert loose.impulses[:5] == pytest.approx(found.impulses[:5], rel=1e-4)
     assert found.counts.sum() == (found.impulses > 0.0).sum()
     assert found.bounces.min() > 0
     assert found.energy == pytest.approx(motion.ledger.blows, rel=1e-12)

@@ -96,13 +96,13 @@ class Rows:
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         return which, high, before > 0.0
 
-    def greatest(self, column: int) -> float:
-        """Greatest magnitude of a row of `samples`, refined in the best steps."""
+    def greatest(self, column: int) -> tuple[float, float]:
+        """Greatest magnitude of a row of `samples`, refined in the best steps, and its time."""
         values = np.abs(self.samples[column])
         which = np.argsort(values.max(axis=1))[-_CANDIDATES:]
         best, rows = values[which].argmax(axis=1), self.steps[which]
         low, high = self.table[rows, TIME], self.table[rows + 1, TIME]
-        found = float(values.max(initial=0.0))
+        found = when = 0.0
         for _ in range(_NARROWINGS):
             around = _SHARES[np.clip([best - 1, best + 1], 0, _SHARES.size - 1)]
             low, high = low + around * (high - low)
@@ -110,8 +110,10 @@ class Rows:
             nodes = self.at(np.tile(rows, _SHARES.size), times.reshape(-1))[column]
             magnitudes = np.abs(nodes).reshape(times.shape)
             best = magnitudes.argmax(axis=0)
-            found = max(found, float(magnitudes.max(initial=0.0)))
-        return found
+            place = np.unravel_index(int(magnitudes.argmax()), magnitudes.shape)
+            if magnitudes[place] >= found:
+                found, when = float(magnitudes[place]), float(times[place])
+        return found, when
 
 
 class CompliantTrajectory(Held):
@@ -231,8 +233,15 @@ class CompliantTrajectory(Held):
         return float(held[-1, -1] - held[0, 0]) * self.rows.escapement.torque_unit
 
     @cached_property
+    def hardest(self) -> tuple[float, float]:
+        """Greatest contact force [N], and when it acts [s]."""
+        force, time = self.rows.greatest(_FORCE)
+        own: Any = self.rows.escapement
+        return force * own.torque_unit / own.mechanism.crank_radius, time * self._clock
+
+    @cached_property
     def peaks(self) -> FloatArray:
         """Greatest magnitudes, as `metrics.find_peaks` asks for them; one column."""
         torque = self.rows.escapement.torque_unit
         units: FloatArray = np.array([self._clock**-2.0, self._clock**-2.0, torque, torque])
-        return (np.array([self.rows.greatest(k) for k in _PEAKS]) * units)[:, None]
+        return (np.array([self.rows.greatest(k)[0] for k in _PEAKS]) * units)[:, None]
