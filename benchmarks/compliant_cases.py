@@ -17,7 +17,7 @@ import numpy as np
 
 import escapement as esc
 from escapement.engines.contact.compliant.law import STATE
-from escapement.engines.contact.compliant.march import FIRST, MODE
+from escapement.engines.contact.compliant.march import FIRST, MODE, TIME
 
 RESULTS = Path(__file__).parent / "results"
 RADIUS, TORQUE = 0.01, 0.1
@@ -75,14 +75,18 @@ def depth_share(motion: esc.Motion) -> float:
     table, joint = rows.table, rows.joint
     states = table[:, FIRST : FIRST + STATE]
     sense, centre = own.scene.path.numbers[9], own.mechanism.centre_distance
-    across = sense * np.sin(sense * states[:, 0] - states[:, 1]) - centre * np.sin(states[:, 1])
-    depth = np.where(np.abs(table[:, MODE]) == 1, np.abs(across) - joint.play, -1.0)
-    beyond = np.abs(across)[table[:, MODE] == 0].max(initial=0.0) - joint.play
-    energy = 0.5 * (own.scene.rho * states[:, 2] ** 2 + states[:, 3] ** 2).max()
+    touching = np.abs(table[:, MODE]) == 1
+    theta, phi = states[table[:, MODE] == 0, :2].T
+    flying = sense * np.sin(sense * theta - phi) - centre * np.sin(phi)
+    # on a wall the second coordinate is the distance from the slot's middle line
+    across = np.append(np.abs(states[touching, 1]), np.abs(flying))
+    depth = across.max() - joint.play
+    turning = rows.at(rows.steps, table[rows.steps, TIME])
+    energy = 0.5 * (own.scene.rho * turning[1] ** 2 + turning[4] ** 2).max()
     energy += own.mechanism.cell_angle
     power, factor = (2.5, 0.4) if joint.hertz else (2.0, 0.5)
     most = (energy / (factor * joint.stiffness)) ** (1.0 / power)
-    return float(max(depth.max(), beyond) / most)
+    return float(depth / most)
 
 
 def row_of(seed: int, hard: bool) -> dict[str, object]:

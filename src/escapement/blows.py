@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -70,12 +70,13 @@ def contact_summary(motion: Motion, intervals: int = 20) -> ContactSummary:
         raise validate.fail("motion", "one of engine 'contact'", motion.engine, remedy)
     intervals = validate.integer("intervals", intervals, 1, "20 is a good choice", 10_000)
     force = np.abs(np.asarray(motion.contact_force))
-    peaks = getattr(motion.trajectory, "peaks", None)
-    crank: Any = motion.escapement.mechanism
-    top = float(force.max(initial=0.0))
-    if peaks is not None:
-        top = max(top, float(peaks[3].max()) / crank.crank_radius)
-    when = float(motion.t[int(force.argmax())]) if force.size else float("nan")
+    top, when = float(force.max(initial=0.0)), float("nan")
+    if force.size:
+        when = float(motion.t[int(force.argmax())])
+    hardest = getattr(motion.trajectory, "hardest", None)
+    if hardest is not None and force.size:
+        # a blow is shorter than the times of a motion lie apart
+        top, when = hardest
     struck = found.wall != 0.0
     wall, engagement = found.wall[struck], found.engagement[struck]
     again = (wall[1:] == wall[:-1]) & (engagement[1:] == engagement[:-1])

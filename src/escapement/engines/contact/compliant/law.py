@@ -1,15 +1,7 @@
 """The law of a pin between two walls that yield, with two degrees of freedom.
 
-In natural units, lengths in crank radii. The pin's centre C = c + beta exp(i beta theta) turns
-with the driver; e points outwards along the slot and n = i e ahead of it. With the follower
-angle phi, counted from where the slot lies on the line of centres, and gamma = beta theta - phi
-
-    D = n.C = beta sin(gamma) - c sin(phi),        R = e.C = beta cos(gamma) + c cos(phi)
-    D' = cos(gamma) theta_dot - R phi_dot          speed across the slot
-    d = s D - play                                 penetration of the wall s = +1 or -1
-    v = -sin(gamma) theta_dot + (D + s r_p) phi_dot - s beta r_p theta_dot        sliding speed
-
-The wall pushes the pin with
+With the coordinates of `slot`, in natural units, the wall s = +1 or -1 is pressed in by
+d = s D - play. It pushes the pin with
 
     N = k d + b d'  or, after Hunt and Crossley,  N = k d^1.5 (1 + chi d')
 
@@ -28,16 +20,15 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.drive import torque_after
+from escapement.engines.contact.compliant.slot import FREE, LOCKED, bend, place, slide, touches
 from escapement.jit import inner_jit
 from escapement.scene import Joint, Scene
 
 STATE = 12
-"""Numbers of a state: theta, phi, theta_dot, phi_dot, and since the start the work that the load
+"""Numbers of a state: theta, phi or D, their rates, and since the start the work that the load
 takes, what is lost in each of `dynamics.LOSSES` and in the walls, and the impulse of the walls."""
 LOAD, LOST, WALLS, IMPULSE = 4, 5, 10, 11
 """Places in it."""
-FREE, LOCKED = 0, 2
-"""Contact with none of the walls, and the follower locked in a dwell; +1 and -1 are the walls."""
 
 
 class Engagement(NamedTuple):
@@ -51,17 +42,6 @@ class Engagement(NamedTuple):
     joint: Joint
     turned: float
     touch: float
-
-
-@inner_jit
-def place(y, scene):
-    """D, R, sin(gamma), cos(gamma) and D' of a state."""
-    sense, centre = scene.path.numbers[9], 0.25 * abs(scene.path.numbers[2])
-    angle = sense * y[0] - y[1]
-    sine, cosine = np.sin(angle), np.cos(angle)
-    across = sense * sine - centre * np.sin(y[1])
-    radius = sense * cosine + centre * np.cos(y[1])
-    return across, radius, sine, cosine, cosine * y[2] - radius * y[3]
 
 
 @inner_jit
@@ -108,33 +88,24 @@ def resistance(speed, scene, least):
 
 
 @inner_jit
-def slide_of(y, side, scene):
-    """Sliding speed v of the contact point along the wall of a side."""
-    across, _radius, sine, _cosine, _speed = place(y, scene)
-    arm = side * scene.pin
-    return (across + arm) * y[3] - (sine + scene.path.numbers[9] * arm) * y[2]
-
-
-@inner_jit
 def rates(y, mode, case, out):
-    """Fill `out` with the derivative of a state by time; the result is the contact force N."""
+    """Fill `out` with the derivative of a state by time; the result is that of phi_dot."""
     scene, joint = case.scene, case.joint
     eps, mu, pin, sense = joint.slip, scene.mu_plus, scene.pin, scene.path.numbers[9]
-    driver, follower = y[2], y[3]
-    on_driver = on_follower = force = friction = reaction = slide = wall = 0.0
-    if abs(mode) == 1:
-        across, radius, sine, cosine, speed = place(y, scene)
+    at = place(y, mode, scene)
+    driver, follower = at.driver, at.follower
+    on_driver = on_follower = force = friction = reaction = sliding = wall = 0.0
+    if touches(mode):
         side = float(mode)
-        depth, rate, arm = side * across - joint.play, side * speed, side * pin
-        force = push(depth, rate, case)
-        slide = (across + arm) * follower - (sine + sense * arm) * driver
-        bent = mu * fading(slide, eps)
+        depth, rate, arm = side * at.across - joint.play, side * at.speed, side * pin
+        force, sliding = push(depth, rate, case), slide(at, side, scene)
+        bent = mu * fading(sliding, eps)
         friction = bent * force
         if scene.driver_journal + scene.follower_journal > 0.0:
             # the journals' numbers hold where the pin slides with full friction
             reaction = np.sqrt((1.0 + bent * bent) / (1.0 + mu * mu)) * force
-        on_driver = friction * (sine + sense * arm) - side * force * cosine
-        on_follower = side * force * radius - (across + arm) * friction
+        on_driver = friction * (at.sine + sense * arm) - side * force * at.cosine
+        on_follower = side * force * at.radius - (at.across + arm) * friction
         wall = (force - elastic(depth, joint)[0]) * rate
     pull = torque_after(case.turned + (y[0] - scene.edges[0]), scene)[0]
     at_driver = scene.bearing + scene.driver_journal * reaction
@@ -145,38 +116,37 @@ def rates(y, mode, case, out):
         at_follower, held = at_follower * turn, held * turn
     drag = (scene.driver_drag * abs(driver) + scene.driver_viscous) * driver
     air = (scene.follower_drag * abs(follower) + scene.follower_viscous) * follower
-    out[0], out[1] = driver, follower
-    out[2] = (pull + on_driver - at_driver - drag) / scene.rho
-    out[3] = on_follower - held - at_follower - air
-    if mode == LOCKED:
-        out[3] = 0.0
+    on_driver = (pull + on_driver - at_driver - drag) / scene.rho
+    on_follower = 0.0 if mode == LOCKED else on_follower - held - at_follower - air
+    out[0], out[1], out[2], out[3] = driver, y[3], on_driver, on_follower
+    if touches(mode):
+        out[3] = bend(at, on_driver, on_follower, scene)
     out[LOAD] = held * follower
-    out[LOST] = friction * slide
+    out[LOST] = friction * sliding
     out[LOST + 1] = at_driver * driver
     out[LOST + 2] = at_follower * follower
     out[LOST + 3] = drag * driver
     out[LOST + 4] = air * follower
     out[WALLS] = wall
     out[IMPULSE] = force
-    return force
+    return on_follower
 
 
 @inner_jit
-def _reach(y, out, side, case):
-    """How far a wall is from letting go, as a number with the sign of N, and its slope in time."""
-    scene, joint = case.scene, case.joint
-    across, radius, sine, cosine, speed = place(y, scene)
-    depth, rate = side * across - joint.play, side * speed
+def _reach(at, bending, side, case):
+    """How far a wall is from letting go, as a number with the sign of N, and its slope in time.
+
+    bending : D'' of the place.
+    """
+    joint = case.joint
+    depth, rate = side * at.across - joint.play, side * at.speed
     if rate >= 0.0 or depth < 0.0:
         return depth, rate
-    along = y[3] * across - sine * y[2]
-    turn = scene.path.numbers[9] * y[2] - y[3]
-    bend = side * (cosine * out[2] - sine * turn * y[2] - radius * out[3] - along * y[3])
     if joint.hertz:
         chi = chi_of(case)
-        return depth * (1.0 + chi * rate), rate * (1.0 + chi * rate) + depth * chi * bend
+        return depth * (1.0 + chi * rate), rate * (1.0 + chi * rate) + depth * chi * side * bending
     delay = joint.damping / joint.stiffness
-    return depth + delay * rate, rate + delay * bend
+    return depth + delay * rate, rate + delay * side * bending
 
 
 @inner_jit
@@ -187,34 +157,32 @@ def room(y, out, mode, case):
     """
     if mode == LOCKED:
         return 1.0, 0.0
+    at = place(y, mode, case.scene)
     if mode != FREE:
-        return _reach(y, out, float(mode), case)
-    ahead, behind = _reach(y, out, 1.0, case), _reach(y, out, -1.0, case)
+        return _reach(at, out[3], float(mode), case)
+    bending = bend(at, out[2], out[3], case.scene)
+    ahead, behind = _reach(at, bending, 1.0, case), _reach(at, bending, -1.0, case)
     nearest = ahead if ahead[0] > behind[0] else behind
     return -nearest[0], -nearest[1]
 
 
 @inner_jit
-def stiffest(y, mode, case):
-    """Frequency of the contact, and the fastest rate of decay that its damping gives."""
-    if abs(mode) != 1:
-        return 1.0, 0.0
-    scene, joint = case.scene, case.joint
-    across, radius, _sine, cosine, speed = place(y, scene)
-    lightness = radius * radius + cosine * cosine / scene.rho
-    stiffness, damping = joint.stiffness, joint.damping
+def frequency(y, mode, case):
+    """Frequency at which the pin swings on a wall's spring; 1 in flight."""
+    if not touches(mode):
+        return 1.0
+    joint, at = case.joint, place(y, mode, case.scene)
+    lightness = at.radius * at.radius + at.cosine * at.cosine / case.scene.rho
+    stiffness = joint.stiffness
     if joint.hertz:
-        depth = max(mode * across - joint.play, 0.0)
-        force = elastic(depth, joint)[0]
-        stiffness, damping = 1.5 * joint.stiffness * np.sqrt(depth), chi_of(case) * force
-        stiffness *= max(1.0 + chi_of(case) * mode * speed, 0.0)
-    return max(np.sqrt(stiffness * lightness), 1.0), damping * lightness
+        depth = max(mode * at.across - joint.play, 0.0)
+        stiffness *= 1.5 * np.sqrt(depth) * max(1.0 + chi_of(case) * mode * at.speed, 0.0)
+    return max(np.sqrt(stiffness * lightness), 1.0)
 
 
 @inner_jit
 def stored(y, mode, case):
     """Energy that a wall holds while the pin touches it."""
-    if abs(mode) != 1:
+    if not touches(mode):
         return 0.0
-    across = place(y, case.scene)[0]
-    return elastic(abs(across) - case.joint.play, case.joint)[1]
+    return elastic(abs(y[1]) - case.joint.play, case.joint)[1]

@@ -8,28 +8,37 @@ from typing import Any
 
 import numpy as np
 
-from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOCKED, LOST, WALLS
+from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
 from escapement.engines.contact.compliant.march import (
-    BENDS,
     CELL,
     FIRST,
     MODE,
+    SERIES,
     TIME,
     TOUCH,
 )
 from escapement.engines.contact.compliant.rows import TABLE, tabulate
+from escapement.engines.contact.compliant.slot import LOCKED
 from escapement.engines.contact.state import COLUMNS, OWN, every_loss, state_from
+from escapement.gauss import POINTS, WEIGHTS
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import State
 from escapement.scene import Joint
 from escapement.trajectory import Events, Extrema, Held, Impacts
 
-_HALVINGS = 50
-_SHARES = 9
+_HALVINGS, _NARROWINGS = 50, 10
+_SHARES = np.linspace(0.0, 1.0, 5)
+"""Places in each step at which extrema and changes of sign are looked for."""
 _RATE, _SLIDE, _PRESS, _HELD = 2, 13, 14, 15
 """Rows of a table: the driver's acceleration, sliding speed, speed of penetration,
 and energy that the walls hold."""
+_FORCE = 7
+_PEAKS = [_RATE, 5, 6, _FORCE]
+"""And both accelerations, moment and force."""
+_KEPT = [*_PEAKS, _SLIDE, _PRESS, _HELD]
+_CANDIDATES = 4
+"""Steps in which the greatest magnitude of a quantity is looked for; neighbours share an end."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +60,14 @@ class Rows:
         return found
 
     @cached_property
-    def ends(self) -> tuple[FloatArray, FloatArray]:
-        """What `at` gives at the start and at the end of each step, one-sided."""
+    def samples(self) -> dict[int, FloatArray]:
+        """Some rows of what `at` gives, each of shape (steps, shares); both ends are one-sided."""
         which, time = self.steps, self.table[:, TIME]
-        return self.at(which, time[which]), self.at(which, time[which + 1])
+        low, high = time[which], time[which + 1]
+        found = np.empty((len(_KEPT), which.size, _SHARES.size))
+        for k, share in enumerate(_SHARES):
+            found[:, :, k] = self.at(which, low + share * (high - low))[_KEPT]
+        return dict(zip(_KEPT, found, strict=True))
 
     @cached_property
     def steps(self) -> np.ndarray:
@@ -70,17 +83,37 @@ class Rows:
         starts = np.flatnonzero(new)
         return first[starts], first[np.append(starts[1:], first.size) - 1] + 1
 
-    def roots(self, column: int, wanted: np.ndarray) -> tuple[np.ndarray, FloatArray]:
-        """Steps within which a column of the table changes its sign, and when."""
-        before, behind = (end[column] for end in self.ends)
-        found = np.flatnonzero((before * behind < 0.0) & wanted)
-        which = self.steps[found]
-        low, high = (self.table[which + k, TIME].copy() for k in (0, 1))
+    def roots(self, column: int) -> tuple[np.ndarray, FloatArray, np.ndarray]:
+        """Steps within which a row of `samples` changes its sign, when, and whether it falls."""
+        values = self.samples[column]
+        step, place = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
+        which, before = self.steps[step], values[step, place]
+        start, end = self.table[which, TIME], self.table[which + 1, TIME]
+        low, high = (start + _SHARES[place + k] * (end - start) for k in (0, 1))
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            same = self.at(which, middle)[column] * before[found] > 0.0
+            same = self.at(which, middle)[column] * before > 0.0
             low, high = np.where(same, middle, low), np.where(same, high, middle)
-        return which, high
+        return which, high, before > 0.0
+
+    def greatest(self, column: int) -> tuple[float, float]:
+        """Greatest magnitude of a row of `samples`, refined in the best steps, and its time."""
+        values = np.abs(self.samples[column])
+        which = np.argsort(values.max(axis=1))[-_CANDIDATES:]
+        best, rows = values[which].argmax(axis=1), self.steps[which]
+        low, high = self.table[rows, TIME], self.table[rows + 1, TIME]
+        found = when = 0.0
+        for _ in range(_NARROWINGS):
+            around = _SHARES[np.clip([best - 1, best + 1], 0, _SHARES.size - 1)]
+            low, high = low + around * (high - low)
+            times = low + _SHARES[:, None] * (high - low)
+            nodes = self.at(np.tile(rows, _SHARES.size), times.reshape(-1))[column]
+            magnitudes = np.abs(nodes).reshape(times.shape)
+            best = magnitudes.argmax(axis=0)
+            place = np.unravel_index(int(magnitudes.argmax()), magnitudes.shape)
+            if magnitudes[place] >= found:
+                found, when = float(magnitudes[place]), float(times[place])
+        return found, when
 
 
 class CompliantTrajectory(Held):
@@ -94,7 +127,7 @@ class CompliantTrajectory(Held):
         self.engagement: np.ndarray = table[first, CELL].astype(int)
         mode = table[first, MODE]
         self.sign: FloatArray = np.where(mode == LOCKED, 0.0, mode)
-        gained = (table[last, FIRST:BENDS] - table[first, FIRST:BENDS]).T
+        gained = (table[last, FIRST:SERIES] - table[first, FIRST:SERIES]).T
         self.losses: FloatArray = every_loss(gained[LOST : LOST + len(OWN)] * torque)
         self.load_work: FloatArray = gained[LOAD] * torque
 
@@ -130,9 +163,8 @@ class CompliantTrajectory(Held):
     @cached_property
     def extrema(self) -> Extrema:
         """Extrema of the driver speed, with those at corners where a wall is touched."""
-        before, behind = (end[_RATE] for end in self.rows.ends)
-        which, time = self.rows.roots(_RATE, np.full(before.size, True))
-        top = before[np.searchsorted(self.rows.steps, which)] > 0.0
+        which, time, top = self.rows.roots(_RATE)
+        before, behind = self.rows.samples[_RATE][:, 0], self.rows.samples[_RATE][:, -1]
         corners = np.flatnonzero(behind[:-1] * before[1:] < 0.0)
         edge = self.rows.steps[corners + 1]
         which, time = np.append(which, edge), np.append(time, self.rows.table[edge, TIME])
@@ -144,8 +176,9 @@ class CompliantTrajectory(Held):
     @cached_property
     def slide_changes(self) -> Events:
         """Where the contact point changes its sense of sliding on a wall."""
-        held = np.abs(self.rows.table[self.rows.steps, MODE]) == 1.0
-        return Events(*self._events(*self.rows.roots(_SLIDE, held)))
+        which, time, _falls = self.rows.roots(_SLIDE)
+        held = np.abs(self.rows.table[which, MODE]) == 1.0
+        return Events(*self._events(which[held], time[held]))
 
     @cached_property
     def impacts(self) -> Impacts:
@@ -174,40 +207,41 @@ class CompliantTrajectory(Held):
 
     def _compressions(self, at: np.ndarray) -> FloatArray:
         """Impulse of the wall from each of these rows to the deepest penetration."""
-        rows, steps = self.rows, self.rows.steps
-        press, mode = rows.ends[1][_PRESS], rows.table[steps, MODE]
-        turns = np.flatnonzero((press <= 0.0) | (mode == 0.0) | (mode == LOCKED))
-        here = np.searchsorted(steps, at)
-        place = np.searchsorted(turns, here)
-        ends = steps[np.append(turns, steps.size - 1)[place]]
-        ends = np.where(rows.table[ends, MODE] == 0.0, ends, ends + 1)
-        impulse = rows.table[:, FIRST + IMPULSE]
-        found: FloatArray = np.maximum(impulse[ends] - impulse[at], 0.0)
-        return found
+        rows, table = self.rows, self.rows.table
+        mode, impulse = table[:, MODE], table[:, FIRST + IMPULSE]
+        which, time, falls = rows.roots(_PRESS)
+        deepest = falls & (np.abs(mode[which]) == 1.0)
+        which, time = which[deepest], time[deepest]
+        start = table[which, TIME]
+        times = start + 0.5 * (POINTS[:, None] + 1.0) * (time - start)
+        forces = np.abs(rows.at(np.tile(which, POINTS.size), times.reshape(-1))[_FORCE])
+        part = 0.5 * (time - start) * (WEIGHTS @ forces.reshape(times.shape))
+        # a contact may end before its deepest penetration
+        first = rows.pieces[0]
+        ends = np.append(first[np.abs(mode[first]) != 1.0], mode.size - 1)
+        places = np.append(which, ends)
+        order = np.argsort(places, kind="stable")
+        reached = np.append(impulse[which] + part, impulse[ends])[order]
+        found: FloatArray = reached[np.searchsorted(places[order], at)] - impulse[at]
+        pressed = rows.samples[_PRESS][np.searchsorted(rows.steps, at), 0] >= 0.0
+        return np.where(pressed, found, 0.0)
 
     @property
     def elastic(self) -> float:
         """Energy that the walls hold at the end, less that at the start [J]."""
-        before, behind = (end[_HELD] for end in self.rows.ends)
-        return float(behind[-1] - before[0]) * self.rows.escapement.torque_unit
+        held = self.rows.samples[_HELD]
+        return float(held[-1, -1] - held[0, 0]) * self.rows.escapement.torque_unit
+
+    @cached_property
+    def hardest(self) -> tuple[float, float]:
+        """Greatest contact force [N], and when it acts [s]."""
+        force, time = self.rows.greatest(_FORCE)
+        own: Any = self.rows.escapement
+        return force * own.torque_unit / own.mechanism.crank_radius, time * self._clock
 
     @cached_property
     def peaks(self) -> FloatArray:
         """Greatest magnitudes, as `metrics.find_peaks` asks for them; one column."""
-        rows, time = self.rows, self.rows.table[:, TIME]
-        torque, found = rows.escapement.torque_unit, []
-        for quantity in (2, 5, 6, 7):
-            which, low, high = rows.steps, time[rows.steps], time[rows.steps + 1]
-            for _ in range(3):
-                share = np.linspace(0.0, 1.0, _SHARES)
-                times = low[:, None] + share * (high - low)[:, None]
-                values = np.abs(rows.at(np.repeat(which, _SHARES), times.reshape(-1))[quantity])
-                best = int(values.argmax())
-                step, place = divmod(best, _SHARES)
-                which = which[step : step + 1]
-                ends = np.clip([place - 1, place + 1], 0, _SHARES - 1)
-                low, high = times[step, ends[:1]], times[step, ends[1:]]
-            found.append(values.max())
-        units = (self._clock**-2.0, self._clock**-2.0, torque, torque)
-        tops: FloatArray = np.array(found)[:, None] * np.array(units)[:, None]
-        return tops
+        torque = self.rows.escapement.torque_unit
+        units: FloatArray = np.array([self._clock**-2.0, self._clock**-2.0, torque, torque])
+        return (np.array([self.rows.greatest(k)[0] for k in _PEAKS]) * units)[:, None]

@@ -1,0 +1,252 @@
+"""One step of the Radau IIA method of five stages, of order 9, for two coordinates.
+
+The accelerations F_i at the nodes c_i of a step h are those of the law at the states to which
+they lead,
+
+    V_i = v + h sum_j a_ij F_j,        Q_i = q + h sum_j a_ij V_j.
+
+Newton's method finds them, with the Jacobian of the start. The eigenvalues lambda of the
+matrix a_ij part its equations into pairs, of 1 - h lambda J_v - (h lambda)^2 J_q. The method is
+L-stable: neither a hard wall, its damping nor friction that sticks makes a step short. The error is
+that of an embedded method of order 5, h gamma (f - P(0)): P is the polynomial through the
+F_i and f the acceleration at the start. Between both ends P is the acceleration.
+
+Source: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.5 and IV.8.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from escapement.engines.contact.compliant.law import LOST, STATE, WALLS, frequency, rates
+from escapement.jit import inner_jit
+
+STAGES = 5
+_POINTS = legendre.legroots([*[0.0] * (STAGES - 1), -1.0, 1.0])
+NODES = 0.5 * (_POINTS + 1.0)
+POWERS = np.linalg.inv(np.vander(NODES, STAGES, increasing=True))
+"""From values at the nodes to the coefficients of the powers of the polynomial through them."""
+MATRIX = np.vander(NODES, STAGES + 1, increasing=True)[:, 1:] / np.arange(1.0, STAGES + 1) @ POWERS
+_values, _vectors = np.linalg.eig(MATRIX)
+_kept = np.argsort(_values.imag)[STAGES // 2 :]
+ROOTS = _values[_kept]
+"""The real eigenvalue, and one of each conjugate pair."""
+GAMMA = float(ROOTS[0].real)
+APART = np.ascontiguousarray(np.linalg.inv(_vectors)[_kept])
+TOGETHER = _vectors[:, _kept] * np.array([1.0, *[2.0] * (STAGES // 2)])
+"""From values at the nodes to their parts by eigenvectors, and (the real part) back."""
+
+_MOST_ITERATIONS = 8
+_FARTHEST = 2.0
+"""How many times longer a step may be than the one whose polynomial gives its first guess."""
+_EXACT = 0.01
+"""Share of the tolerance that an iteration may leave."""
+_ROUNDING = 2e-15
+_SLOW = 0.1
+"""Speed [sqrt(torque/I_f)] below which the error is no longer relative."""
+
+
+class Work(NamedTuple):
+    """What a step fills in.
+
+    stages : shape (1 + STAGES, STATE), rates at the start, which must be there, and at the nodes.
+    end : the state behind the step.
+    flow : shape (STAGES, 2), F. series : its polynomial P, by powers of the time over `span`.
+    span : length of the step whose polynomial that is, and where in it the next step starts;
+        a length of 0 where there is none.
+    spare, parts : of an iteration. slopes : shape (2, 4), J. inverses : of the small matrices.
+    """
+
+    stages: NDArray[np.float64]
+    end: NDArray[np.float64]
+    flow: NDArray[np.float64]
+    series: NDArray[np.float64]
+    span: NDArray[np.float64]
+    spare: NDArray[np.float64]
+    parts: NDArray[np.complex128]
+    slopes: NDArray[np.float64]
+    inverses: NDArray[np.complex128]
+
+
+@inner_jit(allocates=True)
+def workspace():
+    """Room for a step."""
+    pairs = ROOTS.size
+    return Work(
+        np.empty((1 + STAGES, STATE)), np.empty(STATE), np.empty((STAGES, 2)),
+        np.empty((STAGES, 2)), np.zeros(2), np.empty((STAGES, 2)),
+        np.empty((pairs, 2), np.complex128), np.empty((2, 4)), np.empty((pairs, 4), np.complex128),
+    )  # fmt: skip
+
+
+@inner_jit
+def prepare(y, mode, case, work):
+    """Put the Jacobian of a state, whose rates are known, into `work`."""
+    start, probe, found = work.stages[0], work.end, work.stages[1]
+    for k in range(4):
+        probe[0], probe[1], probe[2], probe[3] = y[0], y[1], y[2], y[3]
+        probe[k] += 1e-9 if k < 2 else 1e-9 + 1e-3 * case.joint.slip
+        rates(probe, mode, case, found)
+        for i in range(2):
+            work.slopes[i, k] = (found[2 + i] - start[2 + i]) / (probe[k] - y[k])
+
+
+@inner_jit
+def _invert(h, work):
+    """Put the inverses of the small matrices of a step into `work`."""
+    slopes, inverses = work.slopes, work.inverses
+    for m in range(ROOTS.size):
+        g = h * ROOTS[m]
+        a = 1.0 - g * (slopes[0, 2] + g * slopes[0, 0])
+        b = -g * (slopes[0, 3] + g * slopes[0, 1])
+        c = -g * (slopes[1, 2] + g * slopes[1, 0])
+        d = 1.0 - g * (slopes[1, 3] + g * slopes[1, 1])
+        over = 1.0 / (a * d - b * c)
+        inverses[m, 0], inverses[m, 1] = d * over, -b * over
+        inverses[m, 2], inverses[m, 3] = -c * over, a * over
+
+
+@inner_jit
+def _guess(h, work):
+    """First guess of F: the polynomial of the step before, or the acceleration at the start."""
+    flow, series, ratio = work.flow, work.series, h / work.span[0]
+    for k in range(2):
+        for i in range(STAGES):
+            flow[i, k] = work.stages[0, 2 + k]
+            if ratio <= _FARTHEST:
+                x = work.span[1] + NODES[i] * ratio
+                value = 0.0
+                for power in range(STAGES - 1, -1, -1):
+                    value = value * x + series[power, k]
+                flow[i, k] = value
+
+
+@inner_jit
+def _evaluate(y, h, mode, case, work):
+    """Rates at the nodes that F leads to; the last node is the end of the step."""
+    stages, flow, end = work.stages, work.flow, work.end
+    for i in range(STAGES):
+        v = w = 0.0
+        for j in range(STAGES):
+            v += MATRIX[i, j] * flow[j, 0]
+            w += MATRIX[i, j] * flow[j, 1]
+        work.spare[i, 0], work.spare[i, 1] = y[2] + h * v, y[3] + h * w
+    for i in range(STAGES):
+        p = q = 0.0
+        for j in range(STAGES):
+            p += MATRIX[i, j] * work.spare[j, 0]
+            q += MATRIX[i, j] * work.spare[j, 1]
+        end[0], end[1] = y[0] + h * p, y[1] + h * q
+        end[2], end[3] = work.spare[i, 0], work.spare[i, 1]
+        rates(end, mode, case, stages[1 + i])
+
+
+@inner_jit
+def _correct(work):
+    """Take one step of Newton's; the result is the greatest change of F."""
+    inverses, parts = work.inverses, work.parts
+    for m in range(ROOTS.size):
+        one = two = 0.0j
+        for j in range(STAGES):
+            one += APART[m, j] * (work.stages[1 + j, 2] - work.flow[j, 0])
+            two += APART[m, j] * (work.stages[1 + j, 3] - work.flow[j, 1])
+        parts[m, 0] = inverses[m, 0] * one + inverses[m, 1] * two
+        parts[m, 1] = inverses[m, 2] * one + inverses[m, 3] * two
+    most = 0.0
+    for i in range(STAGES):
+        for k in range(2):
+            change = 0.0
+            for m in range(ROOTS.size):
+                change += (TOGETHER[i, m] * parts[m, k]).real
+            work.flow[i, k] += change
+            # a change that is no number is the greatest
+            most = most if abs(change) <= most else abs(change)
+    return most
+
+
+@inner_jit
+def _solve(y, h, mode, case, enough, work):
+    """Find F to a speed of `enough`; the result says whether it was found."""
+    last = 0.0
+    for iteration in range(_MOST_ITERATIONS):
+        _evaluate(y, h, mode, case, work)
+        change = h * _correct(work)
+        if change <= 0.1 * enough:
+            break
+        if iteration > 0:
+            rate = change / last
+            if not rate < 1.0:
+                return change <= enough
+            if change * rate <= enough * (1.0 - rate):
+                break
+        last = change
+    else:
+        return False
+    _evaluate(y, h, mode, case, work)
+    return True
+
+
+@inner_jit
+def _short(k, work):
+    """By how much the rate of a number at the start lies above the polynomial of a step."""
+    found = work.stages[0, k]
+    for j in range(STAGES):
+        found -= POWERS[0, j] * work.stages[1 + j, k]
+    return found
+
+
+@inner_jit
+def _error(h, swing, scale, work):
+    """Error of a step in speeds, angles by the frequency `swing`, and energy by the speed."""
+    g, slopes, inverses = h * GAMMA, work.slopes, work.inverses
+    p, q, v, w = g * _short(0, work), g * _short(1, work), g * _short(2, work), g * _short(3, work)
+    v += g * (slopes[0, 0] * p + slopes[0, 1] * q)
+    w += g * (slopes[1, 0] * p + slopes[1, 1] * q)
+    # the matrix of the step keeps what is stiff from counting
+    v, w = (
+        inverses[0, 0].real * v + inverses[0, 1].real * w,
+        inverses[0, 2].real * v + inverses[0, 3].real * w,
+    )
+    p, q = swing * (p + g * v), swing * (q + g * w)
+    lost, walls = g * _short(LOST, work) / scale, g * _short(WALLS, work) / scale
+    return np.sqrt((p * p + q * q + v * v + w * w + lost * lost + walls * walls) / 6.0)
+
+
+@inner_jit
+def attempt(y, h, mode, case, rtol, work):
+    """Take a step to `work.end`; the result is the error over the tolerance, inf if it fails."""
+    scale = _SLOW + max(abs(y[2]), abs(y[3]))
+    swing = frequency(y, mode, case)
+    _invert(h, work)
+    _guess(h, work)
+    work.span[0] = 0.0
+    if not _solve(y, h, mode, case, max(_EXACT * rtol, _ROUNDING) * scale, work):
+        return np.inf
+    for k in range(4, STATE):
+        gain = 0.0
+        for i in range(STAGES):
+            gain += MATRIX[STAGES - 1, i] * work.stages[1 + i, k]
+        work.end[k] = y[k] + h * gain
+    for power in range(STAGES):
+        for k in range(2):
+            value = 0.0
+            for j in range(STAGES):
+                value += POWERS[power, j] * work.flow[j, k]
+            work.series[power, k] = value
+    work.span[0], work.span[1] = h, 0.0
+    error = _error(h, swing, scale, work) / (rtol * scale)
+    return error if error == error else np.inf
+
+
+@inner_jit
+def within(x, h, start, series, y):
+    """Fill y[:4] with the state at the share x of a step of length h from the row's state."""
+    for k in range(2):
+        speed = way = 0.0
+        for power in range(STAGES - 1, -1, -1):
+            speed = speed * x + series[2 * power + k] / (power + 1)
+            way = way * x + series[2 * power + k] / ((power + 1) * (power + 2))
+        y[2 + k] = start[2 + k] + h * x * speed
+        y[k] = start[k] + h * x * (start[2 + k] + h * x * way)

@@ -1,0 +1,100 @@
+"""Where a pin is in its slot, from either pair of coordinates.
+
+In natural units, lengths in crank radii. The pin's centre C = c + beta exp(i beta theta) turns
+with the driver; e points outwards along the slot and n = i e ahead of it. With the follower
+angle phi, counted from where the slot lies on the line of centres, and gamma = beta theta - phi
+
+    D = n.C = beta sin(gamma) - c sin(phi),        R = e.C = beta cos(gamma) + c cos(phi)
+    D' = cos(gamma) theta_dot - R phi_dot          speed across the slot
+    v = -sin(gamma) theta_dot + (D + s r_p) phi_dot - s beta r_p theta_dot        sliding speed
+
+In flight the state holds phi and phi_dot. While the pin touches a wall it holds D and D' in their
+place: the force of a hard wall follows from them without a loss of digits, and the wall stays
+where it is in them. There
+
+    exp(i gamma) = (c cos(theta) + beta + i beta c sin(theta)) (R + i D)/|C|^2
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.jit import inner_jit
+
+FREE, LOCKED = 0, 2
+"""Contact with none of the walls, and the follower locked in a dwell; +1 and -1 are the walls."""
+
+
+class Place(NamedTuple):
+    """D, R, sin(gamma), cos(gamma), D', theta_dot and phi_dot."""
+
+    across: float
+    radius: float
+    sine: float
+    cosine: float
+    speed: float
+    driver: float
+    follower: float
+
+
+@inner_jit
+def _centres(scene):
+    """beta, and the distance c of the centres."""
+    return scene.path.numbers[9], 0.25 * abs(scene.path.numbers[2])
+
+
+@inner_jit
+def touches(mode):
+    """Whether the pin touches a wall."""
+    return mode == 1 or mode == -1
+
+
+@inner_jit
+def place(y, mode, scene):
+    """The place of a state."""
+    sense, centre = _centres(scene)
+    if touches(mode):
+        across, sine, cosine = y[1], np.sin(y[0]), np.cos(y[0])
+        square = 1.0 + centre * (centre + 2.0 * sense * cosine)
+        radius = np.sqrt(square - across * across)
+        p, q = (centre * cosine + sense) / square, sense * centre * sine / square
+        sine, cosine = p * across + q * radius, p * radius - q * across
+        follower = (cosine * y[2] - y[3]) / radius
+        return Place(across, radius, sine, cosine, y[3], y[2], follower)
+    angle = sense * y[0] - y[1]
+    sine, cosine = np.sin(angle), np.cos(angle)
+    across = sense * sine - centre * np.sin(y[1])
+    radius = sense * cosine + centre * np.cos(y[1])
+    return Place(across, radius, sine, cosine, cosine * y[2] - radius * y[3], y[2], y[3])
+
+
+@inner_jit
+def to_slot(y, scene):
+    """Put D and D' in the place of phi and phi_dot."""
+    at = place(y, FREE, scene)
+    y[1], y[3] = at.across, at.speed
+
+
+@inner_jit
+def to_angle(y, scene):
+    """Put phi and phi_dot in the place of D and D'."""
+    sense, centre = _centres(scene)
+    at = place(y, 1, scene)
+    direction = np.arctan2(np.sin(y[0]), centre + sense * np.cos(y[0]))
+    y[1], y[3] = direction - np.arctan2(at.across, at.radius), at.follower
+
+
+@inner_jit
+def slide(at, side, scene):
+    """Sliding speed v of the contact point along the wall of a side."""
+    arm = side * scene.pin
+    return (at.across + arm) * at.follower - (at.sine + scene.path.numbers[9] * arm) * at.driver
+
+
+@inner_jit
+def bend(at, on_driver, on_follower, scene):
+    """D'' from the accelerations of driver and follower."""
+    along = at.follower * at.across - at.sine * at.driver
+    turn = scene.path.numbers[9] * at.driver - at.follower
+    inertial = at.sine * turn * at.driver + along * at.follower
+    return at.cosine * on_driver - at.radius * on_follower - inertial
