@@ -68,7 +68,7 @@ def stall_message(angle: float, engagement: int, status: Status = Status.STALL) 
     """Message of a motion that stops at `angle` [rad] of an engagement, counted from 0."""
     spent = status is Status.SPENT
     place = f"{np.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
-    reason = "the spring is spent" if spent else "the drive cannot carry the load torque"
+    reason = "the spring is spent" if spent else "the drive cannot carry the load and losses"
     return f"the mechanism {'stops' if spent else 'stalls'} {place}: {reason}"
 
 
