@@ -1,13 +1,14 @@
 """How exact the derivatives of `escapement.sensitivities` are.
 
 ``python benchmarks/sensitivity_accuracy.py [DESIGNS]`` compares them with differences of the
-figures over random designs (Richardson's extrapolation, steps of 1, 0.1 and 0.01 % of the number,
-of which the most consistent counts), and in ten designs with differences of figures computed to
-34 digits. It writes the worst error of each figure, relative to the figure over the number, to
-``results/sensitivity_accuracy.csv``.
+figures over random designs (Richardson's extrapolation, with steps that fall from 1 % of the number
+until its own error estimate is least), and in ten designs with differences of figures computed to
+34 digits. It writes the worst error of each figure, relative to the figure over the number, and
+the estimated error of the difference there to ``results/sensitivity_accuracy.csv``.
 """
 
 import csv
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,10 @@ from escapement.tolerance.law import numbers_of
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "sensitivity_accuracy.csv"
 FOLLOWER = 5e-6
+SHARES = tuple(0.01 * 4.0**-k for k in range(9))
+"""Steps of differences, as shares of the number."""
+ROUNDING = 1e-15
+"""Share of a figure that is taken for rounding."""
 LENGTHS = ("crank_radius", "pin_radius", "centre_distance_error")
 
 
@@ -58,9 +63,13 @@ def random_design(random):
 
 
 def richardson(timer, name, figures, value):
-    """Derivatives of figures by differences, and by how much their extrapolations disagree."""
+    """Derivatives of figures by differences, and by how much each may be wrong.
+
+    Steps fall until the estimate of the error grows again: that is how far two extrapolations
+    disagree, and what rounding of the figures may do. A step that reaches over a corner disagrees.
+    """
     best = {}
-    for share in (1e-2, 1e-3, 1e-4):
+    for share in SHARES:
         step = share * abs(value)
         at = {k: esc.terminal(with_number(timer, name, value + k * step)).as_dict()
               for k in (-4, -2, -1, 1, 2, 4)}  # fmt: skip
@@ -68,34 +77,36 @@ def richardson(timer, name, figures, value):
             one, two, four = ((at[k][figure] - at[-k][figure]) / (2 * k * step) for k in (1, 2, 4))
             fine, rough = (4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0
             found = (16.0 * fine - rough) / 15.0
-            doubt = abs(found - fine)
-            if figure not in best or doubt < best[figure][1]:
+            doubt = abs(found - fine) + ROUNDING * abs(at[1][figure]) / step
+            if not doubt >= best.get(figure, (0.0, math.inf))[1]:
                 best[figure] = found, doubt
     return best
 
 
 def compare(count):
-    """The worst disagreement of each figure over random designs."""
-    worst, random = {}, Random(28)
+    """The worst disagreement of each figure over random designs, and the doubt of its judge."""
+    worst, random, designs, pairs = {}, Random(28), 0, 0
     for case in range(count):
         timer = random_design(random)
         try:
             exact = esc.sensitivities(timer)
         except ValueError:
             continue
+        designs += 1
         numbers = {name: value for name, value in numbers_of(timer).items() if value}
         values = exact.figures.as_dict()
         for name in random.sample(sorted(numbers), min(3, len(numbers))):
-            for figure, (found, _) in richardson(
-                timer, name, exact.absolute, numbers[name]
-            ).items():
+            judged = richardson(timer, name, exact.absolute, numbers[name])
+            for figure, (found, doubt) in judged.items():
                 if not values[figure]:
                     continue
-                error = abs(exact.absolute[figure][name] - found)
-                error *= abs(numbers[name] / values[figure])
-                if error > worst.get(figure, (-1.0,))[0]:
-                    worst[figure] = error, case, name
+                pairs += 1
+                scale = abs(numbers[name] / values[figure])
+                error = scale * abs(exact.absolute[figure][name] - found)
+                if not error <= worst.get(figure, (-1.0,))[0]:
+                    worst[figure] = error, scale * doubt, case, name
         print(case, file=sys.stderr)
+    print(f"{designs} designs with a cycle, {pairs} derivatives", file=sys.stderr)
     return worst
 
 
@@ -133,13 +144,15 @@ def in_34_digits(count=10):
 def main():
     """Compare, print and write."""
     designs = int((sys.argv[1:] or ["300"])[0])
-    rows = [(name, f"{x:.2e}", case, by) for name, (x, case, by) in compare(designs).items()]
-    rows += [
-        (f"{name}, against 34 digits", f"{x:.2e}", "", "") for name, x in in_34_digits().items()
+    rows = [
+        (name, f"{x:.2e}", f"{y:.2e}", *more) for name, (x, y, *more) in compare(designs).items()
     ]
+    exact = in_34_digits().items()
+    rows += [(f"{name}, against 34 digits", f"{x:.2e}", "", "", "") for name, x in exact]
     with RESULTS.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([("figure", "worst_error", "design", "number"), *rows])
+        head = ("figure", "worst_error", "error_of_difference", "design", "number")
+        writer.writerows([head, *rows])
     for row in rows:
         print(*row)
 

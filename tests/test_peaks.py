@@ -65,6 +65,28 @@ def test_the_greatest_force_goes_with_the_crank():
     assert forces[1e-300] == pytest.approx(forces[1e-2], rel=1e-12)
 
 
+UNEQUAL = {"slot_angle_errors": (2e-4, 1e-4, 5e-4, -3e-4, -2e-4), "centre_distance_error": 5e-6}
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@pytest.mark.parametrize("wheel", [{"slots": 6, "pins": 3}, {"slots": 5, **UNEQUAL}])
+def test_the_follower_bearing_rubs_one_way_up_to_the_ends_of_a_piece(wheel, engine):
+    """At pin entry g is zero, where rounding must not choose the way of its friction."""
+    timer = esc.Escapement(
+        *(esc.Geneva(**wheel, crank_radius=0.01, pin_radius=5e-4), esc.Inertia(4e-7, 5e-6), 0.01),
+        **{"friction": 0.2, "follower_bearing_friction": 0.2, "follower_bearing_radius": 1e-3},
+    )
+    figures = esc.terminal(timer, engine=engine, rtol=1e-12)
+    shares = np.concatenate([[0.0, 1e-9], np.linspace(1e-3, 0.999, 5000), [1.0 - 1e-9, 1.0]])
+    motion, forces = figures.motion, []
+    for piece, (start, end) in enumerate(pairwise([*motion.trajectory.start, motion.end_time])):
+        times = start + (end - start) * shares
+        forces.append(np.abs(motion.within(np.full(times.size, piece), times).contact_force))
+    jumps = np.abs(np.diff(forces, axis=1)[:, [0, -1]])
+    assert jumps.max() < 1e-6 * figures.contact_force_max
+    assert figures.contact_force_max == pytest.approx(np.max(forces), rel=1e-6)
+
+
 TRUTH = {"engine": "ivp", "rtol": 1e-12}
 # a wheel, and friction over its Painleve limit: enough to settle within six engagements
 SCENES = {

@@ -245,7 +245,7 @@ def law(drive, theta, speed, side, engagement=0):
     """The package's rows at one state, in SI but for X: acceleration, N, losses, and X."""
     w = np.array([(speed * drive.time_unit) ** 2])
     table, losses = np.empty((5, 1)), np.empty((1 + len(dynamics.LOSSES), 1))
-    place = drive.scenes[engagement], np.array([theta]), np.zeros(1), w, side
+    place = drive.scenes[engagement], np.array([theta]), *np.zeros((2, 1)), w, side
     tabulation.tabulate(*place, table)
     tabulation.tabulate_losses(*place, losses)
     own = dynamics.LOSSES[:5]  # there are no trains

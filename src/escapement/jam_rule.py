@@ -118,7 +118,7 @@ def jam_rule(escapement: Escapement) -> JamCycle:
 def _at(scene: Any, theta: float, speed: float, side: float) -> tuple[float, float]:
     """Driver acceleration and X."""
     found = np.empty((5, 1))
-    tabulate(scene, np.array([theta]), np.zeros(1), np.array([speed * speed]), side, found)
+    tabulate(scene, np.array([theta]), *np.zeros((2, 1)), np.array([speed * speed]), side, found)
     return float(found[2, 0]), float(found[4, 0])
 
 

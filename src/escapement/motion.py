@@ -67,7 +67,7 @@ def stall_message(angle: float, engagement: int, status: Status = Status.STALL) 
     """Message of a motion that stops at `angle` [rad] of an engagement, counted from 0."""
     spent = status is Status.SPENT
     place = f"{np.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
-    reason = "the spring is spent" if spent else "the drive cannot carry the load torque"
+    reason = "the spring is spent" if spent else "the drive cannot carry the load and losses"
     return f"the mechanism {'stops' if spent else 'stalls'} {place}: {reason}"
 
 
@@ -215,10 +215,13 @@ class Motion(Shown):
         if whole := getattr(self.trajectory, "states_at", None):
             return whole(pieces, times)  # type: ignore[no-any-return]
         escapement, clock = self.escapement, self.escapement.time_unit
-        mechanism, owners = escapement.mechanism, pieces.reshape(-1)
-        theta, speed = trajectory.states(owners, times.reshape(-1))
+        mechanism, owners, flat = escapement.mechanism, pieces.reshape(-1), times.reshape(-1)
+        theta, speed = trajectory.states(owners, flat)
         engagement, sign = trajectory.engagement[owners], trajectory.sign[owners]
         turned = escapement.turned_before(engagement) + np.zeros(theta.size)
+        # of the ends of a piece that of which a time is nearer
+        since, until = np.append(trajectory.start, self.end_time)[[owners, owners + 1]]
+        ahead = np.where(flat - since <= until - flat, 1.0, -1.0)
         g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
         losses = np.zeros((1 + len(LOSSES), theta.size))
         phi, late = engagement * mechanism.follower_step, np.zeros(theta.size)
@@ -233,8 +236,9 @@ class Motion(Shown):
                 angles, w = theta[held], (speed[held] * clock) ** 2
                 part = np.empty((len(table), angles.size))
                 lost = np.empty((len(losses), angles.size))
-                tabulate(scene, angles, turned[held], w, side, part)
-                tabulate_losses(scene, angles, turned[held], w, side, lost)
+                places = (scene, angles, ahead[held], turned[held], w, side)
+                tabulate(*places, part)
+                tabulate_losses(*places, lost)
                 table[:, held], losses[:, held] = part, lost
         moment *= escapement.torque_unit
         rate /= clock**2

@@ -99,15 +99,21 @@ def margin(theta, scene):
     return (scene.rho + g * g) * lever - abs(g) * lost
 
 
+@inner_jit
+def least_lever(scene, exit_):
+    """Least lever of the contact force on the side s = +1, over the engagement that ends there."""
+    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
+    arm = scene.pin + abs(scene.path.numbers[10])
+    return radius - scene.mu_plus * arm - scene.follower_journal
+
+
 @jit
 def least_margin(scene, low, high):
     """Least `margin` between two driver angles, or the other side's lever arm if that is < 0.
 
     The minimum is bracketed on an even grid and found by golden section.
     """
-    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, scene.edges[-1])[3])
-    arm = scene.pin + abs(scene.path.numbers[10])
-    lever = radius - scene.mu_plus * arm - scene.follower_journal
+    lever = least_lever(scene, scene.edges[-1])
     if not lever > 0.0:
         return lever
     best, least = low, np.inf
@@ -128,7 +134,8 @@ def least_margin(scene, low, high):
             a, x, at_x = x, y, at_y
             y = a + GOLDEN * (b - a)
             at_y = margin(y, scene)
-    return min(least, at_x, at_y)
+    # without a jump where the lever vanishes, which false position would not find
+    return min(least, at_x, at_y, lever)
 
 
 @inner_jit

@@ -1,19 +1,26 @@
 """The law at many driver angles, for readers of a motion and for `solve_ivp`."""
 
+import numpy as np
+
 from escapement.drive import cell_after, torque_at
 from escapement.dynamics import (
     bend,
     contact,
     dragged_slope,
+    is_ideal,
     losses_per_angle,
     net_torque,
     reduced_inertia,
     root_of,
     sign_of,
+    slide_at,
 )
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.power_flow import factors, flowing, is_lossy, train_losses, weight
+
+# This far ahead or behind [rad], v and g are clear of zero where they vanish at the end of a piece.
+_CLEAR = 1e-9
 
 
 @inner_jit
@@ -22,16 +29,31 @@ def _pose(theta, side, scene):
     return pose_at(scene.path, theta) if side != 0.0 else (0.0, 0.0, 0.0, 0.0)
 
 
+@inner_jit
+def signs_near(theta, ahead, side, scene):
+    """Signs of the sliding speed v and of g at an angle of a piece, as `dynamics.grip` takes them.
+
+    At the ends of a piece v or g is zero, so that rounding would decide. There `ahead` is 1 at the
+    start and -1 at the end; it is 0 where the signs are those at the angle itself.
+    """
+    if ahead == 0.0 or side == 0.0 or scene.path.table or is_ideal(scene):
+        return 0.0, 0.0
+    g, u, _dg, radius = pose_at(scene.path, theta + ahead * _CLEAR)
+    return np.sign(slide_at(g, u, radius, side, scene)), np.sign(g)
+
+
 @jit
-def tabulate(scene, theta, turned, w, side, out):
+def tabulate(scene, theta, ahead, turned, w, side, out):
     """Fill out[0:5] with g, g', theta_ddot, contact moment N h and X at each angle.
 
-    `turned` are the driver angles turned since the start of the motion; `side` is 0 in a dwell.
+    `ahead` is as of `signs_near`, `turned` are the driver angles turned since the start of the
+    motion; `side` is 0 in a dwell.
     """
     for i in range(theta.size):
         here = flowing(theta[i], side, w[i], cell_before(turned[i], theta[i], scene))
         g, u, dg, radius = _pose(theta[i], side, scene)
-        c, k = bend(g, u, radius, side, here), dragged_slope(g, dg, here)
+        way, turn = signs_near(theta[i], ahead[i], side, here)
+        c, k = bend(g, u, radius, side, here, way, turn), dragged_slope(g, dg, here, turn)
         pull = torque_at(theta[i], here)[0] - here.bearing
         root, inertia = root_of(w[i], here), reduced_inertia(g, c, here)
         out[0, i], out[1, i] = g, dg
@@ -70,16 +92,18 @@ def losses_at(g, u, radius, k, pull, w, side, here, way=0.0, turn=0.0):
 
 
 @jit
-def tabulate_losses(scene, theta, turned, w, side, out):
+def tabulate_losses(scene, theta, ahead, turned, w, side, out):
     """Fill out[0] with the contact force N and out[1:] with each of `dynamics.LOSSES` per driver
     angle.
 
-    `side` is 0 in a dwell. The force is in units of torque over the path's unit of length.
+    `ahead` is as of `signs_near`; `side` is 0 in a dwell. The force is in units of torque over the
+    path's unit of length.
     """
     for i in range(theta.size):
         here = flowing(theta[i], side, w[i], cell_before(turned[i], theta[i], scene))
         g, u, dg, radius = _pose(theta[i], side, scene)
-        k, pull = dragged_slope(g, dg, here), torque_at(theta[i], here)[0] - here.bearing
-        row = losses_at(g, u, radius, k, pull, w[i], side, here)
+        way, turn = signs_near(theta[i], ahead[i], side, here)
+        k, pull = dragged_slope(g, dg, here, turn), torque_at(theta[i], here)[0] - here.bearing
+        row = losses_at(g, u, radius, k, pull, w[i], side, here, way, turn)
         for j in range(out.shape[0]):
             out[j, i] = row[j]

@@ -24,6 +24,8 @@ from escapement.tolerance.variation import Variation
 
 SHALLOW = 1e-6
 """A deviation that has fallen further has too few digits for its derivative."""
+VANISHED = 1e-9
+"""A lever, over the crank, that is this small is what sets a limit of friction."""
 LONGEST = 2000
 """Engagements of a transient that is followed for the rise times."""
 
@@ -107,13 +109,15 @@ def _blow(varied: Variation, boundary: Any, closed: Any) -> Dual:
 def _limit(
     escapement: Escapement, limit: float, names: tuple[str, ...], before: bool
 ) -> Dual | None:
-    """A Painleve limit: there the least margin J h of one half of the engagement vanishes."""
+    """A Painleve limit: there the least margin J h of one half of the engagement vanishes, or the
+    lever of the contact force.
+    """
     from scipy.optimize import brentq
 
     if not 0.0 < limit < math.inf or "friction" not in names:
         return None
     law = Law(replace(escapement, friction=limit), names)
-    margin = uncompiled(painleve)["margin"]
+    margin, lever = (uncompiled(painleve)[name] for name in ("margin", "least_lever"))
     best: tuple[float, Any] = (math.inf, None)
     for place, scene in enumerate(law.scenes):
         edges = law.escapement.scenes[place].edges
@@ -131,10 +135,13 @@ def _limit(
             angle = brentq(rising, low, high, xtol=1e-15)
         if least[k] < best[0]:
             best = least[k], margin(law.seeded(angle, ANGLE), scene)
+        own = lever(scene, law.exit_of(place))
+        if abs(float(own)) < min(best[0], VANISHED):
+            best = float(own), own
     found = best[1].slopes[:SPEED]
-    own = names.index("friction")
-    slopes = -found / found[own]
-    slopes[own] = 0.0
+    friction = names.index("friction")
+    slopes = -found / found[friction]
+    slopes[friction] = 0.0
     return Dual(limit, slopes)
 
 

@@ -102,6 +102,15 @@ class Law:
             return tuple(made)
         return tuple(Scene(*m[:3], *rest, **numbers) for m in self.escapement.meetings)
 
+    def exit_of(self, meeting: int) -> Any:
+        """Driver angle in the cell at which an engagement ends."""
+        end = float(self.escapement.scenes[meeting].edges[-1])
+        if self.parts:
+            own = self.parts[meeting].leaves - self.parts[meeting].late
+            if abs(float(own) - end) < 1e-12:
+                return own
+        return end
+
     def blow(self, meeting: int) -> Any:
         """Share of the speed that the blow leaves with which an engagement begins; 1 for none."""
         strikes = bool(self.parts) and self.parts[meeting].strikes

@@ -21,6 +21,7 @@ from escapement.gauss import POINTS, N, dot
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.power_flow import weight
+from escapement.tabulation import signs_near
 
 PEAKS = ("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max")
 """Names of the peaks, in their order."""
@@ -32,29 +33,32 @@ NEAR = 0.8
 
 
 @inner_jit
-def _magnitudes(scene, theta, w, side):
-    """|theta_ddot|, |phi_ddot|, |N h| and |N| at a driver angle; the side is 0 in a dwell."""
+def _magnitudes(scene, theta, w, side, way, turn):
+    """|theta_ddot|, |phi_ddot|, |N h| and |N| at a driver angle; the side is 0 in a dwell.
+
+    `way` and `turn` are the signs of the sliding speed and of g; see `dynamics.grip`.
+    """
     g = u = dg = radius = 0.0
     if side != 0.0:
         g, u, dg, radius = pose_at(scene.path, theta)
-    c, k, root = bend(g, u, radius, side, scene), dragged_slope(g, dg, scene), root_of(w, scene)
-    inertia = reduced_inertia(g, c, scene)
+    c, k = bend(g, u, radius, side, scene, way, turn), dragged_slope(g, dg, scene, turn)
+    root, inertia = root_of(w, scene), reduced_inertia(g, c, scene)
     pull = torque_at(theta, scene)[0] - scene.bearing
     rate = net_torque(g, c, k, pull, w, root, scene) / inertia
     moment = contact(g, k, pull, w, root, scene) / inertia if side != 0.0 else 0.0
-    force = losses_per_angle(g, u, radius, k, pull, w, side, scene)[0]
+    force = losses_per_angle(g, u, radius, k, pull, w, side, scene, way, turn)[0]
     unit = weight(scene)
     return abs(rate), abs(g * rate + dg * w), unit * abs(moment), unit * abs(force)
 
 
 @inner_jit
-def _magnitudes_at(scene, work, panel, side, x):
+def _magnitudes_at(scene, work, panel, side, x, way, turn):
     """The magnitudes at x in [-1, 1] on a panel, whose E is interpolated."""
     weights_to(work, x)
     theta = panel.left + panel.half * (1.0 + x)
     g = pose_at(scene.path, theta)[0] if side != 0.0 else 0.0
     w = dot(work.at_x, work.energy, points_of(work)) / (scene.rho + g * g)
-    return _magnitudes(scene, theta, w, side)
+    return _magnitudes(scene, theta, w, side, way, turn)
 
 
 @inner_jit
@@ -64,10 +68,12 @@ def raise_peaks(scene, work, panel, side, ends, values, peaks):
     ends : w at the left and the right end.
     values : memory for the magnitudes at both ends and the points, shape (N + 2, 4).
     """
+    # a panel holds no zero of the sliding speed or of g but at its ends
+    way, turn = signs_near(panel.left + panel.half, 1.0, side, scene)
     for i in range(N + 2):
         x = -1.0 if i == 0 else 1.0 if i > N else POINTS[i - 1]
         w = ends[0] if i == 0 else ends[1] if i > N else work.w[i - 1]
-        found = _magnitudes(scene, panel.left + panel.half * (1.0 + x), w, side)
+        found = _magnitudes(scene, panel.left + panel.half * (1.0 + x), w, side, way, turn)
         for j in range(peaks.size):
             values[i, j] = found[j]
             peaks[j] = max(peaks[j], found[j])
@@ -81,22 +87,23 @@ def raise_peaks(scene, work, panel, side, ends, values, peaks):
             if here >= max(before, behind) and here > NEAR * peaks[j]:
                 low = POINTS[i - 2] if i > 1 else -1.0
                 high = POINTS[i] if i < N else 1.0
-                peaks[j] = max(peaks[j], _summit(scene, work, panel, side, low, high, j))
+                top = _summit(scene, work, panel, side, low, high, j, way, turn)
+                peaks[j] = max(peaks[j], top)
 
 
 @inner_jit
-def _summit(scene, work, panel, side, low, high, j):
+def _summit(scene, work, panel, side, low, high, j, way, turn):
     """Greatest magnitude j between two places of a panel, by golden section."""
     x, y = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_x = _magnitudes_at(scene, work, panel, side, x)[j]
-    at_y = _magnitudes_at(scene, work, panel, side, y)[j]
+    at_x = _magnitudes_at(scene, work, panel, side, x, way, turn)[j]
+    at_y = _magnitudes_at(scene, work, panel, side, y, way, turn)[j]
     while high - low > CLOSE:
         if at_x > at_y:
             high, y, at_y = y, x, at_x
             x = high - GOLDEN * (high - low)
-            at_x = _magnitudes_at(scene, work, panel, side, x)[j]
+            at_x = _magnitudes_at(scene, work, panel, side, x, way, turn)[j]
         else:
             low, x, at_x = x, y, at_y
             y = low + GOLDEN * (high - low)
-            at_y = _magnitudes_at(scene, work, panel, side, y)[j]
+            at_y = _magnitudes_at(scene, work, panel, side, y, way, turn)[j]
     return max(at_x, at_y)

@@ -67,7 +67,8 @@ class Law:
         """The losses that there are, per driver angle."""
         table = np.empty((1 + len(dynamics.LOSSES), 1))
         angle, turned = np.array([theta]), np.array([self.turned(theta)])
-        tabulation.tabulate_losses(self.scene, angle, turned, np.array([w]), side, table)
+        ahead, squared = np.zeros(1), np.array([w])
+        tabulation.tabulate_losses(self.scene, angle, ahead, turned, squared, side, table)
         rates: FloatArray = table[1 + self.losses, 0]
         return rates
 
@@ -121,7 +122,8 @@ class Law:
     ) -> tuple[FloatArray, FloatArray]:
         """Acceleration, and `force`, at many driver angles."""
         table = np.empty((5, theta.size))
-        tabulation.tabulate(self.scene, theta, self.turned(theta), w, side, table)
+        ahead = np.zeros(theta.size)
+        tabulation.tabulate(self.scene, theta, ahead, self.turned(theta), w, side, table)
         return table[2], table[4] if side else np.ones(theta.size)
 
 
