@@ -9,7 +9,7 @@ from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.cli.sweep import in_system, parse_selection
 from escapement.errors import InvalidValue
-from escapement.files import check_input
+from escapement.files import FILMS, FORMATS, check_input
 from escapement.status import Status
 from escapement.text import words
 from escapement.units import SYSTEMS
@@ -21,7 +21,10 @@ def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
     add("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
-    text = ".png, .pdf or .svg, replaced where it exists (default: FILE.png beside FILE.h5)"
+    text = (
+        ".png, .pdf or .svg, of a motion also a film: .gif, .html, .mp4 or .webm; replaced where "
+        "it exists (default: FILE.png beside FILE.h5)"
+    )
     add("-o", "--output", type=Path, metavar="OUT", help=text)
     text = (
         "only the cases at these values, in the units of the file or with their own: slots=6 of a "
@@ -36,19 +39,20 @@ def execute(args: Arguments) -> int:
     """Draw the file."""
     check_input(args.file, "file")
     path = args.output or args.file.with_suffix(".png")
-    _output.check_output(path, args.file, picture=True)
     from escapement.motion_file import is_motion, read_motion
 
     # a file of a motion says so itself; every other one is taken for a study
-    holds, gaps = "motion", ""
-    if is_motion(args.file):
+    holds, gaps, moving = "motion", "", is_motion(args.file)
+    _output.check_output(path, args.file, pictures=FORMATS + FILMS if moving else FORMATS)
+    if moving:
         given = {"--select": args.select, "--result": args.result, "--units": args.units}
         for option, value in given.items():
             if value not in (None, "SI"):
                 raise UsageError(
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
-        _output.draw(path, lambda plots: plots.motion.plot_motion(read_motion(args.file)))
+        shown = read_motion(args.file)
+        _output.draw_motion(path, shown, lambda plots: plots.motion.plot_motion(shown))
     else:
         holds, study = "study", esc.read_study(args.file)
         try:

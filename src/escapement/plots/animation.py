@@ -43,7 +43,7 @@ def animate(
     Returns
     -------
     matplotlib.animation.FuncAnimation
-        To be written with `save` as .gif, or shown in a notebook with
+        To be written with `save` as .gif, .html, .mp4 or .webm, or shown in a notebook with
         `IPython.display.HTML(film.to_jshtml())`. Its title tells the instant and how much
         slower than the mechanism it runs.
 
