@@ -3,14 +3,17 @@
 import errno
 import os
 import re
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import escapement as esc
+from browser import chromium, opened, until
 from escapement import plots
-from escapement.errors import InvalidValue, StorageError
+from escapement.errors import CannotCreate, InvalidValue, StorageError
 from figure_tools import by_id
 from tabulated_drive import exact
 
@@ -60,6 +63,45 @@ def test_the_file_plays_for_ever_at_the_rate_asked_for(tmp_path):
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
 
 
+def test_a_page_plays_by_itself_and_stops_where_it_is_wanted(tmp_path):
+    plots.save(plots.animate(motion(DRIVES[0], 1), frames=4), tmp_path / "film.html")
+    assert "http" not in (tmp_path / "film.html").read_text()
+    with chromium() as browser, opened(browser, tmp_path / "film.html") as page:
+        assert page.evaluate("document.querySelector('img').naturalWidth") == 1080
+        first = page.evaluate("document.querySelector('img').src")
+        page.click("button")
+        until(page, "document.querySelector('output').textContent === '3 of 4'")
+        page.click("button")
+        assert page.evaluate("document.querySelector('img').src") != first
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+@pytest.mark.parametrize("suffix", [".mp4", ".webm"])
+def test_a_video_has_every_picture(tmp_path, suffix):
+    film = plots.animate(motion(DRIVES[0], 1), frames=5, rate=10.0)
+    for name in "ab":
+        plots.save(film, tmp_path / f"{name}{suffix}")
+    a, b = (tmp_path / f"{name}{suffix}" for name in "ab")
+    assert a.read_bytes() == b.read_bytes()
+    shown = ["ffmpeg", "-v", "error", "-i", a, "-f", "rawvideo", "-pix_fmt", "gray", "-"]
+    pictures = np.frombuffer(subprocess.run(shown, capture_output=True).stdout, "u1")
+    pictures = pictures.reshape(5, 480, 1080).astype(int)
+    assert np.abs(np.diff(pictures, axis=0)).max(axis=(1, 2)).min() > 100
+
+
+def test_without_ffmpeg_one_line_names_what_needs_none(tmp_path, monkeypatch, refusal):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    film = plots.animate(motion(DRIVES[0], 1), frames=2)
+    with pytest.raises(CannotCreate, match=r"install ffmpeg, or end the name in \.html or \.gif"):
+        plots.save(film, tmp_path / "film.mp4")
+    assert list(tmp_path.iterdir()) == []
+    plots.save(film, tmp_path / "film.html")
+    numbers = ["--torque", "1", "--driver-inertia", "1", "--follower-inertia", "1"]
+    assert "install ffmpeg" in refusal(73, "run", *numbers, "--plot", str(tmp_path / "a.webm"))
+    longer = ["--engagements", "51", "--plot", str(tmp_path / "a.gif")]
+    assert "at most 50 engagements, got 51" in refusal(2, "run", *numbers, *longer)
+
+
 def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
     film = plots.animate(motion(DRIVES[0], 1), frames=2)
 
@@ -70,7 +112,7 @@ def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
         patch.setattr(film, "save", full)
         with pytest.raises(StorageError, match="No space left"):
             plots.save(film, tmp_path / "film.gif")
-    with pytest.raises(InvalidValue, match=r"must end in \.gif, got '\.png'"):
+    with pytest.raises(InvalidValue, match=r"must end in \.gif, .*got '\.png'"):
         plots.save(film, tmp_path / "film.png")
     assert list(tmp_path.iterdir()) == []
     plots.save(film, tmp_path / "film.gif")

@@ -68,7 +68,8 @@ def test_report(measure):
     assert low == pytest.approx(-high)
     assert err == f"escapement: {result.message}\n"
     assert "synthetic data" in err
-    assert "once a turn of the output" in err
+    assert "once a turn of the output" in found["verdict"]
+    assert not found["good"]
 
 
 def test_units_change_lengths_only(measure):

@@ -206,7 +206,7 @@ def test_whatever_is_measured_the_figures_are_finite(drive, seed, samples, sprea
 
 def test_a_wrong_mechanism_is_remarked_upon():
     result = esc.measure(read(noise=0.1 * DEG), esc.Geneva(5))
-    assert "large against a step of" in result.message
+    assert "large against a step of" in result.verdict.text
 
 
 def test_a_mechanism_without_dynamics_is_measured():

@@ -24,6 +24,7 @@ from escapement.measurement import Encoder as Encoder
 from escapement.measurement import Readings as Readings
 from escapement.measurement import beat_spectrum as beat_spectrum
 from escapement.measurement import fit_beats as fit_beats
+from escapement.measurement import fit_motion as fit_motion
 from escapement.measurement import measure as measure
 from escapement.measurement import read_readings as read_readings
 from escapement.measurement import synthetic_readings as synthetic_readings

@@ -1,4 +1,4 @@
-"""The reader of text files with a column of input angles and one of output angles."""
+"""The reader of text files with columns of input angles, output angles and times."""
 
 import csv
 import math
@@ -19,14 +19,20 @@ from escapement.errors import InputFileError, InvalidValue, MissingInput
 
 UNITS = {"deg": 2.0 * math.pi / 360.0, "rad": 1.0}
 """Units of angles, in rad."""
+COUNTS = "counts"
+"""The unit of an encoder, which a resolution makes an angle."""
+_TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 NAMES = {
     "input": ("input", "in", "driver", "theta", "phi1"),
     "output": ("output", "out", "follower", "phi", "phi3"),
 }
 """Headings by which the columns of driver and follower are known."""
+_ROLES = (*NAMES, "time")
 _SPELLINGS = {
     **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
     **dict.fromkeys(("rad", "radian", "radians"), "rad"),
+    **dict.fromkeys(("count", "counts", "ticks"), COUNTS),
+    **{"s": "s", "ms": "ms", "us": "us", "µs": "us"},
 }
 # angles in these units are refused, for they would be taken for degrees
 _FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?")
@@ -40,6 +46,7 @@ class Columns(NamedTuple):
 
     angles : of input and output, NaN where a field is empty or says so, each of
         shape (n,) [rad].
+    time : of each row, None where it was not asked for, shape (n,) [s].
     line : line of each row in the file, int, shape (n,).
     units : of both columns, as named by the caller or the headings; None where
         nothing names them, and degrees were assumed.
@@ -47,14 +54,15 @@ class Columns(NamedTuple):
     """
 
     angles: tuple[NDArray[np.float64], NDArray[np.float64]]
+    time: NDArray[np.float64] | None
     line: NDArray[np.int64]
     units: tuple[str | None, ...]
     comments: list[str]
 
 
-# of rows: separator, whether there is a header, number of fields, and of input and output
-# the places and the units
-_Layout = tuple[str, bool, int, tuple[int, ...], tuple[str | None, ...]]
+# of rows: separator, whether there is a header, number of fields, and of input, output and time
+# the places, None for a column that is not there, the units of angles, and all scales
+_Layout = tuple[str, bool, int, tuple[int | None, ...], tuple[str | None, ...], tuple[float, ...]]
 
 
 class _BrokenLine(Exception):
@@ -64,12 +72,14 @@ class _BrokenLine(Exception):
 def read_columns(
     path: str | PathLike[str],
     what: str,
-    names: tuple[str | None, str | None] = (None, None),
+    names: tuple[str | None, ...] = (None, None, None),
     unit: str | None = None,
     by_order: bool = False,
     default: str = "deg",
+    resolution: int | None = None,
+    skip: int = 0,
 ) -> Columns:
-    """Read two columns of angles from a text file.
+    """Read two columns of angles, and one of times where it is named, from a text file.
 
     Parameters
     ----------
@@ -79,15 +89,20 @@ def read_columns(
         first line holds names if none of its fields is a number.
     what : str
         What the file is, for messages.
-    names : (str, str), optional
-        Names of the input's and the output's column, with or without their unit.
-        Default: one of `NAMES`; without a header the first and the second of two.
+    names : (str, str, str), optional
+        Names of the columns of input, output and time, with or without their unit.
+        Default: one of `NAMES`, without a header the first and the second of two, and
+        no time. Beside a time there may be no output.
     unit : str, optional
-        "deg" or "rad". Default: the last word of a column's name, else degrees.
+        "deg", "rad" or "counts". Default: the last word of a column's name, else degrees.
     by_order : bool
         Whether the first of two columns with other names is the input.
     default : str
         Unit of a column of which nothing tells another.
+    resolution : int, optional
+        Counts of a turn.
+    skip : int
+        Lines at the head of the file that are passed over.
 
     Raises
     ------
@@ -98,16 +113,23 @@ def read_columns(
     InvalidValue
         When there is no column of the name given, or the unit is unknown.
     """
+    units = UNITS if resolution is None else UNITS | {COUNTS: 2.0 * math.pi / resolution}
     if unit is not None:
-        validate.choice("angle_unit", unit, tuple(UNITS))
-    lines = _Lines(path)
-    layout = partial(_find_layout, names=names, unit=unit, by_order=by_order)
+        validate.choice("angle_unit", unit, (*UNITS, COUNTS))
+    if unit == COUNTS and resolution is None:
+        raise InvalidValue(
+            "angle_unit counts must come with a resolution, got none; give the counts of a turn"
+        )
+    lines = _Lines(path, skip)
+    layout = partial(
+        _find_layout, names=names, unit=unit, by_order=by_order, default=default, angles=units
+    )
     try:
         # plain numbers take half the time, but a pipe can be read only once
         if os.path.isfile(path):
             with suppress(_BrokenLine):
-                return _read(lines, layout, default, plain=True)
-        return _read(lines, layout, default, plain=False)
+                return _read(lines, layout, plain=True)
+        return _read(lines, layout, plain=False)
     except _BrokenLine as error:
         (rule, remedy), text = error.args, lines.text.strip()
         shown = text if len(text) <= 60 else text[:57] + "..."
@@ -130,15 +152,15 @@ def read_columns(
 class _Lines:
     """Lines of a file, the line that was read last, and the lines without a row."""
 
-    def __init__(self, path: str | PathLike[str]) -> None:
-        self.path, self.number, self.text = path, 0, ""
+    def __init__(self, path: str | PathLike[str], skip: int) -> None:
+        self.path, self.skip, self.number, self.text = path, skip, 0, ""
 
     def __iter__(self) -> Iterator[str]:
-        """Lines that are neither blank nor comments, from the first one on."""
+        """Lines that are neither skipped nor blank nor comments, from the first one on."""
         self.passed_over, self.comments = [0], list[str]()
         with open(self.path, encoding="utf-8-sig") as stream:
             for self.number, self.text in enumerate(stream, 1):
-                if self.text.isspace() or self.text[0] == "#":
+                if self.number <= self.skip or self.text.isspace() or self.text[0] == "#":
                     self.passed_over.append(self.number)
                     self.comments.append(self.text)
                 # `loadtxt` would take the lines after an open quote for one field
@@ -148,10 +170,11 @@ class _Lines:
                     yield self.text
 
 
-def _read(lines: _Lines, find: Callable[[str], _Layout], default: str, plain: bool) -> Columns:
-    """Both columns, of `plain` numbers or of all that is allowed; an error is of the last line."""
+def _read(lines: _Lines, find: Callable[[str], _Layout], plain: bool) -> Columns:
+    """The columns, of `plain` numbers or of all that is allowed; an error is of the last line."""
     rows = iter(lines)
-    separator, header, width, places, units = find(next(rows))
+    separator, header, width, where, units, scales = find(next(rows))
+    places = sorted(place for place in where if place is not None)
     if header:
         lines.passed_over.append(lines.number)
         next(rows)
@@ -170,18 +193,24 @@ def _read(lines: _Lines, find: Callable[[str], _Layout], default: str, plain: bo
         if len(_split(lines.text, separator)) != width:
             rule = f"have {width} fields apart by {_SEPARATORS[separator]}"
             raise _BrokenLine(rule, "one row for each sample") from None
-        rule = f"have numbers in fields {' and '.join(str(i + 1) for i in sorted(places))}"
+        rule = f"have numbers in fields {' and '.join(str(i + 1) for i in places)}"
         raise _BrokenLine(rule, "correct it, or leave the field empty") from None
     line = np.delete(np.arange(lines.number + 1), lines.passed_over)
-    first, second = (
-        table[str(place)] * UNITS[unit or default]
-        for place, unit in zip(places, units, strict=True)
+    first, second, time = (
+        np.full(line.size, np.nan) if place is None else table[str(place)] * scale
+        for place, scale in zip(where, scales, strict=True)
     )
-    return Columns((first, second), line, units, lines.comments)
+    timed = None if where[-1] is None else time
+    return Columns((first, second), timed, line, units, lines.comments)
 
 
 def _find_layout(
-    text: str, names: tuple[str | None, str | None], unit: str | None, by_order: bool
+    text: str,
+    names: tuple[str | None, ...],
+    unit: str | None,
+    by_order: bool,
+    default: str,
+    angles: dict[str, float],
 ) -> _Layout:
     """Layout of a file whose first row is `text`; see `read_columns`."""
     separator = next((mark for mark in _SEPARATORS if mark in text.strip()), " ")
@@ -191,45 +220,76 @@ def _find_layout(
         remedy = "separate input and output by a comma, a semicolon or a tab"
         raise _BrokenLine("have two columns", remedy)
     header = not any(map(_NUMBER.fullmatch, fields))
-    if header:
-        places = _named_places(fields, names, by_order)
-    elif len(fields) == 2 and names == (None, None):
-        return separator, header, 2, (0, 1), (unit, unit)
-    else:
+    if not header and (len(fields) > 2 or any(names)):
         remedy = "put a line with input and output among the names first"
         raise _BrokenLine(f"name its {len(fields)} columns", remedy)
-    units = tuple(unit or _name_and_unit(fields[place])[1] for place in places)
-    if not set(units) <= {*UNITS, None}:
-        remedy = "convert them, or give the unit that they are in"
-        raise _BrokenLine("have angles in degrees or radians", remedy)
-    return separator, header, len(fields), places, units
+    places = _named_places(fields, names, by_order) if header else (0, 1, None)
+    units: list[str | None] = []
+    scales = []
+    for role, place in zip(_ROLES, places, strict=True):
+        own = _name_and_unit(fields[place])[1] if header and place is not None else None
+        timed = role == "time"
+        chosen, usual, known = (own, "s", _TIMES) if timed else (unit or own, default, angles)
+        if (chosen or usual) not in known:
+            raise _wrong_unit(chosen, timed)
+        scales.append(known[chosen or usual])
+        if place is not None and not timed:
+            units.append(chosen)
+    return separator, header, len(fields), places, tuple(units), tuple(scales)
+
+
+def _wrong_unit(unit: str | None, timed: bool) -> _BrokenLine:
+    """The rule that the unit in a heading breaks."""
+    if timed:
+        return _BrokenLine("have times in s, ms or us", "convert them")
+    if unit == COUNTS:
+        remedy = "give --resolution N, in Python resolution=N"
+        return _BrokenLine("come with the counts of a turn", remedy)
+    remedy = "convert them, or give the unit that they are in"
+    return _BrokenLine("have angles in degrees or radians", remedy)
 
 
 def _named_places(
-    fields: list[str], names: tuple[str | None, str | None], by_order: bool
-) -> tuple[int, ...]:
-    """Places of input and output, by the names given or usual ones."""
+    fields: list[str], names: tuple[str | None, ...], by_order: bool
+) -> tuple[int | None, ...]:
+    """Places of input, output and time, by the names given or usual ones."""
     places: list[int | None] = []
-    for (role, usual), name in zip(NAMES.items(), names, strict=True):
-        wanted = usual if name is None else (_name_and_unit(name)[0],)
-        found = [i for i, field in enumerate(fields) if field == name]
-        found = found or [i for i, text in enumerate(fields) if _name_and_unit(text)[0] in wanted]
-        if len(found) != 1 and name is not None:
-            rule, remedy = f"one of {', '.join(fields)}", validate.nearest(name, tuple(fields))
-            raise validate.fail(f"{role} column", rule, name, remedy)
-        if len(found) > 1 or not (found or (by_order and len(fields) == 2)):
-            rule = f"have one column called {' or '.join(usual)}"
-            raise _BrokenLine(rule, f"name the {role}'s column")
-        places.append(found[0] if found else None)
+    *angles, time = names
+    for (role, usual), name in zip(NAMES.items(), angles, strict=True):
+        found = _place(fields, role, name, usual)
+        # of two columns, the one that is known tells the other
+        may_lack = (by_order and len(fields) == 2) or (role == "output" and time is not None)
+        if found is None and not may_lack:
+            raise _unnamed(role, usual)
+        places.append(found)
     first, second = places
-    # of two columns, the one that is known tells the other
-    first = (0 if second is None else 1 - second) if first is None else first
-    second = 1 - first if second is None else second
+    if by_order:
+        first = (0 if second is None else 1 - second) if first is None else first
+        second = 1 - first if second is None else second
     if first == second:
         raise InvalidValue(
-            f"input and output must be different columns, got {fields[first]!r} for both"
+            f"input and output must be different columns, got {fields[first or 0]!r} for both"
         )
-    return first, second
+    return first, second, None if time is None else _place(fields, "time", time, (time,))
+
+
+def _place(fields: list[str], role: str, name: str | None, usual: tuple[str, ...]) -> int | None:
+    """Place of the column called `name`, or else of the only one with a usual name, or None."""
+    wanted = usual if name is None else (_name_and_unit(name)[0],)
+    found = [i for i, field in enumerate(fields) if field == name]
+    found = found or [i for i, text in enumerate(fields) if _name_and_unit(text)[0] in wanted]
+    if len(found) != 1 and name is not None:
+        rule, remedy = f"one of {', '.join(fields)}", validate.nearest(name, tuple(fields))
+        raise validate.fail(f"{role} column (--{role}-column)", rule, name, remedy)
+    if len(found) > 1:
+        raise _unnamed(role, usual)
+    return found[0] if found else None
+
+
+def _unnamed(role: str, usual: tuple[str, ...]) -> _BrokenLine:
+    """The rule that headings break which do not tell the column of a role."""
+    rule = f"have one column called {' or '.join(usual)}"
+    return _BrokenLine(rule, f"name the {role}'s column with --{role}-column NAME")
 
 
 def _split(text: str, separator: str) -> list[str]:

@@ -7,6 +7,7 @@ name by a rename, which the file system does in one step.
 import errno
 import io
 import os
+import shutil
 import stat
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -21,8 +22,9 @@ from escapement.errors import CannotCreate, EscapementError, InvalidValue, Stora
 AnyPath = str | PathLike[str]
 FORMATS = (".png", ".pdf", ".svg")
 """Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
-FILMS = (".gif",)
+FILMS = (".gif", ".html", ".mp4", ".webm")
 """Suffixes of films."""
+_BY_FFMPEG = (".mp4", ".webm")
 REPORTS = (".html",)
 """Suffix of a report."""
 PAGES = (".html", ".htm")
@@ -56,11 +58,19 @@ def check_input(path: AnyPath, what: str) -> None:
 
 
 def file_format(path: AnyPath, formats: tuple[str, ...] = FORMATS) -> str:
-    """The suffix of an output's name, one of `formats`; raises InvalidValue for another."""
+    """The suffix of an output's name, one of `formats`.
+
+    Raises InvalidValue for another, and CannotCreate where the program that writes it is lacking.
+    """
     suffix = Path(path).suffix
     if suffix.lower() not in formats:
         raise InvalidValue(
             f"output {path} must end in {', '.join(formats)}, got {suffix!r}; change the suffix"
+        )
+    if suffix.lower() in _BY_FFMPEG and shutil.which("ffmpeg") is None:
+        raise CannotCreate(
+            f"output {path} must have ffmpeg to write it, which was not found; install ffmpeg, "
+            "or end the name in .html or .gif, which need nothing"
         )
     return suffix.lower()
 

@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 
 from escapement import __version__, validate
 from escapement.errors import EscapementError, InvalidValue
-from escapement.files import FORMATS
+from escapement.files import FILMS, FORMATS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.kind import Kind
 from escapement.quantity import Choice, Numbers, Quantity, Setting, Truth
@@ -255,9 +255,12 @@ def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help=text)
 
 
-def add_plot(group: ArgumentGroup, text: str) -> None:
+def add_plot(group: ArgumentGroup, text: str, film: str = "") -> None:
     """Add a figure to draw; `_output.check_wanted` looks at its place."""
-    text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}, replaced if it exists"
+    text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
+    if film:
+        text += f"; {film}: {', '.join(FILMS[:-1])} or {FILMS[-1]}"
+    text += "; replaced if it exists"
     group.add_argument("--plot", type=Path, metavar="FILE", help=text)
 
 

@@ -15,7 +15,7 @@ import escapement as esc
 from escapement.cli import _log
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
-from escapement.files import REPORTS, check_target, creating, file_format
+from escapement.files import FILMS, FORMATS, REPORTS, check_target, creating, file_format, write_file
 from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, printed
 
@@ -25,6 +25,7 @@ Kinds = Mapping[str, str]
 """Kind of unit, see `escapement.units`, of those that have one, by JSON key."""
 
 _INPUTS = ("data", "study", "table", "log")
+_PICTURES, _LONGEST_FILM = 40, 50  # pictures of an engagement in a film, and engagements
 _LABELS = {
     "inertia_ratio": "inertia ratio F",
     "reversal_limits": "reversal limits F12, F23",
@@ -146,6 +147,24 @@ def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
         _log.record("saved", file=str(path))
 
 
+def draw_motion(path: Path | None, motion: Any, plot: Callable[[Any], Any]) -> None:
+    """Save a page that plays a motion, a film of it, or what `plot` makes, by the suffix."""
+    if path is None or path.suffix.lower() not in FILMS:
+        return draw(path, plot)
+    if path.suffix.lower() == ".html":
+        from escapement.explorer import player
+
+        write_file(path, [player(motion).encode()], force=True)
+        return _log.record("saved", file=str(path))
+    engagements = max(1, motion.handoff_times.size)
+    if engagements > _LONGEST_FILM:
+        raise UsageError(
+            f"a film must show at most {_LONGEST_FILM} engagements, got {engagements}; run fewer, "
+            "as with --engagements 3"
+        )
+    draw(path, lambda plots: plots.animate(motion, frames=_PICTURES * engagements))
+
+
 def write_report(args: Arguments, escapement: Any, **options: Any) -> None:
     """Write a report of a design where one was asked for."""
     if args.report is not None:
@@ -154,7 +173,10 @@ def write_report(args: Arguments, escapement: Any, **options: Any) -> None:
 
 
 def check_wanted(
-    args: Arguments, file: str = "FILE", formats: tuple[str, ...] | None = None
+    args: Arguments,
+    file: str = "FILE",
+    formats: tuple[str, ...] | None = None,
+    pictures: tuple[str, ...] = FORMATS,
 ) -> None:
     """Check the places that --output with --force, and --plot, name.
 
@@ -168,6 +190,8 @@ def check_wanted(
         What the command's help calls its output.
     formats : tuple of str, optional
         Suffixes that the output may have.
+    pictures : tuple of str
+        Suffixes that the figure may have.
 
     Raises
     ------
@@ -186,13 +210,15 @@ def check_wanted(
     elif given.get("force"):
         raise UsageError(f"--force must come with --output {file}, got none; leave it out")
     if args.plot is not None:
-        check_output(args.plot, *inputs, picture=True)
+        check_output(args.plot, *inputs, pictures=pictures)
     if given.get("report") is not None:
         file_format(args.report, REPORTS)
         check_output(args.report, *inputs, force=True)
 
 
-def check_output(path: Path, *others: Path, force: bool = False, picture: bool = False) -> None:
+def check_output(
+    path: Path, *others: Path, force: bool = False, pictures: tuple[str, ...] = ()
+) -> None:
     """Look whether a file can be put at `path`.
 
     Parameters
@@ -203,9 +229,9 @@ def check_output(path: Path, *others: Path, force: bool = False, picture: bool =
         Inputs and other outputs, which it must not be.
     force : bool
         Whether an existing file may be replaced.
-    picture : bool
-        Whether it is a picture. Pictures are made from data: one that is not read-only is
-        replaced without asking.
+    pictures : tuple of str
+        Suffixes that a picture may have, where it is one. Pictures are made from data: one that
+        is not read-only is replaced without asking.
 
     Raises
     ------
@@ -214,9 +240,9 @@ def check_output(path: Path, *others: Path, force: bool = False, picture: bool =
     InvalidValue
         When the suffix is not that of a picture.
     """
-    if picture:
-        file_format(path)
-    folder = check_target(path, force or picture, writable=picture).parent
+    if pictures:
+        file_format(path, pictures)
+    folder = check_target(path, force or bool(pictures), writable=bool(pictures)).parent
     for other in others:
         # links are followed; otherwise a result could replace its own input
         if os.path.realpath(path) == os.path.realpath(other):

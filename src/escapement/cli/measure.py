@@ -1,4 +1,4 @@
-"""Measured positions of input and output against theory, with statistics."""
+"""Measured positions against theory, with statistics, and a measured motion against a model."""
 
 import math
 from pathlib import Path
@@ -6,10 +6,22 @@ from typing import Any
 
 import escapement as esc
 from escapement.cli import _arguments, _log, _output
-from escapement.cli._arguments import Arguments, Parser, UsageError, add_number, one_of
-from escapement.text import print_columns, print_values
-from escapement.units import SYSTEMS
+from escapement.cli._arguments import (
+    Arguments,
+    Parser,
+    UsageError,
+    add_number,
+    one_of,
+    option,
+)
+from escapement.errors import InvalidValue
+from escapement.lazy import Lazy
+from escapement.model import model_settings
+from escapement.study.plan import unit_kind
+from escapement.text import print_columns, print_values, words
+from escapement.units import SYSTEMS, printed
 
+np = Lazy("numpy")
 _TESTS = {
     "chi_squared": "chi-squared",
     "chi_squared_published": "chi-squared as published",
@@ -19,6 +31,13 @@ _KEYS = (
     "samples", "missing", "input_travel_deg", "sense", "phase_deg", "offset_deg",
     "mean_deg", "standard_deviation_deg", "error_min_deg", "error_max_deg",
 )  # fmt: skip
+
+
+_MOTION_KEYS = {
+    "samples": "ratio", "release_time": "time", "noise_deg": "degrees",
+    "autocorrelation": "ratio", "speed_max": "speed", "speed_max_computed": "speed",
+    "speed_deviation": "speed",
+}  # fmt: skip
 
 
 def configure(parser: Parser) -> None:
@@ -31,9 +50,13 @@ def configure(parser: Parser) -> None:
     columns.add_argument("--input-column", metavar="NAME", help=text)
     text = "of the output (default: output, out, follower, phi or phi3)"
     columns.add_argument("--output-column", metavar="NAME", help=text)
-    unit = one_of("--angle-unit", ("deg", "rad"))
-    text = "unit of both (default: as in the columns' names, else deg)"
-    columns.add_argument("--angle-unit", type=unit, metavar="deg|rad", help=text)
+    text = "of the times, in s unless its name ends in ms or us (default: time), read with --fit"
+    columns.add_argument("--time-column", metavar="NAME", help=text)
+    unit = one_of("--angle-unit", ("deg", "rad", "counts"))
+    text = "unit of both, counts with --resolution (default: as in the columns' names, else deg)"
+    columns.add_argument("--angle-unit", type=unit, metavar="deg|rad|counts", help=text)
+    text, remedy = "lines to pass over before the names of columns", "give how many lines"
+    add_number(columns, "skip_rows", text, "N", minimum=0, whole=True, remedy=remedy)
     zeros = parser.add_argument_group("zeros of the encoders, fitted where not given")
     rule: dict[str, Any] = {"unit": "degrees", "minimum": -math.inf, "remedy": "give an angle"}
     text = "driver angle from dead centre where the input reads zero"
@@ -53,6 +76,13 @@ def configure(parser: Parser) -> None:
     add_number(statistics, "resolution", text, "N", **rule)
     text = "greatest deviation of the encoders as a share of a turn (default: 0)"
     add_number(statistics, "linearity", text, "SHARE", remedy="give a share, 0.003 for 0.3 %")
+    motion = parser.add_argument_group("motion from rest at pin entry, with a column of times")
+    text = (
+        "compare speeds with the motion of the model below and fit these of its numbers, as "
+        "friction,torque; 'none' only compares"
+    )
+    motion.add_argument("--fit", metavar="NAME,...", help=text)
+    _arguments.add_group(parser, "model", model_settings())
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write the error of every sample")
     _arguments.add_plot(output, "draw errors, histogram and periodogram")
@@ -84,19 +114,122 @@ def execute(args: Arguments) -> int:
         "confidence": args.confidence or 0.99,
         "zeros": None if None in zeros else tuple(map(math.radians, zeros)),
     }
-    mechanism = _arguments.read_mechanism(args)
-    columns = {"input": args.input_column, "output": args.output_column}
-    readings = esc.read_readings(args.data, **columns, angle_unit=args.angle_unit)
-    result = esc.measure(readings, mechanism, **options)
-    if args.output is not None:
+    escapement = _read_model(args)
+    mechanism = escapement.mechanism if escapement else _arguments.read_mechanism(args)
+    readings = _read(args)
+    result = fit = None
+    if readings.samples or escapement is None:
+        result = esc.measure(readings, mechanism, **options)
+    elif args.output is not None:
+        raise UsageError("--output must come with a column of the output, got none; leave it out")
+    if escapement is not None:
+        names = [] if args.fit == "none" else [name.strip() for name in args.fit.split(",")]
+        shares = {} if args.confidence is None else {"confidence": args.confidence}
+        try:
+            fit = esc.fit_motion(readings, escapement, names, **shares)
+        except InvalidValue as error:
+            raise UsageError(f"--fit: {error}") from None
+    if result is not None and args.output is not None:
         from escapement.measurement import write_errors
 
         write_errors(result, args.output, force=args.force)
         _log.record("saved", file=str(args.output))
-    _output.draw(args.plot, lambda plots: plots.plot_measurement(result))
-    record = summarise(result)
-    _output.tell(args, record, lambda: _print_tables(record), result.message)
+    if result is not None:
+        _output.draw(args.plot, lambda plots: plots.plot_measurement(result))
+    else:
+        _output.draw(args.plot, lambda plots: plots.plot_speeds(fit))
+    record = _joined(result, fit, args.units)
+    _output.tell(args, record, lambda: _print(record), record["message"])
     return 0
+
+
+def _read_model(args: Arguments) -> "esc.Escapement | None":
+    """The escapement whose motion is compared, None where that is not asked for."""
+    if args.fit is not None:
+        escapement: esc.Escapement = _arguments.read_escapement(args)
+        return escapement
+    given = {option(name): getattr(args, name) for name in model_settings()}
+    given["--time-column"] = args.time_column
+    for name, value in given.items():
+        if value is not None:
+            raise UsageError(
+                f"{name} must come with --fit, got it alone; add --fit friction,torque"
+            )
+    return None
+
+
+def _read(args: Arguments) -> esc.Readings:
+    """The readings, with times where a motion is compared."""
+    counts = "--angle-unit counts"
+    if args.angle_unit == "counts" and args.resolution is None:
+        raise UsageError(f"{counts} must come with --resolution N, got none; give counts of a turn")
+    return esc.read_readings(
+        args.data,
+        input=args.input_column,
+        output=args.output_column,
+        time=None if args.fit is None else args.time_column or "time",
+        angle_unit=args.angle_unit,
+        resolution=args.resolution,
+        skip_rows=args.skip_rows or 0,
+    )
+
+
+def _joined(result: Any, fit: Any, units: str) -> dict[str, Any]:
+    """The verdict first, then the figures of what was compared."""
+    texts, messages, record = [], [], dict[str, Any]()
+    if result is not None:
+        texts.append(result.verdict.text)
+        messages.append(result.message)
+        record = summarise(result)
+    if fit is not None:
+        texts.append(fit.verdict.text)
+        messages.append(fit.message)
+        record["motion"] = _summarise_motion(fit, units)
+    good = all(one.verdict.good for one in (result, fit) if one is not None)
+    message = "; ".join(dict.fromkeys(filter(None, messages)))
+    return {"verdict": " ".join(texts), "good": good} | record | {"message": message}
+
+
+def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
+    """What is reported of a `MotionFit`, by JSON key, in the user's units."""
+    fitted = {}
+    for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
+        kind = unit_kind(name)
+        ends = [
+            _output.in_units(float(x), kind, units) for x in (value, value - half, value + half)
+        ]
+        fitted[name] = {"value": ends[0], "interval": ends[1:], "unit": printed(kind, units)}
+    apart = fit.speeds - fit.computed_speeds
+    return {
+        "samples": fit.time.size,
+        "release_time": fit.start,
+        "fitted": fitted,
+        "confidence": fit.confidence,
+        "noise_deg": math.degrees(fit.noise),
+        "autocorrelation": fit.autocorrelation,
+        "speed_max": float(fit.speeds.max()),
+        "speed_max_computed": float(fit.computed_speeds.max()),
+        "speed_deviation": float(np.sqrt(np.mean(apart**2))),
+        "message": fit.message,
+    }
+
+
+def _print(record: dict[str, Any]) -> None:
+    """The verdict, and tables of what was compared."""
+    print(record["verdict"])
+    if "samples" in record:
+        print()
+        _print_tables(record)
+    if motion := record.get("motion"):
+        print("\nmotion")
+        share = f"{100.0 * motion['confidence']:g} %"
+        rows: list[tuple[str, Any, str]] = []
+        for name, found in motion["fitted"].items():
+            rows.append((words(name), found["value"], found["unit"]))
+            low, high = found["interval"]
+            rows.append((f"  {share} interval", f"{low:.6g} to {high:.6g}", found["unit"]))
+        shown = {key: motion[key] for key in _MOTION_KEYS}
+        print_values(rows + _output.rows(shown, _MOTION_KEYS, SYSTEMS[0]))
 
 
 def summarise(result: Any) -> dict[str, Any]:
@@ -104,38 +237,41 @@ def summarise(result: Any) -> dict[str, Any]:
     fit, errors, spectrum = result.fit, result.errors, result.periodogram
     power, sensor = float(spectrum.power[spectrum.peak]), result.sensor_share
     tests = result.chi_squared_test, result.published_test, result.anderson_darling_test
+    play_keys = "shaft", "width_deg", "standard_error_deg", "p_value"
     shaft_keys = "shaft", "order", "amplitude_deg", "standard_error_deg", "p_value", "turns"
     return {
         "samples": errors.size,
         "missing": result.readings.missing,
         "synthetic": result.readings.synthetic,
         "input_travel_deg": math.degrees(result.input.max() - result.input.min()),
-        **_read(fit, "sense", "phase_deg", "phase_error_deg", "offset_deg", "offset_error_deg"),
-        **_read(result, "mean_deg", "standard_deviation_deg"),
+        **_attributes(
+            fit, "sense", "phase_deg", "phase_error_deg", "offset_deg", "offset_error_deg"
+        ),
+        **_attributes(result, "mean_deg", "standard_deviation_deg"),
         "error_min_deg": math.degrees(errors.min()),
         "error_max_deg": math.degrees(errors.max()),
-        **_read(result, "confidence", "interval_deg", "mean_interval_deg"),
-        **_read(result, "autocorrelation", "bins"),
+        **_attributes(result, "confidence", "interval_deg", "mean_interval_deg"),
+        **_attributes(result, "autocorrelation", "bins"),
         "bin_edges_deg": [*map(math.degrees, result.histogram.edges)],
-        **_read(result.histogram, "observed", "expected"),
+        **_attributes(result.histogram, "observed", "expected"),
         # JSON has null where a test knows no degrees of freedom
         **{
             key: test._asdict() | {"degrees_of_freedom": test.degrees_of_freedom or None}
             for key, test in zip(_TESTS, tests, strict=True)
         },
-        "shaft_errors": [_read(error, *shaft_keys) for error in result.shaft_errors],
+        "shaft_errors": [_attributes(error, *shaft_keys) for error in result.shaft_errors],
+        "backlash": [_attributes(play, *play_keys) for play in result.backlash],
         "periodogram_peak": {
             "cycles_per_input_turn": float(spectrum.frequency[spectrum.peak]),
             "amplitude_deg": math.degrees(spectrum.amplitude[spectrum.peak]),
             "share_of_variance": power,
             "false_alarm_probability": float(spectrum.false_alarm_probability(power)),
         },
-        "sensor": sensor and _read(sensor, *(f"{name}_deg" for name in sensor._fields)),
-        "message": result.message,
+        "sensor": sensor and _attributes(sensor, *(f"{name}_deg" for name in sensor._fields)),
     }
 
 
-def _read(owner: Any, *keys: str) -> dict[str, Any]:
+def _attributes(owner: Any, *keys: str) -> dict[str, Any]:
     """Attributes of a result, angles in degrees where the key says so."""
     found = {key: getattr(owner, key.removesuffix("_deg")) for key in keys}
     for key in keys:
@@ -162,12 +298,15 @@ def _print_tables(record: dict[str, Any]) -> None:
     print("\nnormality")
     rows = [[name, *record[key].values()] for key, name in _TESTS.items()]
     print_columns([["test", "statistic", "degrees of freedom", "p"]], rows)
-    print("\nerrors that come back")
+    print("\nerrors that come back, and backlash")
     rows = []
     for error in record["shaft_errors"]:
         shaft, often = error["shaft"], "once" if error["order"] == 1 else "twice"
         name = f"{often} a cell" if shaft == "cell" else f"{often} a turn, {shaft}"
         rows.append([name, error["amplitude_deg"], error["standard_error_deg"], error["p_value"]])
+    for play in record["backlash"]:
+        name = f"backlash, {play['shaft']}"
+        rows.append([name, play["width_deg"], play["standard_error_deg"], play["p_value"]])
     peak = record["periodogram_peak"]
     name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
     rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])

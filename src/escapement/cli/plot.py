@@ -9,7 +9,7 @@ from escapement.cli import _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.cli.sweep import in_system, parse_selection
 from escapement.errors import InvalidValue
-from escapement.files import PAGES, check_input, write_file
+from escapement.files import FILMS, FORMATS, check_input
 from escapement.status import Status
 from escapement.text import words
 from escapement.units import SYSTEMS
@@ -22,8 +22,8 @@ def configure(parser: Parser) -> None:
     add = parser.add_argument
     add("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
     text = (
-        ".png, .pdf or .svg, replaced if it exists (default: FILE.png beside FILE.h5); of a "
-        "motion also .html, a page that plays it"
+        ".png, .pdf or .svg; of a motion also a film, .gif, .mp4 or .webm, or .html, a page that "
+        "plays it; replaced if it exists (default: FILE.png beside FILE.h5)"
     )
     add("-o", "--output", type=Path, metavar="OUT", help=text)
     text = (
@@ -39,31 +39,20 @@ def execute(args: Arguments) -> int:
     """Draw the file."""
     check_input(args.file, "file")
     path = args.output or args.file.with_suffix(".png")
-    page = path.suffix.lower() in PAGES
-    _output.check_output(path, args.file, force=page, picture=not page)
     from escapement.motion_file import is_motion, read_motion
 
     # a file of a motion says so itself; every other one is taken for a study
-    holds, gaps = "motion", ""
-    if is_motion(args.file):
+    holds, gaps, moving = "motion", "", is_motion(args.file)
+    _output.check_output(path, args.file, pictures=FORMATS + FILMS if moving else FORMATS)
+    if moving:
         given = {"--select": args.select, "--result": args.result, "--units": args.units}
         for option, value in given.items():
             if value not in (None, "SI"):
                 raise UsageError(
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
-        motion = read_motion(args.file)
-        if page:
-            from escapement.explorer import player
-
-            write_file(path, [player(motion).encode()], force=True)
-            _log.record("saved", file=str(path))
-        else:
-            _output.draw(path, lambda plots: plots.motion.plot_motion(motion))
-    elif page:
-        raise UsageError(
-            f"--output must be a picture of a study, got {path}; a page plays a motion"
-        )
+        shown = read_motion(args.file)
+        _output.draw_motion(path, shown, lambda plots: plots.motion.plot_motion(shown))
     else:
         holds, study = "study", esc.read_study(args.file)
         try:

@@ -8,7 +8,7 @@ from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import ArgumentGroup, Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
-from escapement.files import MOTIONS
+from escapement.files import FILMS, FORMATS, MOTIONS
 from escapement.inputs import Input, inputs_of
 from escapement.model import Escapement, Run, model_settings
 from escapement.quantity import Setting, declared, quantities
@@ -46,7 +46,7 @@ def configure(parser: Parser) -> None:
     output = parser.add_argument_group("output")
     text = "write the motion: .h5, .hdf5 or .nc (HDF5), or .csv (the samples)"
     _arguments.add_output(output, "FILE.h5", text)
-    _arguments.add_plot(output, "draw the velocities")
+    _arguments.add_plot(output, "draw the velocities", "or film the motion")
     _arguments.add_report(output)
 
 
@@ -58,7 +58,7 @@ def model() -> dict[str, Setting]:
 
 def execute(args: Arguments) -> int:
     """Simulate, write what was asked for, print the figures."""
-    _output.check_wanted(args, "FILE.h5", MOTIONS)
+    _output.check_wanted(args, "FILE.h5", MOTIONS, FORMATS + FILMS)
     escapement, settings = read_case(args)
     motion = esc.simulate(escapement, args.engagements, duration=args.duration, **settings)
     count = motion.handoff_times.size
@@ -131,7 +131,7 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
             options = {"units": args.units, "force": args.force, "progress": progress}
             esc.write_motion(motion, args.output, **options)
         _log.record("saved", file=str(args.output))
-    _output.draw(args.plot, lambda plots: plots.plot_velocities(motion))
+    _output.draw_motion(args.plot, motion, lambda plots: plots.plot_velocities(motion))
 
 
 def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict[str, Any]:

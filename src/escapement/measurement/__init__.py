@@ -1,5 +1,6 @@
-"""What is measured against theory: readings of encoders (Prikhodko 2020), and beats."""
+"""What is measured against theory: readings of encoders (Prikhodko 2020), motions and beats."""
 
+from escapement.measurement.backlash import Backlash as Backlash
 from escapement.measurement.beat_spectrum import BeatLine as BeatLine
 from escapement.measurement.beat_spectrum import BeatSpectrum as BeatSpectrum
 from escapement.measurement.beat_spectrum import beat_spectrum as beat_spectrum
@@ -16,6 +17,8 @@ from escapement.measurement.encoder import synthetic_readings as synthetic_readi
 from escapement.measurement.fit import Fit as Fit
 from escapement.measurement.fit import position as position
 from escapement.measurement.fit import slope as slope
+from escapement.measurement.motion_fit import MotionFit as MotionFit
+from escapement.measurement.motion_fit import fit_motion as fit_motion
 from escapement.measurement.normality import Histogram as Histogram
 from escapement.measurement.normality import NormalityTest as NormalityTest
 from escapement.measurement.normality import anderson_darling as anderson_darling
@@ -25,9 +28,10 @@ from escapement.measurement.normality import histogram as histogram
 from escapement.measurement.normality import published_chi_squared as published_chi_squared
 from escapement.measurement.normality import sturges as sturges
 from escapement.measurement.periodic import Periodogram as Periodogram
-from escapement.measurement.periodic import ShaftError as ShaftError
 from escapement.measurement.readings import Readings as Readings
 from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
 from escapement.measurement.rounds import Rounds as Rounds
+from escapement.measurement.shaft_errors import ShaftError as ShaftError
 from escapement.measurement.told import Combination as Combination
+from escapement.measurement.verdict import Verdict as Verdict

@@ -1,7 +1,6 @@
 """The comparison of readings with theory: errors, and what they tell."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -13,14 +12,21 @@ from escapement.errors import InvalidValue
 from escapement.lazy import Lazy
 from escapement.measurement import encoder as sensors
 from escapement.measurement import normality, periodic
+from escapement.measurement.backlash import Backlash
 from escapement.measurement.encoder import Encoder, SensorShare
-from escapement.measurement.fit import Fit, fit_zeros, position
-from escapement.measurement.readings import TURN, Readings, read_readings, wraps, write_table
+from escapement.measurement.fit import Fit, fit_zeros
+from escapement.measurement.readings import (
+    TURN,
+    Readings,
+    check_samples,
+    read_readings,
+    write_table,
+)
+from escapement.measurement.shaft_errors import Found, ShaftError, find_errors
+from escapement.measurement.verdict import Verdict, remarks_on, verdict_on
 from escapement.mechanism import FloatArray, Mechanism
 
 special = Lazy("scipy.special")
-_ALIKE = 0.05  # a smaller correlation spoils no p-value
-_CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 _EXPECTED = 5  # the chi-squared law needs so many errors in a class on average
 
 
@@ -111,20 +117,27 @@ class Measurement:
         return float(rest[1:] @ rest[:-1] / (rest @ rest))
 
     @property
-    def shaft_errors(self) -> tuple[periodic.ShaftError, ...]:
+    def shaft_errors(self) -> tuple[ShaftError, ...]:
         """Sinusoidal errors of each shaft; see `ShaftError`."""
-        return self._shaft_errors[0]
+        return self._found.shaft_errors
+
+    @property
+    def backlash(self) -> tuple[Backlash, ...]:
+        """Free play of each shaft that turns both ways; see `Backlash`."""
+        return self._found.backlash
 
     @property
     def rest_autocorrelation(self) -> float:
-        """`autocorrelation` of what phase, offset and significant shaft errors leave [-]."""
-        return self._shaft_errors[1]
+        """`autocorrelation` of what phase, offset, shaft errors and backlash leave [-].
+
+        Of the latter two what is significant.
+        """
+        return self._found.correlation
 
     @cached_property
-    def _shaft_errors(self) -> tuple[tuple[periodic.ShaftError, ...], float]:
-        driver, cell = self.input + self.fit.phase, self.mechanism.cell_angle
-        follower = position(self.mechanism, driver)
-        return periodic.shaft_errors(driver, follower, self.fit.slope, cell, self.errors)
+    def _found(self) -> Found:
+        driver = self.input + self.fit.phase
+        return find_errors(self.mechanism, driver, self.fit.sense, self.errors)
 
     @cached_property
     def periodogram(self) -> periodic.Periodogram:
@@ -137,9 +150,14 @@ class Measurement:
         return sensors.sensor_share(self.encoder, self.fit.slope) if self.encoder else None
 
     @cached_property
+    def verdict(self) -> Verdict:
+        """Whether it is good, what is wrong, and with which shaft."""
+        return verdict_on(self)
+
+    @cached_property
     def message(self) -> str:
-        """What a reader of these figures must know, "" where there is nothing."""
-        return "; ".join([*_on_the_fit(self), *_on_what_comes_back(self)])
+        """What a reader of these figures must know beside, "" where there is nothing."""
+        return "; ".join(remarks_on(self))
 
 
 def measure(
@@ -195,6 +213,7 @@ def measure(
         remedy = "give Readings(input, output) in rad"
         raise validate.fail("readings", "Readings or a path", readings, remedy)
     taken = readings if isinstance(readings, Readings) else read_readings(readings)
+    check_samples(taken.samples, taken.input.size)
     # the input of samples without an output helps to count turns, so they are left out last
     angle, output = taken.counted_input[taken.complete], taken.output[taken.complete]
     first = np.flatnonzero(np.isfinite(taken.input))[0]
@@ -225,62 +244,3 @@ def write_errors(result: Measurement, path: str | PathLike[str], *, force: bool 
     columns = {"input_deg": result.input, "output_deg": result.output}
     columns |= {"theory_deg": result.fit.theory, "error_deg": result.errors}
     write_table(path, columns, result.readings.synthetic, "", force)
-
-
-def _on_the_fit(result: Measurement) -> Iterator[str]:
-    """Sentences for the reader, the gravest first: on the readings and their fit."""
-    readings = result.readings
-    if readings.synthetic:
-        yield "synthetic data, computed and not measured"
-    if readings.remark:
-        yield readings.remark
-    rms, step = math.hypot(result.mean, result.standard_deviation), result.mechanism.follower_step
-    if rms > 0.25 * abs(step):
-        yield (
-            f"errors of {math.degrees(rms):.3g} degrees are large against a step of "
-            f"{math.degrees(abs(step)):.3g}: check the mechanism, "
-            "which column is the input, and the unit of the angles"
-        )
-    if not math.isfinite(result.published_test.statistic):
-        far = result.errors[np.argmax(np.abs(result.errors - result.mean))]
-        yield (
-            f"an error of {math.degrees(far):.3g} degrees is "
-            f"{abs(far - result.mean) / result.standard_deviation:.0f} standard "
-            "deviations out, where a normal law expects nothing: chi_squared_published is infinite"
-        )
-    if math.isnan(result.fit.phase_error):
-        yield "the output turns evenly over these samples, so the phase cannot be told"
-    known = np.flatnonzero(np.isfinite(readings.input))
-    steps = np.abs(np.diff(readings.counted_input[known]))
-    far = int(np.argmax(steps))
-    if wraps(readings.input[known]) and steps[far] > _CLOSE_TO_HALF_A_TURN:
-        line = readings.line[known[far + 1]]  # type: ignore[index]
-        yield (
-            f"the input goes on by {math.degrees(steps[far]):.0f} degrees at line {line}: "
-            "its turns may be miscounted, measure closer"
-        )
-
-
-def _on_what_comes_back(result: Measurement) -> Iterator[str]:
-    """Sentences for the reader: on errors that depend on each other."""
-    # independent errors have a correlation beyond 3.3/sqrt(n) once in a thousand times
-    least, rest = max(3.3 / math.sqrt(result.errors.size), _ALIKE), result.rest_autocorrelation
-    alike = max(result.autocorrelation, rest)
-    spoilt = "tests of normality, errors of phase and offset and intervals of the mean"
-    # a wave that is found makes neighbours alike, but spoils no test for waves
-    if rest > least:
-        spoilt = "all tests, false alarms, standard errors and intervals of the mean"
-    if alike > least:
-        yield (
-            f"neighbouring errors are alike (correlation {alike:.2f}), while {spoilt} "
-            "take them for independent: do not trust those"
-        )
-    yield from filter(None, (error.told(rest) for error in result.shaft_errors))
-    unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
-    if unknown:
-        yield (
-            f"errors that come back with {' and '.join(unknown)} are not judged: not measured all "
-            "round, or not to be told from others"
-        )
-    if result.periodogram.samples < result.errors.size:
-        yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"

@@ -2,12 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from escapement import validate
+from escapement.measurement.backlash import with_play
 from escapement.measurement.fit import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
 from escapement.mechanism import FloatArray, Mechanism, checked
@@ -121,12 +121,14 @@ def synthetic_readings(
     input_eccentricity: float = 0.0,
     output_eccentricity: float = 0.0,
     backlash: float = 0.0,
+    input_backlash: float = 0.0,
+    both_ways: bool = False,
     phase: float = 0.0,
     offset: float = 0.0,
     sense: int = 1,
     missing: float = 0.0,
 ) -> Readings:
-    """Synthetic readings of a drive whose input turns evenly.
+    """Synthetic readings of a drive whose input turns evenly, one way or there and back.
 
     Parameters
     ----------
@@ -146,8 +148,10 @@ def synthetic_readings(
         Standard deviation of independent normal errors of the output [rad].
     input_eccentricity, output_eccentricity : float
         Amplitude of an error once a turn of the shaft [rad].
-    backlash : float
-        Free play of the output [rad].
+    backlash, input_backlash : float
+        Free play of the output, and of the input behind its encoder [rad].
+    both_ways : bool
+        Whether the input turns back after so many turns, to where it began.
     phase, offset : float
         Zeros of the encoders, as in `measure` [rad].
     sense : int
@@ -170,7 +174,7 @@ def synthetic_readings(
     count = validate.integer("samples", samples, LEAST_SAMPLES, "give how many to compute")
     whole = validate.integer("seed", seed, 0, "give any whole number")
     sizes = {
-        "noise": noise, "backlash": backlash,
+        "noise": noise, "backlash": backlash, "input_backlash": input_backlash,
         "input_eccentricity": input_eccentricity, "output_eccentricity": output_eccentricity,
     }  # fmt: skip
     for name, size in sizes.items():
@@ -181,8 +185,11 @@ def synthetic_readings(
         raise validate.fail("missing", "from 0 to below 1", missing, "give a share, as 0.01")
     random = np.random.default_rng(whole)
     travel = TURN * validate.number("turns", turns)
-    theta = start + np.linspace(0.0, travel, count, endpoint=False)
-    phi = _with_play(position(mechanism, theta), backlash)
+    share = np.linspace(0.0, 1.0, count, endpoint=False)
+    if validate.truth("both_ways", both_ways):
+        share = 1.0 - np.abs(1.0 - 2.0 * share)
+    theta = start + travel * share
+    phi = with_play(position(mechanism, with_play(theta, input_backlash)), backlash)
     bend = 0.0 if encoder is None else encoder.greatest_deviation
     angle = theta - start + _shaft(random, theta, input_eccentricity, bend)
     read = sense * (phi + _shaft(random, phi, output_eccentricity, bend)) + zero
@@ -205,13 +212,6 @@ def _shaft(
 
     greatest = float(np.abs(bent(np.linspace(0.0, TURN, 3600))).max())
     return eccentricity * np.sin(angle + start) + deviation / greatest * bent(angle)
-
-
-def _with_play(phi: FloatArray, backlash: float) -> FloatArray:
-    """Output that is pushed at either end of its free play and stays in between."""
-    play = 0.5 * backlash
-    followed = accumulate(phi.tolist(), lambda at, end: min(max(at, end - play), end + play))
-    return np.array([*followed])
 
 
 def _digital(angle: FloatArray, encoder: Encoder) -> FloatArray:

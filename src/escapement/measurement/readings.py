@@ -1,4 +1,4 @@
-"""What two encoders read: angles of input and output, sample by sample, and their files."""
+"""What two encoders read, sample by sample, with times where they are kept, and their files."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -40,12 +40,14 @@ class Readings:
         Whether the readings were computed and not measured.
     remark : str
         A sentence that a reader of the figures must know.
+    time : array_like, shape (n,), optional
+        When each sample was taken, increasing [s]. Beside times there may be no output: NaN.
 
     Raises
     ------
     InvalidValue
         When the columns do not match, hold infinite angles or ones beyond 1e10 turns,
-        have fewer than 20 complete samples, or the input does not turn.
+        have fewer than 20 complete samples, the input does not turn, or time does not increase.
     """
 
     input: FloatArray
@@ -53,6 +55,7 @@ class Readings:
     line: np.ndarray | None = None
     synthetic: bool = False
     remark: str = ""
+    time: FloatArray | None = None
 
     def __post_init__(self) -> None:
         size, where = len(self.input), "sample" if self.line is None else "line"
@@ -65,12 +68,12 @@ class Readings:
         for name in ("input", "output"):
             vars(self)[name] = _column(name, getattr(self, name), lines, where)
         vars(self)["line"] = lines
-        if self.samples < LEAST_SAMPLES:
-            raise InvalidValue(
-                f"readings must have at least {LEAST_SAMPLES} complete samples, "
-                f"got {self.samples} of {size}; measure longer"
-            )
-        if np.ptp(self.input[self.complete]) == 0.0:
+        taken = self.complete
+        if self.time is not None:
+            vars(self)["time"] = _times(self.time, lines, where)
+            taken = np.isfinite(self.input)
+        check_samples(int(np.count_nonzero(taken)), size)
+        if np.ptp(self.input[taken]) == 0.0:
             raise InvalidValue(
                 "input must turn, got the same angle in every sample; "
                 "check which column is the input"
@@ -129,6 +132,29 @@ def _column(name: str, values: ArrayLike, lines: np.ndarray, where: str) -> Floa
     return angles
 
 
+def _times(values: ArrayLike, lines: np.ndarray, where: str) -> FloatArray:
+    times = validate.numbers("time", values, "give the time of each sample in s")
+    if times.shape != lines.shape:
+        rule = f"a row of {lines.size} times"
+        raise validate.fail("time", rule, values, "give the time of each sample in s")
+    late = np.flatnonzero(np.diff(times) <= 0.0)
+    if late.size:
+        raise InvalidValue(
+            f"time must increase, got {times[late[0] + 1]:g} s after {times[late[0]]:g} s in "
+            f"{where} {lines[late[0] + 1]}; sort the samples, or check the column of times"
+        )
+    return times
+
+
+def check_samples(count: int, size: int) -> None:
+    """Refuse readings with too few samples to tell anything."""
+    if count < LEAST_SAMPLES:
+        raise InvalidValue(
+            f"readings must have at least {LEAST_SAMPLES} complete samples, got {count} of {size}; "
+            "measure longer"
+        )
+
+
 def wraps(angle: FloatArray) -> bool:
     """Whether angles [rad] stay within a turn, as of an encoder that starts again at zero."""
     return bool(np.ptp(angle) <= TURN * (1.0 + 1e-9))
@@ -145,7 +171,10 @@ def read_readings(
     *,
     input: str | None = None,
     output: str | None = None,
+    time: str | None = None,
     angle_unit: str | None = None,
+    resolution: int | None = None,
+    skip_rows: int = 0,
 ) -> Readings:
     """Read the angles of two encoders from a CSV file.
 
@@ -159,9 +188,16 @@ def read_readings(
         Names of the columns in the header, with or without their unit. Default:
         those called input or driver and output or follower, or without a header
         the first and the second of two columns.
+    time : str, optional
+        Name of the column of times, in s unless its name ends in ms or us. Default:
+        times are not read. A file with times needs no output.
     angle_unit : str, optional
-        "deg" or "rad". Default: the unit in a column's name, as in input_rad or
-        "input (rad)", else degrees.
+        "deg", "rad" or "counts". Default: the unit in a column's name, as in input_rad
+        or "input (rad)", else degrees.
+    resolution : int, optional
+        Counts of a turn, >= 2, of angles in counts.
+    skip_rows : int
+        Lines before the line of names, or the first row, that are passed over.
 
     Returns
     -------
@@ -177,11 +213,17 @@ def read_readings(
     InvalidValue
         When there is no column of the name given, or the unit is unknown.
     """
-    found = read_columns(path, "measurement", (input, output), angle_unit)
+    if resolution is not None:
+        validate.integer("resolution", resolution, 2, "give the counts of a turn")
+    validate.integer("skip_rows", skip_rows, 0, "give how many lines to pass over")
+    names = input, output, time
+    found = read_columns(
+        path, "measurement", names, angle_unit, resolution=resolution, skip=skip_rows
+    )
     synthetic = any(comment.startswith(_SYNTHETIC) for comment in found.comments)
     remark = "angles without a unit are taken for degrees" if None in found.units else ""
     try:
-        return Readings(*found.angles, found.line, synthetic, remark)
+        return Readings(*found.angles, found.line, synthetic, remark, found.time)
     except InvalidValue as error:
         raise InputFileError(f"{path}: {error}") from None
 

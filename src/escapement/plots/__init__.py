@@ -21,6 +21,7 @@ from escapement.plots.measurement import plot_frequencies as plot_frequencies
 from escapement.plots.measurement import plot_measurement as plot_measurement
 from escapement.plots.measurement import plot_periodogram as plot_periodogram
 from escapement.plots.measurement import plot_positions as plot_positions
+from escapement.plots.measurement import plot_speeds as plot_speeds
 from escapement.plots.motion import plot_contact_moment as plot_contact_moment
 from escapement.plots.motion import plot_phase_portrait as plot_phase_portrait
 from escapement.plots.motion import plot_velocities as plot_velocities

@@ -43,7 +43,7 @@ def animate(
     Returns
     -------
     matplotlib.animation.FuncAnimation
-        It can be written with `save` as .gif, or shown in a notebook with
+        It can be written with `save` as .gif, .html, .mp4 or .webm, or shown in a notebook with
         `IPython.display.HTML(film.to_jshtml())`. Its title gives the time and the factor of slow
         motion.
 

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement import validate
-from escapement.measurement import Measurement, position
+from escapement.measurement import Measurement, MotionFit, position
 from escapement.measurement.encoder import sensor_uncertainty
 from escapement.measurement.fit import spread_samples
 from escapement.mechanism import FloatArray
@@ -194,6 +194,36 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: boo
     return _finished(
         ax, result, legend, ("cycles a turn of the input", ""), ("share of variance", "%")
     )
+
+
+def plot_speeds(fit: MotionFit, ax: Axes | None = None, *, legend: bool = True) -> Axes:
+    """Measured driver speeds and those of the fitted motion over time.
+
+    Parameters
+    ----------
+    fit : MotionFit
+        What `escapement.fit_motion` returns.
+    ax : Axes, optional
+        Where to draw. Default: a new figure.
+    legend : bool
+        Whether to draw one.
+
+    Returns
+    -------
+    Axes
+        Time from the release [s] and mean speed between neighbouring samples [rad/s].
+    """
+    if not isinstance(fit, MotionFit):
+        raise validate.fail("fit", "a MotionFit", fit, "give what fit_motion returns")
+    ax = ax or style.new_axes(5.0, 3.4)
+    since = fit.mid_time - fit.start
+    factor, unit = style.scaled("s", since)
+    some = np.sort(spread_samples(since.size, _MOST_POINTS))
+    look: dict[str, Any] = {"mfc": "none", "mew": 0.7, "color": style.VERMILLION}
+    ax.plot(factor * since[some], fit.speeds[some], "o", ms=2.5, label="measured", **look)
+    curve: dict[str, Any] = {"color": style.BLUE, "lw": 1.0, "label": "model"}
+    ax.plot(factor * since[some], fit.computed_speeds[some], **curve)
+    return style.finished(ax, ("time", unit), ("driver speed", "rad/s"), 2, legend=legend)
 
 
 def plot_measurement(result: Measurement) -> Figure:

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from escapement import files
+from escapement.plots.films import write_film
 from escapement.plots.style import HALO
 
 # The same figure gives the same bytes only without date and random ids; text stays text.
@@ -22,7 +23,6 @@ _SETTINGS: dict[str, dict[str, Any]] = {
     ".png": {"dpi": 300, "metadata": {"Software": None}},
     ".pdf": {"dpi": 300, "metadata": {"CreationDate": None, "Creator": None, "Producer": None}},
     ".svg": {"dpi": 300, "metadata": {"Date": None, "Creator": None}},
-    ".gif": {"writer": "pillow"},
 }
 _BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.8}
 
@@ -36,16 +36,17 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
         What to write; for axes their whole figure. The same figure gives the same bytes, because
         the file contains no date.
     path : path
-        Its suffix decides the format: .png, .pdf or .svg; a film's is .gif. An existing
-        file is replaced, unless it is read-only. Text in an .svg is text, to be edited and
-        searched.
+        Its suffix decides the format: .png, .pdf or .svg; a film's is .gif, .html (a page
+        that plays it and needs no other file), or .mp4 or .webm, which ffmpeg writes. An
+        existing file is replaced, unless it is read-only. Text in an .svg is text, to be
+        edited and searched.
 
     Raises
     ------
     InvalidValue
         When the suffix is none of these.
     CannotCreate
-        When there can be no file at that place.
+        When there can be no file at that place, or no ffmpeg is installed to write it.
     StorageError
         When writing fails half-way, for example on a full disk.
     """
@@ -53,7 +54,7 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     moving = isinstance(picture, FuncAnimation)
     suffix = files.file_format(path, files.FILMS if moving else files.FORMATS)
     files.check_target(path, force=True, writable=True)
-    # Pillow writes films to files alone
+    # Pillow and ffmpeg write films to files alone
     with (
         files.storing(path),
         matplotlib.rc_context(_WRITING),
@@ -61,7 +62,10 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
     ):
         made = Path(folder) / f"picture{suffix}"
         with _as_letters([figure] if suffix == ".svg" else []):
-            (figure.save if moving else figure.savefig)(made, **_SETTINGS[suffix])
+            if moving:
+                write_film(figure, made)
+            else:
+                figure.savefig(made, **_SETTINGS[suffix])
         content = made.read_bytes()
     files.replace_file(path, [content])
 

@@ -1,0 +1,119 @@
+"""The verdict on a measurement, and what a reader of its figures must know beside it."""
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.measurement.readings import wraps
+from escapement.measurement.shaft_errors import SURE, chance, told_backlash
+
+_ALIKE = 0.05  # a smaller correlation spoils no p-value
+_CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
+_MUCH = 0.25  # errors beyond such a share of a step are those of another mechanism
+
+
+class Verdict(NamedTuple):
+    """Whether a mechanism is good, as far as its readings tell.
+
+    good : whether it follows its theory and nothing comes back with a shaft.
+    text : a sentence or two on what is wrong, and with which shaft.
+    """
+
+    good: bool
+    text: str
+
+
+def verdict_on(result: Any) -> Verdict:
+    """The verdict on a `Measurement`."""
+    rms, step = math.hypot(result.mean, result.standard_deviation), result.mechanism.follower_step
+    if rms > _MUCH * abs(step):
+        return Verdict(
+            False,
+            f"Not this mechanism: errors of {math.degrees(rms):.3g} degrees are large against a "
+            f"step of {math.degrees(abs(step)):.3g}. Check the mechanism, which column is the "
+            "input, and the unit of the angles.",
+        )
+    lacking = "" if result.backlash else " It turned one way only, which tells no backlash."
+    if wrong := [told for told, certain in _findings(result) if certain]:
+        return Verdict(False, f"Not good: {'; '.join(wrong)}.{lacking}")
+    size = f"{math.degrees(result.standard_deviation):.3g} degrees"
+    text = f"Good: nothing comes back with a shaft, and errors scatter by {size}"
+    if result.sensor_share:
+        share = math.degrees(result.sensor_share.standard)
+        text += f", where the encoders alone explain {share:.3g}"
+    return Verdict(True, f"{text}.{lacking}")
+
+
+def _findings(result: Any) -> Iterator[tuple[str, bool]]:
+    """What noise seldom shows: the words for it, and whether it is certain."""
+    rest = result.rest_autocorrelation
+    for error in result.shaft_errors:
+        if error.p_value < SURE:
+            certain = chance(error.p_value, rest) < SURE
+            yield error.told(certain), certain
+    for play in result.backlash:
+        if play.p_value < SURE:
+            certain = chance(play.p_value, rest) < SURE
+            yield told_backlash(play, certain), certain
+
+
+def remarks_on(result: Any) -> Iterator[str]:
+    """Sentences for the reader, the gravest first."""
+    yield from _on_the_fit(result)
+    yield from _on_what_comes_back(result)
+
+
+def _on_the_fit(result: Any) -> Iterator[str]:
+    """Sentences for the reader, the gravest first: on the readings and their fit."""
+    readings = result.readings
+    if readings.synthetic:
+        yield "synthetic data, computed and not measured"
+    if readings.remark:
+        yield readings.remark
+    if not math.isfinite(result.published_test.statistic):
+        far = result.errors[np.argmax(np.abs(result.errors - result.mean))]
+        yield (
+            f"an error of {math.degrees(far):.3g} degrees is "
+            f"{abs(far - result.mean) / result.standard_deviation:.0f} standard "
+            "deviations out, where a normal law expects nothing: chi_squared_published is infinite"
+        )
+    if math.isnan(result.fit.phase_error):
+        yield "the output turns evenly over these samples, so the phase cannot be told"
+    known = np.flatnonzero(np.isfinite(readings.input))
+    steps = np.abs(np.diff(readings.counted_input[known]))
+    far = int(np.argmax(steps))
+    if wraps(readings.input[known]) and steps[far] > _CLOSE_TO_HALF_A_TURN:
+        line = readings.line[known[far + 1]]
+        yield (
+            f"the input goes on by {math.degrees(steps[far]):.0f} degrees at line {line}: "
+            "its turns may be miscounted, measure closer"
+        )
+
+
+def _on_what_comes_back(result: Any) -> Iterator[str]:
+    """Sentences for the reader: on errors that depend on each other."""
+    # independent errors have a correlation beyond 3.3/sqrt(n) once in a thousand times
+    least, rest = max(3.3 / math.sqrt(result.errors.size), _ALIKE), result.rest_autocorrelation
+    alike = max(result.autocorrelation, rest)
+    spoilt = "tests of normality, errors of phase and offset and intervals of the mean"
+    # a wave that is found makes neighbours alike, but spoils no test for waves
+    if rest > least:
+        spoilt = "all tests, false alarms, standard errors and intervals of the mean"
+    if alike > least:
+        yield (
+            f"neighbouring errors are alike (correlation {alike:.2f}), while {spoilt} "
+            "take them for independent: do not trust those"
+        )
+    for told, certain in _findings(result):
+        if not certain:
+            yield f"{told}, or is noise whose neighbours are alike"
+    unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
+    if unknown:
+        yield (
+            f"errors that come back with {' and '.join(unknown)} are not judged: not measured all "
+            "round, or not to be told from others"
+        )
+    if result.periodogram.samples < result.errors.size:
+        yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"
