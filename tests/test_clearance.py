@@ -1,6 +1,7 @@
 """Clearance with rigid impact: PHYSICS_REAL's example, an independent time integration, laws."""
 
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -159,6 +160,50 @@ def test_impulse_and_momentum_without_friction():
     bounced = -rebound > 2e-5 * RADIUS / drive.time_unit
     assert bounced.sum() > 5
     assert_allclose(-rebound[bounced], 0.3 * approach[bounced], rtol=1e-7)
+
+
+def test_impulse_and_momentum_with_friction():
+    # what both bodies gain, less that of the normal impulse, has the direction of friction
+    rng, blows_seen = np.random.default_rng(27), 0
+    for _ in range(30):
+        drive = random_timer(rng, effects=False)
+        motion, bodies = esc.simulate(drive, 4), TwoBodies(drive, CHATTER)
+        blows, trajectory = motion.impacts, motion.trajectory
+        piece = np.array([np.flatnonzero(trajectory.start == t)[-1] for t in blows.time])
+        before, behind = (motion.within(piece - k, blows.time) for k in (1, 0))
+        unit = RADIUS / drive.torque_unit / drive.time_unit
+        for k in np.flatnonzero(np.abs(blows.wall) == 1.0):
+            engagement = trajectory.engagement[piece[k]]
+            turned = engagement * np.array([drive.mechanism.cell_angle, bodies.step])
+            q = np.array([behind.theta[k], behind.phi[k]]) - turned
+            v = np.array([[s.theta_dot[k], s.phi_dot[k]] for s in (before, behind)])
+            normal, tangent, *_ = bodies.directions(blows.wall[k], q, v[0])
+            gained = bodies.inertia * np.diff(v * drive.time_unit, axis=0)[0]
+            size, impulse = np.linalg.norm(tangent), blows.impulse[k] * unit
+            rest = (gained - normal * impulse) / size
+            scale = np.abs(bodies.inertia * v[0] * drive.time_unit).max()
+            assert abs(rest[0] * tangent[1] - rest[1] * tangent[0]) < 1e-12 * scale
+            along = drive.friction * impulse * size
+            assert abs(rest @ tangent) < along + 1e-12 * scale
+            blows_seen += 1
+    assert blows_seen > 300
+
+
+def test_a_flight_ends_where_rounding_leaves_its_piece_longer():
+    def every_ledger():
+        for friction in (0.02, 0.14):
+            wheel = esc.Geneva(4, 1, crank_radius=RADIUS, clearance=1e-4)
+            inertia = esc.Inertia(1e-6, 5e-6)
+            drive = esc.Escapement(wheel, inertia, 0.01, friction, driver_drag=5e-8)
+            found.append(esc.simulate(drive, 1500).ledger.residual)
+
+    found = []
+    thread = threading.Thread(target=every_ledger, daemon=True)
+    thread.start()
+    # without an end the kernel runs for ever, and lets this thread go on
+    thread.join(timeout=60.0)
+    assert len(found) == 2
+    assert_allclose(found, 0.0, atol=1e-10)
 
 
 def test_a_million_engagements_do_not_drift():
