@@ -6,6 +6,7 @@ import threading
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
 
 import escapement as esc
 from clearance_bodies import TwoBodies
@@ -187,6 +188,66 @@ def test_impulse_and_momentum_with_friction():
             assert abs(rest @ tangent) < along + 1e-12 * scale
             blows_seen += 1
     assert blows_seen > 300
+
+
+def smooth_blow(drive, wall, q, v):
+    """Speeds behind a blow whose friction, along the wall and in both journals, is smooth."""
+    bodies, e = TwoBodies(drive, CHATTER), drive.restitution
+    normal, tangent, *_ = bodies.directions(wall, q, v)
+    rubs = [drive.driver_bearing_friction, drive.follower_bearing_friction]
+    arms = np.array([drive.driver_bearing_radius, drive.follower_bearing_radius]) / RADIUS
+
+    def rates(_p, v):
+        f = drive.friction * np.tanh(-(tangent @ v) / 1e-7)
+        journals = rubs * arms * math.hypot(1.0, f) * np.tanh(v / 1e-7)
+        return (normal + f * tangent - journals) / bodies.inertia
+
+    def closed(_p, v):
+        return normal @ v
+
+    closed.terminal, settings = True, {"method": "LSODA", "rtol": 1e-9, "atol": 1e-12}
+    pressed = solve_ivp(rates, (0.0, 100.0), v, events=closed, **settings)
+    v, impulse = pressed.y[:, -1], pressed.t[-1]
+    if e * (normal @ rates(0.0, v)) * impulse > CHATTER:
+        v = solve_ivp(rates, (0.0, e * impulse), v, **settings).y[:, -1]
+    return v
+
+
+def test_journals_hold_what_they_can_in_a_blow():
+    rng, held, turned = np.random.default_rng(97), 0, 0
+    journals = {
+        f"{body}_bearing_{name}": value
+        for body in ("driver", "follower")
+        for name, value in (("friction", 0.3), ("radius", 0.15 * RADIUS))
+    }
+    for _ in range(12):
+        play, friction = 10.0 ** rng.uniform(-3.0, -2.0), rng.uniform(0.02, 0.2)
+        drive = timer(play, friction, int(rng.choice([3, 4])), restitution=0.4, **journals)
+        motion = esc.simulate(drive, 2)
+        blows, trajectory = motion.impacts, motion.trajectory
+        piece = np.array([np.flatnonzero(trajectory.start == t)[-1] for t in blows.time])
+        before, behind = (motion.within(piece - k, blows.time) for k in (1, 0))
+        for k in np.flatnonzero(blows.approach_speed * drive.time_unit > 0.01 * RADIUS):
+            turns = trajectory.engagement[piece[k]]
+            step = np.array([drive.mechanism.cell_angle, drive.mechanism.follower_step])
+            q = np.array([behind.theta[k], behind.phi[k]]) - turns * step
+            v, found = (
+                np.array([s.theta_dot[k], s.phi_dot[k]]) * drive.time_unit for s in (before, behind)
+            )
+            smooth = smooth_blow(drive, blows.wall[k], q, v)
+            assert_allclose(found, smooth, rtol=0, atol=1e-6 * np.abs(v).max())
+            held += np.abs(found).min() == 0.0
+            turned += (found * v < 0.0).any()
+    assert held > 3
+    assert turned > 3
+
+
+def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
+    # a driver that goes back turns within the flight
+    drive = timer(7.5e-3, 0.3, restitution=0.37, driver_viscous=1.5e-6, driver_drag=2e-8)
+    motion = esc.simulate(drive, 3)
+    assert (motion.impacts.theta_dot < 0.0).any()
+    assert abs(motion.ledger.residual) < 1e-14
 
 
 def test_a_flight_ends_where_rounding_leaves_its_piece_longer():

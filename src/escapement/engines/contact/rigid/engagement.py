@@ -241,6 +241,8 @@ def _knocked(notes, case, body):
     """
     blow = strike(case, body.wall, body.theta, body.speed, body.turning)
     rho = case.plus.rho
+    if not blow.sound:
+        return body, False, False
     if notes.wanted:
         body = _turned(notes, body, np.sign(blow.speed - body.speed))
     now = Body(
@@ -253,7 +255,7 @@ def _knocked(notes, case, body):
         # differences of squares as products, which keep the digits of a small loss
         row.energy = 0.5 * rho * (body.speed - blow.speed) * (body.speed + blow.speed)
         row.energy += 0.5 * (body.turning - blow.turning) * (body.turning + blow.turning)
-    return now, blow.rebounds, blow.sound
+    return now, blow.rebounds, True
 
 
 @inner_jit
