@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import escapement as esc
 from escapement.cli import SOME_FAILED, _arguments, _log, _output
@@ -17,6 +17,9 @@ from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
 from escapement.units import SYSTEMS, printed
+
+if TYPE_CHECKING:
+    from escapement.jam_rule import JamCycle
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
 # as it would take minutes and a gigabyte, and nothing could be told apart
@@ -177,7 +180,7 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     }
 
 
-def _by_rule(cycle: "esc.JamCycle") -> dict[str, Any]:
+def _by_rule(cycle: "JamCycle") -> dict[str, Any]:
     """What the rule for jams gives, by JSON key."""
     return {
         "jam_rule_period": cycle.period,
