@@ -96,7 +96,7 @@ class Figures(Shown):
     jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
     uniqueness_friction : friction from which on another motion exists beside this one [-].
     beats, beat_error : times of these engagements, and the greatest less the least [s].
-    blow_max : greatest energy that is lost in a blow [J].
+    blow_max : greatest energy that is lost in a blow [J], friction during the impulse included.
     motion : the terminal cycle, one engagement or all of these, None where there is none.
     spread : how the engagements differ where they never repeat themselves, else None. The
         velocities and the period are then means.
@@ -154,7 +154,11 @@ class Figures(Shown):
 
     @property
     def blow_max(self) -> float:
-        """Greatest energy that a blow of the cycle takes [J]."""
+        """Greatest energy that a blow of the cycle takes [J].
+
+        It is all that both bodies lose in the impulse, friction along the wall included, which is
+        mostly the greater part of it.
+        """
         return _NAN if self.motion is None else float(self.motion.impacts.energy.max(initial=0.0))
 
     @property
