@@ -250,6 +250,27 @@ def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
     assert abs(motion.ledger.residual) < 1e-14
 
 
+def test_extrema_are_those_of_the_states():
+    rng, drives = np.random.default_rng(149), [timer(5e-4, 0.2), timer(2e-4, 0.2, slots=3)]
+    for drive in drives + [random_timer(rng) for _ in range(30)]:
+        motion = esc.simulate(drive, 3)
+        start, extrema = motion.trajectory.start, motion.extrema
+        ends = motion.at([0.0, motion.end_time]).theta_dot
+        bounds, pieces = np.append(start, motion.end_time), np.arange(start.size)
+        times = bounds[:-1] + np.linspace(0.0, 1.0, 301)[:, None] * np.diff(bounds)
+        speeds = motion.within(pieces, times).theta_dot
+        top, least = speeds.max(), speeds.min()
+        assert_allclose(np.append(extrema.theta_dot, ends).max(), top, rtol=1e-4)
+        assert_allclose(np.append(extrema.theta_dot, ends).min(), least, rtol=0, atol=1e-4 * top)
+        # within a piece the acceleration changes its sign there
+        inside = ~np.isin(extrema.time, start)
+        sign, aside = np.where(extrema.maximum[inside], 1.0, -1.0), 1e-8 * drive.time_unit
+        before, behind = (motion.at(extrema.time[inside] + s * aside) for s in (-1.0, 1.0))
+        least = -1e-5 * top / drive.time_unit
+        assert (sign * before.theta_ddot > least).all()
+        assert (-sign * behind.theta_ddot > least).all()
+
+
 def test_a_flight_ends_where_rounding_leaves_its_piece_longer():
     def every_ledger():
         for friction in (0.02, 0.14):
