@@ -137,6 +137,15 @@ def test_energy_momentum_and_walls():
         assert (np.array([blows.approach_speed, blows.impulse]) >= 0.0).all()
 
 
+def test_a_cycle_that_begins_with_a_blow_is_balanced():
+    # the pin of an internal wheel leaves the slot at its rear wall, and the next one is there
+    for play in (1e-3, 2e-3):
+        cycle = esc.terminal(timer(play, internal=True, pins=1))
+        assert cycle.motion.impacts.time[0] == 0.0
+        assert abs(cycle.energy_residual) < 1e-13
+        assert abs(cycle.motion.ledger.kinetic) < 1e-13 * cycle.motion.ledger.work
+
+
 def test_impulse_and_momentum_without_friction():
     # a blow without friction: I_f d(phi_dot) = s R P and I_d d(theta_dot) = - s g R P
     drive = timer(friction=0.0, restitution=0.3)
