@@ -9,7 +9,8 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from PIL import Image
+from matplotlib.animation import FuncAnimation
+from PIL import Image, ImageSequence
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
@@ -20,6 +21,7 @@ from pages import FIGURES
 HERE = Path(__file__).resolve().parent
 DPI = 200
 COLOURS = 192  # a palette keeps the files small; the eye sees no difference
+FILM_COLOURS = 64
 ACCURACY = ("work_precision", "tolerance", "order", "painleve", "long_run", "conditioning")
 
 _PAGES = (
@@ -31,10 +33,24 @@ for _page in _PAGES:
 FIGURES |= {f"accuracy_{name}.png": getattr(figures, name) for name in ACCURACY}
 
 
+def film(made: FuncAnimation, path: Path) -> None:
+    """Write a film with few colours, which are the same in all pictures."""
+    made.save(path, writer="pillow", dpi=0.4 * DPI)
+    with Image.open(path) as image:
+        time, plain = image.info["duration"], Image.Dither.NONE
+        frames = [frame.convert("RGB") for frame in ImageSequence.all_frames(image)]
+    palette = frames[0].quantize(FILM_COLOURS, dither=plain)
+    first, *others = [frame.quantize(palette=palette, dither=plain) for frame in frames]
+    first.save(path, save_all=True, append_images=others, duration=time, loop=0, optimize=True)
+
+
 def main(folder: Path) -> None:
     """Draw every figure into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, make in FIGURES.items():
+        if name.endswith(".gif"):
+            film(make(), folder / name)
+            continue
         image = io.BytesIO()
         make().savefig(image, dpi=DPI)
         Image.open(image).convert("RGB").quantize(COLOURS).save(folder / name, optimize=True)

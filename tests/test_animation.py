@@ -53,6 +53,24 @@ def test_the_last_picture_is_that_of_its_instant(mechanism, tmp_path):
     np.testing.assert_allclose(velocities.get_xlim(), [1e3 * start, 1e3 * stop])
 
 
+def test_a_loose_pin_stands_between_its_walls_as_in_the_motion(tmp_path):
+    wheel = esc.Geneva(4, crank_radius=0.01, clearance=2e-5)
+    cycle = esc.terminal(esc.Escapement(wheel, INERTIA, 0.0113, 0.3)).motion
+    start, stop = cycle.reversals.time[0], cycle.impacts.time[-1]
+    film = plots.animate(cycle, start, stop, frames=4)
+    plots.save(film, tmp_path / "film.gif")
+    state = cycle.at(start + 0.75 * (stop - start))
+    pin = wheel.centre_distance - np.exp(-1j * state.theta)
+    ahead = (pin * np.exp(-1j * state.phi)).imag
+    whole, close_up, _velocities = film._fig.axes
+    assert close_up.get_title() == "play 20 times wider\nflight"
+    for ax, factor in ((whole, 1.0), (close_up, 20.0)):
+        (x, further), (y, above) = by_id(ax, "slot-0").get_data()
+        along = complex(further - x, above - y)
+        found = (complex(*by_id(ax, "pin-0").center) - complex(x, y)) / (along / abs(along))
+        assert found.imag == pytest.approx(factor * ahead, rel=1e-9)
+
+
 def test_the_file_plays_for_ever_at_the_rate_asked_for(tmp_path):
     shown = motion(DRIVES[0])
     for name in "ab":

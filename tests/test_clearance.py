@@ -1,10 +1,12 @@
 """Clearance with rigid impact: PHYSICS_REAL's example, an independent time integration, laws."""
 
 import math
+import threading
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
 
 import escapement as esc
 from clearance_bodies import TwoBodies
@@ -135,6 +137,15 @@ def test_energy_momentum_and_walls():
         assert (np.array([blows.approach_speed, blows.impulse]) >= 0.0).all()
 
 
+def test_a_cycle_that_begins_with_a_blow_is_balanced():
+    # the pin of an internal wheel leaves the slot at its rear wall, and the next one is there
+    for play in (1e-3, 2e-3):
+        cycle = esc.terminal(timer(play, internal=True, pins=1))
+        assert cycle.motion.impacts.time[0] == 0.0
+        assert abs(cycle.energy_residual) < 1e-13
+        assert abs(cycle.motion.ledger.kinetic) < 1e-13 * cycle.motion.ledger.work
+
+
 def test_impulse_and_momentum_without_friction():
     # a blow without friction: I_f d(phi_dot) = s R P and I_d d(theta_dot) = - s g R P
     drive = timer(friction=0.0, restitution=0.3)
@@ -159,6 +170,131 @@ def test_impulse_and_momentum_without_friction():
     bounced = -rebound > 2e-5 * RADIUS / drive.time_unit
     assert bounced.sum() > 5
     assert_allclose(-rebound[bounced], 0.3 * approach[bounced], rtol=1e-7)
+
+
+def test_impulse_and_momentum_with_friction():
+    # what both bodies gain, less that of the normal impulse, has the direction of friction
+    rng, blows_seen = np.random.default_rng(27), 0
+    for _ in range(30):
+        drive = random_timer(rng, effects=False)
+        motion, bodies = esc.simulate(drive, 4), TwoBodies(drive, CHATTER)
+        blows, trajectory = motion.impacts, motion.trajectory
+        piece = np.array([np.flatnonzero(trajectory.start == t)[-1] for t in blows.time])
+        before, behind = (motion.within(piece - k, blows.time) for k in (1, 0))
+        unit = RADIUS / drive.torque_unit / drive.time_unit
+        for k in np.flatnonzero(np.abs(blows.wall) == 1.0):
+            engagement = trajectory.engagement[piece[k]]
+            turned = engagement * np.array([drive.mechanism.cell_angle, bodies.step])
+            q = np.array([behind.theta[k], behind.phi[k]]) - turned
+            v = np.array([[s.theta_dot[k], s.phi_dot[k]] for s in (before, behind)])
+            normal, tangent, *_ = bodies.directions(blows.wall[k], q, v[0])
+            gained = bodies.inertia * np.diff(v * drive.time_unit, axis=0)[0]
+            size, impulse = np.linalg.norm(tangent), blows.impulse[k] * unit
+            rest = (gained - normal * impulse) / size
+            scale = np.abs(bodies.inertia * v[0] * drive.time_unit).max()
+            assert abs(rest[0] * tangent[1] - rest[1] * tangent[0]) < 1e-12 * scale
+            along = drive.friction * impulse * size
+            assert abs(rest @ tangent) < along + 1e-12 * scale
+            blows_seen += 1
+    assert blows_seen > 300
+
+
+def smooth_blow(drive, wall, q, v):
+    """Speeds behind a blow whose friction, along the wall and in both journals, is smooth."""
+    bodies, e = TwoBodies(drive, CHATTER), drive.restitution
+    normal, tangent, *_ = bodies.directions(wall, q, v)
+    rubs = [drive.driver_bearing_friction, drive.follower_bearing_friction]
+    arms = np.array([drive.driver_bearing_radius, drive.follower_bearing_radius]) / RADIUS
+
+    def rates(_p, v):
+        f = drive.friction * np.tanh(-(tangent @ v) / 1e-7)
+        journals = rubs * arms * math.hypot(1.0, f) * np.tanh(v / 1e-7)
+        return (normal + f * tangent - journals) / bodies.inertia
+
+    def closed(_p, v):
+        return normal @ v
+
+    closed.terminal, settings = True, {"method": "LSODA", "rtol": 1e-9, "atol": 1e-12}
+    pressed = solve_ivp(rates, (0.0, 100.0), v, events=closed, **settings)
+    v, impulse = pressed.y[:, -1], pressed.t[-1]
+    if e * (normal @ rates(0.0, v)) * impulse > CHATTER:
+        v = solve_ivp(rates, (0.0, e * impulse), v, **settings).y[:, -1]
+    return v
+
+
+def test_journals_hold_what_they_can_in_a_blow():
+    rng, held, turned = np.random.default_rng(97), 0, 0
+    journals = {
+        f"{body}_bearing_{name}": value
+        for body in ("driver", "follower")
+        for name, value in (("friction", 0.3), ("radius", 0.15 * RADIUS))
+    }
+    for _ in range(12):
+        play, friction = 10.0 ** rng.uniform(-3.0, -2.0), rng.uniform(0.02, 0.2)
+        drive = timer(play, friction, int(rng.choice([3, 4])), restitution=0.4, **journals)
+        motion = esc.simulate(drive, 2)
+        blows, trajectory = motion.impacts, motion.trajectory
+        piece = np.array([np.flatnonzero(trajectory.start == t)[-1] for t in blows.time])
+        before, behind = (motion.within(piece - k, blows.time) for k in (1, 0))
+        for k in np.flatnonzero(blows.approach_speed * drive.time_unit > 0.01 * RADIUS):
+            turns = trajectory.engagement[piece[k]]
+            step = np.array([drive.mechanism.cell_angle, drive.mechanism.follower_step])
+            q = np.array([behind.theta[k], behind.phi[k]]) - turns * step
+            v, found = (
+                np.array([s.theta_dot[k], s.phi_dot[k]]) * drive.time_unit for s in (before, behind)
+            )
+            smooth = smooth_blow(drive, blows.wall[k], q, v)
+            assert_allclose(found, smooth, rtol=0, atol=1e-6 * np.abs(v).max())
+            held += np.abs(found).min() == 0.0
+            turned += (found * v < 0.0).any()
+    assert held > 3
+    assert turned > 3
+
+
+def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
+    # a driver that goes back turns within the flight
+    drive = timer(7.5e-3, 0.3, restitution=0.37, driver_viscous=1.5e-6, driver_drag=2e-8)
+    motion = esc.simulate(drive, 3)
+    assert (motion.impacts.theta_dot < 0.0).any()
+    assert abs(motion.ledger.residual) < 1e-14
+
+
+def test_extrema_are_those_of_the_states():
+    rng, drives = np.random.default_rng(149), [timer(5e-4, 0.2), timer(2e-4, 0.2, slots=3)]
+    for drive in drives + [random_timer(rng) for _ in range(30)]:
+        motion = esc.simulate(drive, 3)
+        start, extrema = motion.trajectory.start, motion.extrema
+        ends = motion.at([0.0, motion.end_time]).theta_dot
+        bounds, pieces = np.append(start, motion.end_time), np.arange(start.size)
+        times = bounds[:-1] + np.linspace(0.0, 1.0, 301)[:, None] * np.diff(bounds)
+        speeds = motion.within(pieces, times).theta_dot
+        top, least = speeds.max(), speeds.min()
+        assert_allclose(np.append(extrema.theta_dot, ends).max(), top, rtol=1e-4)
+        assert_allclose(np.append(extrema.theta_dot, ends).min(), least, rtol=0, atol=1e-4 * top)
+        # within a piece the acceleration changes its sign there
+        inside = ~np.isin(extrema.time, start)
+        sign, aside = np.where(extrema.maximum[inside], 1.0, -1.0), 1e-8 * drive.time_unit
+        before, behind = (motion.at(extrema.time[inside] + s * aside) for s in (-1.0, 1.0))
+        least = -1e-5 * top / drive.time_unit
+        assert (sign * before.theta_ddot > least).all()
+        assert (-sign * behind.theta_ddot > least).all()
+
+
+def test_a_flight_ends_where_rounding_leaves_its_piece_longer():
+    def every_ledger():
+        for friction in (0.02, 0.14):
+            wheel = esc.Geneva(4, 1, crank_radius=RADIUS, clearance=1e-4)
+            inertia = esc.Inertia(1e-6, 5e-6)
+            drive = esc.Escapement(wheel, inertia, 0.01, friction, driver_drag=5e-8)
+            found.append(esc.simulate(drive, 1500).ledger.residual)
+
+    found = []
+    thread = threading.Thread(target=every_ledger, daemon=True)
+    thread.start()
+    # without an end the kernel runs for ever, and lets this thread go on
+    thread.join(timeout=60.0)
+    assert len(found) == 2
+    assert_allclose(found, 0.0, atol=1e-10)
 
 
 def test_a_million_engagements_do_not_drift():

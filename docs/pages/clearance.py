@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
 
 import escapement as esc
-from pages import LINES, drawn, panels, timer
+from pages import FIGURES, LINES, drawn, panels, timer
 
 RADIUS = 0.01
 PLAYS = np.geomspace(1e-5, 1e-3, 9)
@@ -90,3 +91,15 @@ def contact_convergence() -> Figure:
     right.set(xlabel="Stiffness over τ/r²", ylabel="Period off the rigid one, relative")
     right.legend(frameon=False)
     return figure
+
+
+def clearance_film() -> FuncAnimation:
+    """A pin that leaves the front wall, flies, and strikes the rear one."""
+    wheel = esc.Geneva(4, crank_radius=RADIUS, pin_radius=0.08 * RADIUS, clearance=2e-3 * RADIUS)
+    motion = esc.terminal(replace(timer(4, 0.30, 0.10), mechanism=wheel)).motion
+    lifts, strikes = motion.reversals.time[0], motion.impacts.time[-1]
+    aside = 0.5 * (strikes - lifts)
+    return esc.plots.animate(motion, lifts - aside, strikes + aside, frames=20, rate=5.0)
+
+
+FIGURES["clearance_film.gif"] = clearance_film

@@ -88,11 +88,17 @@ def jam_rule(escapement: Escapement) -> JamCycle:
     """
     limit = friction_limits(escapement)[0]
     if escapement.friction < limit:
-        rule, remedy = f"at least the limit {limit:.6g}", "below it terminal gives the exact answer"
+        rule, remedy = f"at least the limit {limit:.6g}", "below it there is an exact answer"
         raise validate.fail("friction", rule, escapement.friction, remedy)
-    if len(escapement.scenes) > 1 or escapement.curve is not None or escapement.contact:
-        remedy = "leave out errors of parts, springs, clearance and stiffness"
-        raise validate.fail("escapement", "a plain one", escapement.mechanism, remedy)
+    wheel: Any = escapement.mechanism
+    for name, value in (
+        ("clearance", getattr(wheel, "clearance", 0.0)), ("stiffness", escapement.stiffness),
+    ):  # fmt: skip
+        if value != 0.0:
+            raise validate.fail(name, "0 for the rule for jams", value, "leave it out")
+    if len(escapement.scenes) > 1 or escapement.curve is not None:
+        remedy = "leave out the errors of parts, or the spring's"
+        raise validate.fail("escapement", "of perfect parts and a constant torque", wheel, remedy)
     speed, clock = 0.0, escapement.time_unit
     for _ in range(_MOST):
         passed = _engage(escapement.scene, speed)

@@ -48,7 +48,13 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
         return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
     ends = motion.at([0.0, motion.end_time])
     driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
-    energies = (driver * ends.theta_dot**2 + follower * ends.phi_dot**2) / 2.0
+    taken = getattr(motion.trajectory, "load_work", None)
+    # a blow at the very start is part of the motion, which begins in front of it
+    first = ends if taken is None else motion.within(0, [0.0])
+    one, two = (
+        (driver * state.theta_dot**2 + follower * state.phi_dot**2) / 2.0 for state in (first, ends)
+    )
+    energies = np.array([one[0], two[1]])
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
     jumps = blows = 0.0
     if len(escapement.meetings) > 1:
@@ -58,7 +64,7 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
         jumps = float(motion.handoffs.jump[passed].sum())
         blows = float(motion.handoffs.energy[passed].sum())
     load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps)
-    if (taken := getattr(motion.trajectory, "load_work", None)) is not None:
+    if taken is not None:
         load, blows = float(taken.sum()), float(motion.impacts.energy.sum())
     lost, done = np.zeros(len(LOSSES)), 0
     for part in motion.parts():

@@ -28,7 +28,7 @@ FIGURES = {
     "velocity_average_published": Result("speed", "mean of largest and smallest driver velocity"),
     "period": Result("time", "period of one engagement of the terminal cycle"),
     "beat_error": Result("time", "longest minus shortest engagement of the terminal cycle"),
-    "blow_max": Result("energy", "greatest energy lost in an impact of the terminal cycle"),
+    "blow_max": Result("energy", "energy lost in the greatest impact, its friction included"),
     "rise_time": Result("time", "time of the first velocity extremum within 2 % of terminal"),
     "rise_time_63": Result("time", "time in which the handoff velocity's deviation falls to 1/e"),
     "rise_time_98": Result("time", "time in which the handoff velocity's deviation falls to 0.02"),

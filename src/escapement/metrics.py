@@ -95,7 +95,7 @@ class Figures(Shown):
     jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
     uniqueness_friction : friction at and above which the motion is not unique [-].
     beats, beat_error : durations of these engagements, and the longest minus the shortest [s].
-    blow_max : greatest energy that is lost in a blow [J].
+    blow_max : greatest energy lost in an impact [J], friction during the impulse included.
     motion : the terminal cycle, one engagement or all of these, None where there is none.
     spread : scatter of engagements that never repeat, otherwise None. Velocities and period are
         then means.
@@ -153,7 +153,11 @@ class Figures(Shown):
 
     @property
     def blow_max(self) -> float:
-        """Greatest energy lost in a blow of the cycle [J]."""
+        """Greatest energy lost in an impact of the cycle [J].
+
+        It is all that both bodies lose during the impulse. Friction along the wall is part of it,
+        and mostly the greater part.
+        """
         return _NAN if self.motion is None else float(self.motion.impacts.energy.max(initial=0.0))
 
     @property

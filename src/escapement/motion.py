@@ -276,7 +276,7 @@ class Motion(Shown):
 
         The exact times of handoffs, reversals and extrema of the driver speed are among
         them, so that the samples show every peak of `theta_dot` in full, and the start of
-        every piece.
+        every piece; of blows with clearance the last instant before them too.
         """
         parts = [self._grid() if part is self else part.t for part in self.parts()]
         return parts[0] if len(parts) == 1 else np.unique(np.concatenate(parts))
@@ -287,6 +287,9 @@ class Motion(Shown):
         ends = np.concatenate([starts[:1], self.handoff_times, [self.end_time]])
         even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
         times = np.concatenate([even, starts, self.reversals.time, peaks, ends[-1:]])
+        if (blows := getattr(self.trajectory, "impacts", None)) is not None:
+            # the states on both sides of a jump
+            times = np.concatenate([times, np.nextafter(blows.time, 0.0)])
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
 
     def parts(self) -> "Iterator[Motion]":

@@ -329,7 +329,8 @@ def _remedy(escapement: Escapement) -> str:
         return ""
     if not hasattr(escapement.mechanism, "clearance"):
         return "; jam_rule gives an approximation"
-    return "; give stiffness and damping for compliant contact, or see jam_rule"
+    rule = "jam_rule without the clearance" if escapement.contact else "jam_rule"
+    return f"; give stiffness and damping for compliant contact, or {rule} for an approximation"
 
 
 def uniqueness_note(escapement: Escapement) -> str | None:

@@ -43,7 +43,7 @@ class Handoffs(Events):
     kind : "overlap", "pick-up" (the driver turned free before it) or "strike".
     speed_before : driver speed before the blow [rad/s], elsewhere the same as `theta_dot`.
     impulse : angular impulse of the blow on the follower [N m s], 0 where there is none.
-    energy : what the blow takes [J].
+    energy : what both bodies lose in the blow [J], friction along the wall included.
     jump : by how much the follower jumps ahead from one pin to the other [rad].
     clearance_needed : by how much the slot must be wider than the pin for that [m]; NaN
         without a length.
@@ -72,7 +72,7 @@ class Impacts(Events):
     speed_before : driver speed before the blow [rad/s].
     approach_speed : speed with which pin and wall approach each other [m/s].
     impulse : of the normal force [N s].
-    energy : what the blow takes [J].
+    energy : what both bodies lose in the blow [J], friction along the wall included.
     """
 
     _units: ClassVar[dict[str, str]] = {

@@ -1,7 +1,8 @@
 """One motion from pin entry, and its figures of merit."""
 
+import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import escapement as esc
 from escapement.cli import SOME_FAILED, _arguments, _log, _output
@@ -16,6 +17,9 @@ from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
 from escapement.text import print_values, show, words
 from escapement.units import SYSTEMS, printed
+
+if TYPE_CHECKING:
+    from escapement.jam_rule import JamCycle
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
 # as it would take minutes and a gigabyte, and nothing could be told apart
@@ -43,6 +47,8 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "model", model())
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))
+    text = "friction beyond the Painleve limit: approximate rigid bodies by the rule for jams"
+    parser.add_argument("--jam-rule", action="store_true", help=text)
     output = parser.add_argument_group("output")
     text = "write the motion: .h5, .hdf5 or .nc (HDF5), or .csv (the samples)"
     _arguments.add_output(output, "FILE.h5", text)
@@ -60,6 +66,8 @@ def execute(args: Arguments) -> int:
     """Simulate, write what was asked for, print the figures."""
     _output.check_wanted(args, "FILE.h5", MOTIONS, FORMATS + FILMS)
     escapement, settings = read_case(args)
+    # what the rule refuses is told before anything is computed or written
+    jammed = esc.jam_rule(escapement) if args.jam_rule else None
     motion = esc.simulate(escapement, args.engagements, duration=args.duration, **settings)
     count = motion.handoff_times.size
     if args.plot is not None and count > _LONG:
@@ -82,13 +90,17 @@ def execute(args: Arguments) -> int:
         alike = len({printed(unit, system) for system in SYSTEMS}) == 1
         told[name] = value if alike else both
     record = _summarise(motion, figures, args.units)
+    if jammed is not None:
+        record |= _by_rule(jammed)
+        record["message"] += f"; by the rule for jams: {jammed.message}"
     _output.tell(
         args,
         {"inputs": told} | record,
         lambda: _print_table(inputs, record, args.units),
         record["message"] if record["message"] != MESSAGES[Status.OK] else "",
     )
-    return SOME_FAILED if motion.status.failed or figures.status.failed else 0
+    failed = motion.status.failed or figures.status.failed
+    return SOME_FAILED if failed and jammed is None else 0
 
 
 def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
@@ -169,6 +181,17 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     }
 
 
+def _by_rule(cycle: "JamCycle") -> dict[str, Any]:
+    """What the rule for jams gives, by JSON key."""
+    return {
+        "jam_rule_period": cycle.period,
+        "jam_rule_handoff_velocity": cycle.handoff_velocity,
+        "jam_rule_velocity_max": cycle.velocity_max,
+        "jam_rule_angles_deg": [math.degrees(angle) for angle in cycle.jam_angles],
+        "jam_rule_error": cycle.error,
+    }
+
+
 def _residual(motion: "esc.Motion") -> float:
     """Residual of the energy balance as a share of the work; a long motion takes a while."""
     from escapement.ledger import ledger_of
@@ -198,6 +221,9 @@ def _print_table(inputs: list[Input], record: dict[str, Any], units: str) -> Non
         found |= {"last_handoff": times[-1], "last_handoff_velocity": speeds[-1]}
     kinds = {name: figure.kind for name, figure in FIGURES.items()}
     kinds |= {"handoffs": "ratio", "last_handoff": "time", "last_handoff_velocity": "speed"}
+    kinds |= {"jam_rule_period": "time", "jam_rule_handoff_velocity": "speed"}
+    kinds |= {"jam_rule_velocity_max": "speed", "jam_rule_angles_deg": "degrees"}
+    kinds |= {"jam_rule_error": "ratio"}
     if found["uniqueness_friction"] == found["critical_friction"]:
         del found["uniqueness_friction"]
     order = [key for key in (*kinds, "status", "engine") if key in found]

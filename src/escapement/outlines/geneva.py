@@ -102,15 +102,17 @@ class GenevaOutline:
                 *edge, self._land(), self.slot_angles(), self.slot_offsets()
             )
 
-    def bodies(self, theta: float) -> list[Body | Disc]:
+    def bodies(self, theta: float, phi: float | None = None) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
 
+        The follower stands at its angle `phi` [rad], or where slots without play would hold it.
         "follower", "crank-disc", "driver-shaft" and "pin-k" with k counted from 0 are always
         there; "locking-disc" only with a dwell and space for it, "follower-shaft" only in an
         external wheel, "roller-k" only if pins have rollers.
         """
         centre, follower = self.centre, Body("follower", self.follower_edges)
-        found: list[Body | Disc] = [follower.turned(self.follower_at(theta))]
+        angle = self.follower_at(theta) if phi is None else phi
+        found: list[Body | Disc] = [follower.turned(angle)]
         if self.locks and (edge := locking_disc(self.perfect)):
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
         found.append(Disc("crank-disc", centre, self.crank_disc_radius))

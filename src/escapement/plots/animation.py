@@ -8,12 +8,14 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
 from escapement import validate
-from escapement.mechanism import FloatArray, Mechanism
-from escapement.mechanisms import EllipticalPlanetary
-from escapement.motion import Motion
+from escapement.mechanism import Mechanism
+from escapement.mechanisms import EllipticalPlanetary, Geneva
+from escapement.motion import Motion, State
 from escapement.plots import drawing, style
+from escapement.plots.geneva import plot_geneva
 from escapement.plots.motion import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
+from escapement.plots.play import draw_close_up, exaggerated
 
 _MOST_FRAMES = 2_000
 
@@ -27,6 +29,8 @@ def animate(
     rate: float = 25.0,
 ) -> FuncAnimation:
     """Film of a motion, in slow motion: drive and follower to scale, and their velocities.
+
+    With clearance the pin in its slot is shown beside, its play drawn wider, as the title says.
 
     Parameters
     ----------
@@ -68,23 +72,32 @@ def animate(
     times = np.linspace(start, last, count, endpoint=False)
     state = motion.at(times)
     figure = style.new_figure(style.TWO_COLUMN, 3.2)
-    scene, velocities = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
+    loose = _loose(mechanism)
+    shares = (1.1, 0.8, 1.1) if loose else (1.0, 1.35)
+    scene, *aside, velocities = figure.subplots(1, len(shares), width_ratios=shares)
     plot_velocities(motion, style.dress(velocities))
     factor, unit = style.scaled("s", [end])
     velocities.set_xlim(start * factor, last * factor)
     instant = velocities.axvline(start * factor, color=style.BLACK, lw=0.8, zorder=4)
     (marks,) = velocities.plot([], [], "o", color=style.BLACK, ms=4, zorder=5)
-    draw = _drawing(scene, mechanism, state.theta)
+    draw = _drawing(scene, mechanism, state)
+    wide = exaggerated(loose, state) if loose else None
     slower = count / rate / (last - start)
-    pace = f"{slower:.3g} times slower" if slower >= 1.0 else f"{1.0 / slower:.3g} times faster"
+    rounded = float(f"{max(slower, 1.0 / slower):.3g}")
+    pace = f"{rounded:g} times {'slower' if slower >= 1.0 else 'faster'}"
     # so many decimals that successive pictures have different titles
     digits = max(0, math.ceil(-math.log10(factor * (last - start) / count)))
 
     def show(frame: int) -> None:
         scene.clear()
-        draw(float(state.theta[frame]))
+        draw(frame)
+        if wide is not None:
+            aside[0].clear()
+            draw_close_up(aside[0], wide, float(state.theta[frame]), frame)
         place = times[frame] * factor
-        scene.set_title(f"{place:.{digits}f} {unit}, {pace}", fontsize=style.SMALL_SIZE)
+        # a second picture leaves less room
+        between = "\n" if loose else ", "
+        scene.set_title(f"{place:.{digits}f} {unit}{between}{pace}", fontsize=style.SMALL_SIZE)
         instant.set_xdata([place, place])
         marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
 
@@ -95,11 +108,19 @@ def animate(
     return FuncAnimation(figure, show, frames=count, interval=1e3 / rate)
 
 
-def _drawing(ax: Axes, mechanism: Mechanism, angles: FloatArray) -> Callable[[float], object]:
-    """What draws the mechanism at a driver angle, with limits that do not change."""
+def _loose(mechanism: Mechanism) -> Geneva | None:
+    """A wheel with play, None for others."""
+    return mechanism if isinstance(mechanism, Geneva) and mechanism.clearance > 0.0 else None
+
+
+def _drawing(ax: Axes, mechanism: Mechanism, state: State) -> Callable[[int], object]:
+    """What draws the mechanism at one of the times, with limits that do not change."""
+    angles, turned = state.theta.tolist(), state.phi.tolist()
+    if wheel := _loose(mechanism):
+        return lambda k: plot_geneva(wheel, angles[k], ax, follower_angle=turned[k])
     if not isinstance(mechanism, EllipticalPlanetary):
-        return lambda theta: drawing.plot_mechanism(mechanism, theta, ax)
+        return lambda k: drawing.plot_mechanism(mechanism, angles[k], ax)
     # the carrier turns, so the limits must have room for every picture
     left, right, bottom, top = np.array([extent(mechanism, theta) for theta in angles]).T
     box = left.min(), right.max(), bottom.min(), top.max()
-    return lambda theta: draw_planetary(drawing.dress_scene(ax, box), mechanism, theta, theta)
+    return lambda k: draw_planetary(drawing.dress_scene(ax, box), mechanism, angles[k], angles[k])

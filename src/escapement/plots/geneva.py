@@ -31,8 +31,9 @@ _CONTINUOUS = (3, 4, 6)
 
 @drawing.plot_mechanism.register
 def plot_geneva(
-    mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None, *, exaggerate: float = 1.0
-) -> Axes:
+    mechanism: Geneva, theta: float = 0.0, ax: Axes | None = None, *, exaggerate: float = 1.0,
+    follower_angle: float | None = None,
+) -> Axes:  # fmt: skip
     """Geneva drive to scale, driver on the right, with the errors of its parts.
 
     Parameters
@@ -47,8 +48,11 @@ def plot_geneva(
         Where to draw; its limits are set in crank radii, follower axis at the
         origin. Default: a new figure.
     exaggerate : float
-        By what the errors of the parts are multiplied, >= 0. Unless it is 1 the perfect wheel and
-        its pins are there in broken lines.
+        By what the errors of the parts are multiplied, >= 0. Unless it is 1, broken lines show
+        the perfect wheel and its pins.
+    follower_angle : float, optional
+        Angle of the follower [rad], as `State.phi` of a motion with clearance gives it.
+        Default: the angle at which slots without play would hold it.
 
     Returns
     -------
@@ -71,7 +75,9 @@ def plot_geneva(
     angle = validate.number("theta", theta, "give the driver angle in rad")
     style.check_drawn("slots", mechanism.slots)
     outline = GenevaOutline(mechanism, exaggerate)
-    ax = _draw(ax, outline, angle)
+    phi = outline.follower_at(angle) if follower_angle is None else follower_angle
+    phi = validate.number("follower_angle", phi, "give it in rad, or leave it out")
+    ax = _draw(ax, outline, angle, phi)
     if exaggerate != 1.0:
         ideal = GenevaOutline(outline.perfect).bodies(angle)
         shown = dict.fromkeys(("follower", "pin"), _BROKEN | {"zorder": 3.2})
@@ -100,7 +106,7 @@ def plot_configurations(theta: float = 0.0) -> Figure:
     wide = style.TWO_COLUMN
     figure = style.new_figure(wide, wide / 3.0 * (top - bottom) + 0.3)
     for ax, outline, (left, right, _, _) in zip(figure.subplots(1, 3), drives, boxes, strict=True):
-        _draw(ax, outline, angle)
+        _draw(ax, outline, angle, outline.follower_at(angle))
         width, wheel = right - left, outline.mechanism
         ax.set_ylim(bottom * width, top * width)
         ax.set_title(f"{wheel.slots} slots, {wheel.pins} pins", fontsize=style.LABEL_SIZE)
@@ -127,15 +133,9 @@ def _name_parts(ax: Axes, outline: GenevaOutline, theta: float) -> None:
         style.annotate(ax, name, (place.real, place.imag), offset)
 
 
-def _draw(ax: Axes | None, outline: GenevaOutline, theta: float) -> Axes:
+def _draw(ax: Axes | None, outline: GenevaOutline, theta: float, phi: float) -> Axes:
     ax = drawing.dress_scene(ax, _extent(outline))
-    width = 0.9 / _size(outline)
-    bodies = outline.bodies(theta)
-    drawn = drawing.bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK, linewidth=width)
-    # what the follower hides of the crank disc is broken
-    hidden = drawing.bodies(ax, bodies, {"crank-disc": _BROKEN})["crank-disc"]
-    hidden.set(gid=None, clip_path=drawn["follower"])
-    _draw_lines(ax, outline, outline.follower_at(theta))
+    draw_bodies(ax, outline, theta, phi)
     # arrows beside the outline tell which way they turn
     room = 0.4 * _MARGIN * _size(outline)
     driver = arc(outline.crank_disc_radius + room, 0.4, -0.4, 21)
@@ -144,6 +144,17 @@ def _draw(ax: Axes | None, outline: GenevaOutline, theta: float) -> Axes:
     drawing.arrow(ax, arc(outline.follower_radius + room, np.pi - 0.3, np.pi + 0.3, 21))
     drawing.arrow(ax, outline.centre + driver)
     return ax
+
+
+def draw_bodies(ax: Axes, outline: GenevaOutline, theta: float, phi: float) -> None:
+    """Bodies and thin lines into axes whose limits are set, the follower at its angle [rad]."""
+    width = 0.9 / _size(outline)
+    bodies = outline.bodies(theta, phi)
+    drawn = drawing.bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK, linewidth=width)
+    # what the follower hides of the crank disc is broken
+    hidden = drawing.bodies(ax, bodies, {"crank-disc": _BROKEN})["crank-disc"]
+    hidden.set(gid=None, clip_path=drawn["follower"])
+    _draw_lines(ax, outline, phi)
 
 
 def _extent(outline: GenevaOutline) -> drawing.Box:

@@ -6,7 +6,8 @@ of friction f along the wall, between -mu and mu,
     h = R - f (s delta + r_p) - s b_f sign(phi_dot),     s h p = s g (R - f (..)) + f v + b_d
 
 where f = mu times the sense of sliding, or what holds a contact that sticks. Each is constant
-until the sliding speed U, or the speed of a journal, reaches zero. Compression ends where the
+until the sliding speed U, or the speed of a journal, reaches zero; friction then holds it there if
+it can. Compression ends where the
 speed of approach is zero, restitution at (1 + e) times its impulse (Poisson).
 
 Source: the equations of impulsive motion with dry friction in two dimensions, as in W. J.
@@ -19,10 +20,10 @@ import numpy as np
 
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
+from escapement.roots import newton_in_bracket
 
 CHATTER = 1e-5
 """A rebound slower than this, in crank radii over sqrt(I_f/torque), is none."""
-TINY = 1e-300
 _MOST = 40
 _END, _STICK, _JOURNAL = 1, 2, 3
 
@@ -43,30 +44,44 @@ class Blow(NamedTuple):
 
 
 @inner_jit
+def _left(push, journal, speed):
+    """What the friction of its journal leaves of a push on a body; it can hold one at rest."""
+    if speed != 0.0:
+        return push - journal * np.sign(speed)
+    return np.sign(push) * max(abs(push) - journal, 0.0)
+
+
+@inner_jit
 def _rates(scene, side, g, radius, slide, f, speed, turning):
     """What a unit of normal impulse adds to the speeds of driver and follower."""
     # a contact that sticks loads the bearings with less than the friction of sliding
     share = np.sqrt((1.0 + f * f) / (1.0 + scene.mu_plus**2))
     lever = radius - f * (scene.pin + side * scene.path.numbers[10])
-    on_driver = side * g * lever + f * slide + share * scene.driver_journal * np.sign(speed)
-    on_follower = side * lever - share * scene.follower_journal * np.sign(turning)
-    return -on_driver / scene.rho, on_follower
+    on_driver = _left(-side * g * lever - f * slide, share * scene.driver_journal, speed)
+    return on_driver / scene.rho, _left(side * lever, share * scene.follower_journal, turning)
 
 
 @inner_jit
 def _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turning):
-    """The friction f at which sliding, once at zero, stays there."""
-    f = 0.0
-    for _ in range(20):
+    """The friction f at which sliding, once at zero, stays there, and whether mu is enough."""
+    low, high, f = -scene.mu_plus, scene.mu_plus, 0.0
+    for end in (low, high):
+        a, b = _rates(scene, side, g, radius, slide, end, speed, turning)
+        if (by_speed * a + by_turning * b) * end >= 0.0:
+            return end, False
+    for _ in range(80):
         a, b = _rates(scene, side, g, radius, slide, f, speed, turning)
-        # U changes by this much with f
-        arm = scene.pin + side * scene.path.numbers[10]
-        slope = -by_speed * (slide - side * g * arm) / scene.rho - by_turning * side * arm
-        step = (by_speed * a + by_turning * b) / slope
-        f -= step
-        if abs(step) <= 1e-15 * (1.0 + abs(f)):
+        slides = by_speed * a + by_turning * b
+        if slides == 0.0:
             break
-    return f
+        # a body that its journal holds does not yield to f
+        slope = -by_speed * by_speed / scene.rho if a != 0.0 or speed != 0.0 else 0.0
+        slope -= by_turning * by_turning if b != 0.0 or turning != 0.0 else 0.0
+        guess, low, high = newton_in_bracket(f, slides, slope, low, high, False)
+        step, f = abs(guess - f), guess
+        if step <= 1e-15:
+            break
+    return f, True
 
 
 @inner_jit
@@ -108,11 +123,10 @@ def strike(case, side, theta, speed, turning):
                 return Blow(speed, turning, approach, impulse, goal < np.inf, True)
             goal = (1.0 + case.restitution) * impulse
         if event == _JOURNAL:
-            # it turns the other way from here on
-            speed = np.copysign(TINY, a) if body == 1 else speed
-            turning = np.copysign(TINY, b) if body == 2 else turning
+            speed, turning = 0.0 if body == 1 else speed, 0.0 if body == 2 else turning
         if event == _STICK or stuck:
             sliding = 0.0
-            hold = _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turning)
-            stuck, f = abs(hold) <= mu, hold if abs(hold) <= mu else mu * np.sign(hold)
+            f, stuck = _sticking(
+                scene, side, g, radius, slide, by_speed, by_turning, speed, turning
+            )
     return Blow(speed, turning, approach, impulse, False, False)

@@ -23,6 +23,7 @@ from escapement.engines.contact.rigid.panel import (
     STOPS,
     law_at,
     next_panel,
+    solve_panel,
 )
 from escapement.engines.contact.rigid.walls import next_break, wall_scene
 from escapement.gauss import POINTS, N, root_between, to_powers
@@ -37,6 +38,8 @@ comes to rest, and at a blow."""
 FLIGHT, WALL, LOCKED, BLOW, EXTREMUM, LIFT, SLIDE = range(7)
 """Kinds of rows: pieces of the motion, and events."""
 MOST_PIECES = 20_000
+MOST_EXTREMA = 4
+"""Extrema of the speed that are looked for in one panel."""
 
 ROW = np.dtype(
     [
@@ -111,31 +114,42 @@ def follower_on(case, side, theta):
 
 
 @inner_jit
-def _extremum_on(work, notes, case, panel, body, scene, way):
-    """Note the extremum of the speed inside a panel; returns the trend behind it."""
-    trend = body.trend
-    for i in range(N - 1):
-        if work[NET][i] * work[NET][i + 1] < 0.0:
-            to_powers(work[NET], work[PLACES])
-            x = root_between(
-                work[PLACES], 0.5 * (POINTS[i] + POINTS[i + 1]), POINTS[i], POINTS[i + 1],
-                work[NET][i] < 0.0,
-            )[0]  # fmt: skip
-            before, after = work[NET][i] * way, work[NET][i + 1] * way
-            width, count = 0.5 * (1.0 + x) * panel.width, np.int64(N)
-            for k in range(N):
-                work[PLACES][k] = POINTS[k]
-            w = body.speed * body.speed
-            part = next_panel(
-                work, scene, body.wall, body.theta, w, width, body.theta + width, 1.0, False, count
-            )
-            theta, speed = body.theta + width, way * np.sqrt(part.w)
-            phi, g = follower_on(case, body.wall, theta)
-            time = body.time + part.time
-            here = Body(theta, speed, phi, g * speed, time, body.wall, np.sign(before))
-            _turned(notes, here, np.sign(after))
-            trend = np.sign(after)
+def _first_turn(work, trend, at_end):
+    """Places x in a panel between which theta_ddot first leaves the sign `trend`; 2 for none.
+
+    `at_end` is theta_ddot at its right end.
+    """
+    low = -1.0
+    for i in range(N + 1):
+        place, rate = (POINTS[i], work[NET][i]) if i < N else (1.0, at_end)
+        if rate * trend < 0.0:
+            return low, place
+        low = place
+    return low, 2.0
+
+
+@inner_jit
+def _extrema_on(work, notes, case, panel, body, scene, way):
+    """Note the extrema of the speed inside a panel; returns the trend behind them."""
+    side, count, left, rest, w = body.wall, np.int64(N), body.theta, panel.width, body.speed**2
+    time, trend = body.time, body.trend
+    at_end = law_at(scene, side, left + rest, panel.w)[1]
+    for _ in range(MOST_EXTREMA):
+        low, high = _first_turn(work, trend, at_end)
+        if high > 1.0:
             break
+        to_powers(work[NET], work[PLACES])
+        x = root_between(work[PLACES], 0.5 * (low + high), low, high, trend < 0.0)[0]
+        for k in range(N):
+            work[PLACES][k] = POINTS[k]
+        width = 0.5 * (1.0 + x) * rest
+        part = solve_panel(work, scene, side, left, width, w, count)
+        left, rest, w, time = left + width, rest - width, part.w, time + part.time
+        speed, (phi, g) = way * np.sqrt(w), follower_on(case, side, left)
+        _turned(notes, Body(left, speed, phi, g * speed, time, side, trend), -trend)
+        trend = -trend
+        # the rows hold the rest of the panel, where another one may be
+        solve_panel(work, scene, side, left, rest, w, count)
     return trend
 
 
@@ -166,7 +180,7 @@ def touch(work, notes, case, body, end_time, tail, count):
         trend = body.trend
         if notes.wanted:
             body = _turned(notes, body, np.sign(law_at(scene, side, theta, w)[1]))
-            trend = _extremum_on(work, notes, case, found, body, scene, way)
+            trend = _extrema_on(work, notes, case, found, body, scene, way)
         ends = found.code == GOES_ON and found.width == limit - theta
         theta, w, width = limit if ends else theta + found.width, found.w, 2.0 * found.width
         body = _on_wall(case, body, theta, way * np.sqrt(w), body.time + found.time)
@@ -241,6 +255,8 @@ def _knocked(notes, case, body):
     """
     blow = strike(case, body.wall, body.theta, body.speed, body.turning)
     rho = case.plus.rho
+    if not blow.sound:
+        return body, False, False
     if notes.wanted:
         body = _turned(notes, body, np.sign(blow.speed - body.speed))
     now = Body(
@@ -253,7 +269,7 @@ def _knocked(notes, case, body):
         # differences of squares as products, which keep the digits of a small loss
         row.energy = 0.5 * rho * (body.speed - blow.speed) * (body.speed + blow.speed)
         row.energy += 0.5 * (body.turning - blow.turning) * (body.turning + blow.turning)
-    return now, blow.rebounds, blow.sound
+    return now, blow.rebounds, True
 
 
 @inner_jit

@@ -51,15 +51,16 @@ class Flight(NamedTuple):
 def driver_rate(scene, theta, speed, way):
     """theta_ddot of a driver that nothing touches and that turns the way +1 or -1."""
     torque = torque_at(theta, scene)[0]
-    lost = scene.bearing + scene.driver_drag * speed * speed + scene.driver_viscous * abs(speed)
-    return (torque - way * lost) / scene.rho
+    lost = scene.bearing + scene.driver_drag * speed * speed
+    # way times speed, so that a part beyond whose end the driver turns back is smooth
+    return (torque - way * (lost + scene.driver_viscous * way * speed)) / scene.rho
 
 
 @inner_jit
 def follower_rate(scene, turning, way):
     """phi_ddot of a follower that nothing touches and that goes the way +1, -1 or 0 for rest."""
     lost = scene.load + scene.follower_drag * turning * turning
-    return -way * (lost + scene.follower_viscous * abs(turning))
+    return -way * (lost + scene.follower_viscous * way * turning)
 
 
 @inner_jit

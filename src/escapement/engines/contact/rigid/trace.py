@@ -37,7 +37,7 @@ from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.roots import newton_in_bracket
 
-STRICT = 1e-11
+STRICT = 1e-13
 """The tail of a panel whose solution is interpolated."""
 TABLE, LOST = 13, 6
 """Rows of a state: `state.COLUMNS` and the power of each of `LOSSES`. Work over a piece: of each of
@@ -160,7 +160,8 @@ def _through_flight(work, case, row, length, times, first, last, out, lost, spar
     while True:
         flight = launch(work, scene, theta, speed, phi, turning, end, count)
         part = min(flight.length, length - time)
-        ends = not part > 0.0 or length - time - part <= 1e-14 * length
+        # a length is a difference of times, and their rounding may leave it longer than the flight
+        ends = not time + part > time or length - time - part <= 1e-14 * length
         while first < last and (times[first] <= time + part or ends):
             since = min(max(times[first] - time, 0.0), part)
             _free_state(scene, *place_at(work, flight, since), out, first)

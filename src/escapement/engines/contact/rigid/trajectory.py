@@ -136,19 +136,22 @@ class RigidTrajectory(Held):
             energy=rows["energy"] * torque,
         )
 
-    def _traced(self, firsts: np.ndarray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Natural states at times since the start of their pieces, and the work lost."""
+    def _traced(
+        self, which: np.ndarray, firsts: np.ndarray, times: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Natural states at times since the start of some pieces, and the work lost in these."""
         pieces, engagement = self._pieces
         end = self.end_time / self.escapement.time_unit
-        lengths = np.diff(pieces["time"], append=end)
-        out, lost = np.empty((TABLE, times.size)), np.zeros((pieces.size, LOST))
-        trace(*self._inputs, pieces, engagement, lengths, firsts, times, out, lost)
+        lengths = np.diff(pieces["time"], append=end)[which]
+        out, lost = np.empty((TABLE, times.size)), np.zeros((which.size, LOST))
+        chosen = pieces[which], engagement[which], lengths
+        trace(*self._inputs, *chosen, firsts, times, out, lost)
         return out, lost
 
     @cached_property
     def _work(self) -> FloatArray:
-        none = np.zeros(self.start.size + 1, np.int64)
-        return np.asarray(self._traced(none, np.empty(0))[1] * self.escapement.torque_unit)
+        every, none = np.arange(self.start.size), np.zeros(self.start.size + 1, np.int64)
+        return np.asarray(self._traced(every, none, np.empty(0))[1] * self.escapement.torque_unit)
 
     @property
     def losses(self) -> FloatArray:
@@ -172,9 +175,9 @@ class RigidTrajectory(Held):
         order = np.lexsort((times, owners))
         rows, engagement = self._pieces
         since = np.maximum(times / self.escapement.time_unit - rows["time"][owners], 0.0)[order]
-        firsts = np.searchsorted(owners[order], np.arange(rows.size + 1)).astype(np.int64)
+        which, firsts = np.unique(owners[order], return_index=True)
         table = np.empty((TABLE, times.size))
-        table[:, order] = self._traced(firsts, since)[0]
+        table[:, order] = self._traced(which, np.append(firsts, times.size), since)[0]
         mechanism = self.escapement.mechanism
         table[0] += engagement[owners] * mechanism.cell_angle
         table[3] += engagement[owners] * mechanism.follower_step
