@@ -5,10 +5,15 @@ beyond that is added here while they are read: its contents from the tables of i
 signature and docstring of each name in the API reference, and links to and from these names.
 """
 
+import html
 import inspect
 import re
 from pathlib import Path
 from pkgutil import resolve_name
+
+import ziamath
+from docutils import nodes
+from sphinx.writers.html5 import HTML5Translator
 
 import escapement as esc
 from escapement.explorer import page
@@ -37,6 +42,7 @@ html_theme_options = {
     "secondary_sidebar_items": {"**": ["page-toc"], "index": []},
 }
 html_show_sourcelink = False
+html_math_renderer = "drawn"
 
 DOCS = Path(__file__).parent
 EXPLORER = "explorer-page.html"
@@ -171,8 +177,23 @@ def finish(app, error: Exception | None) -> None:
         (Path(app.outdir) / EXPLORER).write_text(page(timer), encoding="utf-8")
 
 
+def formula(writer: HTML5Translator, node: nodes.Element) -> None:
+    """A formula as a drawing, which needs no script from elsewhere and no font of the reader."""
+    text = node.astext()
+    block = isinstance(node, nodes.math_block)
+    known = re.sub(r"\\arg ", r"\\operatorname{arg} ", text)
+    known = re.sub(r"(\\operatorname\{\w+\}) ", r"\1\\,", known)
+    drawn = ziamath.Latex(known, size=19 if block else 17, inline=not block, color="currentColor")
+    words = f'role="img" aria-label="{html.escape(text)}"'
+    place = f'style="vertical-align: {drawn.getyofst():.1f}px"'
+    picture = drawn.svg().replace("<svg ", f"<svg {words} {place} ", 1)
+    writer.body.append(f'<div class="formula">{picture}</div>' if block else picture)
+    raise nodes.SkipNode
+
+
 def setup(app) -> None:
     """Called by Sphinx."""
+    app.add_html_math_renderer("drawn", (formula, None), (formula, None))
     app.connect("source-read", read)
     app.connect("autodoc-process-docstring", docstring, priority=100)  # before numpydoc
     app.connect("autodoc-process-signature", signature)
