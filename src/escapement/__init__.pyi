@@ -19,7 +19,7 @@ from escapement.inverse.search import Designs as Designs
 from escapement.inverse.search import design as design
 from escapement.inverse.wish import Wish as Wish
 from escapement.inverse.wish import load_wish as load_wish
-from escapement.jam_rule import jam_rule as jam_rule
+from escapement.jamming import jam_rule as jam_rule
 from escapement.measurement import Encoder as Encoder
 from escapement.measurement import Readings as Readings
 from escapement.measurement import beat_spectrum as beat_spectrum
