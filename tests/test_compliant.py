@@ -187,6 +187,24 @@ def test_beyond_the_limit_it_jams_where_the_message_says():
         assert "jam_rule" in answer.message
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-10])
+def test_a_flight_that_turns_back_misses_no_wall(rtol):
+    # where a jam lets go the pin flies to the other wall and back while the driver hardly turns;
+    # 0.0599779720 s is what solve_ivp's Radau finds with rtol 1e-9 and 1e-10
+    follower, torque = 5.65e-6, 0.0113
+    clock, unit = math.sqrt(follower / torque), torque / RADIUS**2
+    own = esc.Escapement(
+        esc.Geneva(4, crank_radius=RADIUS, clearance=1e-5),
+        esc.Inertia(3.39e-7, follower),
+        torque=torque,
+        friction=0.6,
+        stiffness=1e6 * unit,
+        damping=1e3 * unit * clock,
+    )
+    found = esc.simulate(own, 1, rtol=rtol)
+    assert found.handoff_times[0] == pytest.approx(0.0599779720, rel=max(rtol, 2e-9))
+
+
 @pytest.mark.parametrize(
     ("friction", "period", "handoff", "angles"),
     [

@@ -18,7 +18,15 @@ from escapement.engines.contact.compliant.law import (
     stored,
 )
 from escapement.engines.contact.compliant.radau import STAGES, attempt, prepare, workspace
-from escapement.engines.contact.compliant.slot import FREE, LOCKED, to_angle, to_slot, touches
+from escapement.engines.contact.compliant.slot import (
+    FREE,
+    LOCKED,
+    bend,
+    place,
+    to_angle,
+    to_slot,
+    touches,
+)
 from escapement.jit import inner_jit, jit
 
 CLOCK = np.dtype([
@@ -37,6 +45,8 @@ _ROUNDING = 4e-16
 _TOUCHED = 1e-12
 _LONGEST_FLIGHT, _LONGEST = 0.02, 0.1
 """Angles [rad] of a step in flight, so short that no wall is passed unseen, and in contact."""
+_UNSEEN = 1e-14
+"""Way across the slot before the pin turns back that may be passed over."""
 _FIRST = 0.3
 """First step after an event, over the contact's time scale."""
 _MOST_IDLE = 20
@@ -156,11 +166,22 @@ def _goal(clock, scene):
 
 
 @inner_jit
-def _longest(y, mode, work):
-    """A step in which the bodies turn by no more than the angle that is looked through."""
+def _longest(y, mode, work, scene):
+    """A step in which the bodies turn by no more than the angle that is looked through.
+
+    In flight it ends where the pin turns back across the slot, too, so that every wall that it
+    reaches is met at the end of the step.
+    """
     angle = _LONGEST_FLIGHT if mode == FREE else _LONGEST
-    speed, gain = abs(y[2]) + abs(y[3]), abs(work.stages[0, 2]) + abs(work.stages[0, 3])
-    return 2.0 * angle / (speed + np.sqrt(speed * speed + 2.0 * gain * angle))
+    start = work.stages[0]
+    speed, gain = abs(y[2]) + abs(y[3]), abs(start[2]) + abs(start[3])
+    h = 2.0 * angle / (speed + np.sqrt(speed * speed + 2.0 * gain * angle))
+    if mode == FREE:
+        at = place(y, mode, scene)
+        back = bend(at, start[2], start[3], scene)
+        if at.speed * back < 0.0 and at.speed * at.speed > _UNSEEN * abs(back):
+            h = min(h, -at.speed / back)
+    return h
 
 
 @inner_jit
@@ -171,7 +192,7 @@ def _advance(y, clock, case, rtol, end, events, work):
     none was accepted, and whether the contact changes there and the pin is at its goal.
     """
     mode = clock.mode
-    h = min(clock.step, end - clock.time, _longest(y, mode, work))
+    h = min(clock.step, end - clock.time, _longest(y, mode, work, case.scene))
     error = attempt(y, h, mode, case, rtol, work)
     clock.steps += 1
     factor = min(max(0.9 * error ** (-1.0 / 6.0), 0.2), 6.0) if error > 0.0 else 6.0
