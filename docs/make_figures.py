@@ -1,4 +1,4 @@
-"""Draw the figures of these pages, and the film: `python docs/make_figures.py [FOLDER]`.
+"""Draw the figures of these pages, and their films: `python docs/make_figures.py [FOLDER]`.
 
 One function a figure in `pages/`, named like its file; those of accuracy are in
 `benchmarks/figures.py`. Without FOLDER they go to docs/images.
@@ -9,16 +9,14 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
+from matplotlib.animation import FuncAnimation
 from PIL import Image, ImageSequence
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
 import figures
-from pages import FIGURES, timer
-
-import escapement as esc
-from escapement import plots
+from pages import FIGURES
 
 HERE = Path(__file__).resolve().parent
 DPI = 200
@@ -58,18 +56,5 @@ def main(folder: Path) -> None:
         Image.open(image).convert("RGB").quantize(COLOURS).save(folder / name, optimize=True)
 
 
-def film(folder: Path, frames: int = 36) -> None:
-    """Write the film of the README into `folder`, with one palette for all its pictures."""
-    path = folder / "timer.gif"
-    cycle = esc.terminal(timer(4, 0.35, 0.10)).motion
-    plots.save(plots.animate(cycle, frames=frames, rate=20.0), path)
-    shown = [it.convert("RGB") for it in ImageSequence.Iterator(Image.open(path))]
-    palette = shown[0].quantize(48, Image.Quantize.MAXCOVERAGE)
-    small = [it.quantize(palette=palette, dither=Image.Dither.NONE) for it in shown]
-    small[0].save(path, save_all=True, append_images=small[1:], duration=50, loop=0, optimize=True)
-
-
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE / "images"
-    main(target)
-    film(target)
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE / "images")

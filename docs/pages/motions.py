@@ -1,12 +1,13 @@
 """Figures of Geneva wheels and their motions."""
 
 import numpy as np
+from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
 from escapement.plots import style
-from pages import LINES, drawn, panels, timer
+from pages import FIGURES, LINES, drawn, panels, timer
 
 
 @drawn
@@ -101,3 +102,11 @@ def handoff_map() -> Figure:
     where = {"loc": "outside upper center", "columnspacing": 1.2}
     style.add_legend(figure, 6, handlelength=style.HANDLE, **where)
     return figure
+
+
+def timer_film() -> FuncAnimation:
+    """The terminal cycle of Meyer's four-slot escapement."""
+    return plots.animate(esc.terminal(timer(4, 0.35, 0.10)).motion, frames=36, rate=20.0)
+
+
+FIGURES["timer.gif"] = timer_film

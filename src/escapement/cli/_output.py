@@ -15,7 +15,15 @@ import escapement as esc
 from escapement.cli import _log
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
-from escapement.files import FILMS, FORMATS, REPORTS, check_target, creating, file_format, write_file
+from escapement.files import (
+    FILMS,
+    FORMATS,
+    REPORTS,
+    check_target,
+    creating,
+    file_format,
+    write_file,
+)
 from escapement.text import as_json, plain, print_columns, print_values, words
 from escapement.units import factor, printed
 

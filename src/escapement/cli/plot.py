@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import escapement as esc
-from escapement.cli import _log, _output
+from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.cli.sweep import in_system, parse_selection
 from escapement.errors import InvalidValue

@@ -19,7 +19,7 @@ from escapement.text import print_values, show, words
 from escapement.units import SYSTEMS, printed
 
 if TYPE_CHECKING:
-    from escapement.jam_rule import JamCycle
+    from escapement.jamming import JamCycle
 
 # engagements from which writing them takes seconds, and shows its progress; more are not drawn,
 # as it would take minutes and a gigabyte, and nothing could be told apart
