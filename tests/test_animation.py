@@ -86,11 +86,15 @@ def test_a_page_plays_by_itself_and_stops_where_it_is_wanted(tmp_path):
     assert "http" not in (tmp_path / "film.html").read_text()
     with chromium() as browser, opened(browser, tmp_path / "film.html") as page:
         assert page.evaluate("document.querySelector('img').naturalWidth") == 1080
-        first = page.evaluate("document.querySelector('img').src")
+        shown = "[document.querySelector('output').textContent, document.querySelector('img').src]"
+        first = page.evaluate(shown)
         page.click("button")
         until(page, "document.querySelector('output').textContent === '3 of 4'")
         page.click("button")
-        assert page.evaluate("document.querySelector('img').src") != first
+        stopped = page.evaluate(shown)
+        page.wait_for_timeout(400)
+        assert page.evaluate(shown) == stopped
+        assert (stopped[1] == first[1]) == (stopped[0] == first[0])
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")

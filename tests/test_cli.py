@@ -170,7 +170,7 @@ def test_run_gives_the_rule_for_jams_beyond_the_limit(command):
     assert record["jam_rule_period"] == pytest.approx(0.0583947, rel=1e-6)
     assert record["jam_rule_angles_deg"] == pytest.approx([26.4836, 36.0936], abs=6e-5)
     assert record["jam_rule_error"] == 0.03
-    assert "good to some 0.03 of it" in err
+    assert "relative error of the period is about 0.03" in err
     code, out, err = command("run", *MEYER, "--friction", ".3", "--jam-rule")
     assert (code, out) == (2, "")
     assert "friction must be at least the limit 0.406079, got 0.3" in err

@@ -17,7 +17,6 @@ from escapement.cli._arguments import (
 from escapement.errors import InvalidValue
 from escapement.lazy import Lazy
 from escapement.model import model_settings
-from escapement.study.plan import unit_kind
 from escapement.text import print_columns, print_values, words
 from escapement.units import SYSTEMS, printed
 
@@ -158,7 +157,7 @@ def _read_model(args: Arguments) -> "esc.Escapement | None":
     return None
 
 
-def _read(args: Arguments) -> esc.Readings:
+def _read(args: Arguments) -> "esc.Readings":
     """The readings, with times where a motion is compared."""
     counts = "--angle-unit counts"
     if args.angle_unit == "counts" and args.resolution is None:
@@ -192,6 +191,8 @@ def _joined(result: Any, fit: Any, units: str) -> dict[str, Any]:
 
 def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
     """What is reported of a `MotionFit`, by JSON key, in the user's units."""
+    from escapement.study.plan import unit_kind
+
     fitted = {}
     for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
         kind = unit_kind(name)
