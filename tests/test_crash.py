@@ -20,9 +20,11 @@ from study_tools import IVP_STUDY, without_date
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and locks")
 
 
+# the partial results are the same for every format of the final file
 @pytest.mark.parametrize("name", tools.NAMES)
-def test_killed_at_ten_random_instants(tmp_path, name):
-    assert tools.kill_until_done(tmp_path / name, 10, random.Random(7)) > 0
+def test_killed_at_random_instants(tmp_path, name):
+    kills = 10 if name.endswith(".h5") else 4
+    assert tools.kill_until_done(tmp_path / name, kills, random.Random(7)) > 0
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143)])

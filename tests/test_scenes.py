@@ -83,12 +83,12 @@ def test_what_decides_a_scene(axes, count):
 
 
 def test_inertias_of_one_ratio_share_a_scene(solves, monkeypatch):
-    powers = 2.0 ** np.arange(-20, 20)
+    powers = 2.0 ** np.arange(-20, 20, 2)
     inertias = {"driver_inertia": 3e-7 * powers, "follower_inertia": 6e-6 * powers}
     plan = plan_from(TIMER, {"torque": [0.01, 0.02], **inertias})
     shared = run_plan(plan, workers=4)
-    assert sum(solves) == 79
-    monkeypatch.setattr(scenes, "MOST_SHARED", 50)
+    assert sum(solves) == 39
+    monkeypatch.setattr(scenes, "MOST_SHARED", 25)
     alone = run_plan(plan)
     for name in RESULTS:
         np.testing.assert_array_equal(shared.results[name], alone.results[name])
