@@ -22,7 +22,7 @@ def loose(friction: float, play: float, **more: float) -> esc.Escapement:
 
 
 def yielding(play: float, stiffness: float, share: float = 1.0) -> esc.Escapement:
-    """The same between walls that yield; stiffness in units of torque over r squared."""
+    """The same with compliant contact; stiffness in units of torque over r squared."""
     own = timer(4, 0.30, 0.10)
     unit = own.torque / RADIUS**2
     damping = share * stiffness**0.5 * unit * own.time_unit

@@ -1,4 +1,4 @@
-"""A page that shows an escapement move, and computes its motion anew while one drags."""
+"""A page that shows an escapement in motion, and computes it anew while you drag a number."""
 
 import sys
 import threading

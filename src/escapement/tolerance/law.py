@@ -28,7 +28,7 @@ from escapement.train import numbers_of_trains, seen
 SPEED, ANGLE = -2, -1
 """Places of the slopes by w and by the driver angle."""
 _OF_CONTACT = ("clearance", "restitution", "stiffness", "damping", "slip_speed")
-"""Numbers on which a terminal cycle depends only with clearance or with walls that yield."""
+"""Numbers on which a terminal cycle depends only with clearance or with compliant contact."""
 
 
 def numbers_of(escapement: Escapement) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""The law of a pin between two walls that yield, with two degrees of freedom.
+"""The equations of compliant contact between pin and slot, with two degrees of freedom.
 
 With the coordinates of `slot`, in natural units, the wall s = +1 or -1 is pressed in by
 d = s D - play. It pushes the pin with

@@ -1,4 +1,4 @@
-"""The motion between walls that yield, step by step.
+"""The motion with compliant contact, step by step.
 
 Steps of `radau` go from touch to letting go and from there to the next touch. A step that
 passes one of them is taken again so long that it ends there, so that the corners of the law fall

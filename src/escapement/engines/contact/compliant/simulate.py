@@ -1,4 +1,4 @@
-"""`simulate` of walls that yield: a march from handoff to handoff, and what it hands over."""
+"""`simulate` with compliant contact: integration from handoff to handoff, and its results."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def simulate(
     initial_speed: float,
     rtol: float,
 ) -> Motion:
-    """Motion between walls that yield; arguments are validated by `escapement.simulate`."""
+    """Motion with compliant contact; arguments are validated by `escapement.simulate`."""
     if engagements is not None and engagements > LONGEST:
         raise InvalidValue(
             f"engagements must be at most {LONGEST} with stiffness, got {engagements!r}; "

@@ -1,4 +1,4 @@
-"""`terminal` of walls that yield: the cycle that repeats itself, or means over many engagements.
+"""`terminal` with compliant contact: the cycle that repeats, or means over many engagements.
 
 Where the walls damp little, the pin bounces, and how often depends on the last digits of the
 speed before: the engagements then differ for good. Means over many of them, with intervals, take
@@ -77,7 +77,7 @@ class _Cycle:
 def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
-    """Figures of merit between walls that yield; see `escapement.terminal`."""
+    """Figures of merit with compliant contact; see `escapement.terminal`."""
     cycle = _Cycle(escapement, initial_speed, rtol)
     lossless = is_lossless(escapement.scene) and escapement.scene.dwell == 0.0
     joint = cycle.march.joint

@@ -1,4 +1,4 @@
-"""A motion between walls that yield, as pieces of contact and flight in SI."""
+"""A motion with compliant contact, as pieces of contact and flight in SI units."""
 
 from __future__ import annotations
 
