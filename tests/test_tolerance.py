@@ -242,14 +242,20 @@ def test_the_command_prints_a_budget(tmp_path, capsys):
     assert found["period"]["yield"][1] < 1.0
     assert esc.read_study(out).cases == 200
     assert picture.stat().st_size > 0
-    assert main(["budget", str(config)]) == 0
-    assert "share within limits" in capsys.readouterr().out
+    assert main(["budget", str(config), "--indices", "64"]) == 0
+    printed = capsys.readouterr().out
+    assert "share within limits" in printed
+    table = printed[printed.index("Sobol' index") :].splitlines()[1:3]
+    for _name, *numbers in map(str.split, table):
+        first, low, high, total, least, most = map(float, numbers)
+        assert low < first < high
+        assert least < total < most
 
 
 @pytest.mark.parametrize(("old", "new", "told"), [
     ("period = [0.01, 0.05]", "period = [0.05, 0.01]", "low below high"),
     ("period = [0.01, 0.05]", "period = 3", "a list of two numbers"),
-    ("period = [0.01, 0.05]", "perid = [0.01, 0.05]", "period"),
+    ("period = [0.01, 0.05]", "perid = [0.01, 0.05]", "b.toml: limits must be one of period,"),
     ('method = "random"', 'method = "sobol"', "random"),
     ("friction = 0.25", "friction = 0.9", "terminal cycle"),
     ("size = 200", 'size = 200\ncorrelations = [["friction", "slots", 0.5]]', "two parameters"),

@@ -38,14 +38,15 @@ def execute(args: Arguments) -> int:
     plan, tables = load_tables(args.config, "limits")
     system = plan.configuration["units"]
     limits = {}
-    for name, ends in tables["limits"].items():
-        scale = factor(unit_kind(validate.choice("limits", name, tuple(plan.results))), system)
-        if not (isinstance(ends, list) and len(ends) == 2):
-            remedy = f"write {name} = [low, high]"
-            raise validate.fail(f"limits.{name}", "a list of two numbers", ends, remedy)
-        low, high = (scale * validate.number(f"limits.{name}", x, "correct it") for x in ends)
-        limits[name] = low, high
     try:
+        for name, ends in tables["limits"].items():
+            validate.choice("limits", name, tuple(x for x in plan.results if x != "status"))
+            scale = factor(unit_kind(name), system)
+            if not (isinstance(ends, list) and len(ends) == 2):
+                remedy = f"write {name} = [low, high]"
+                raise validate.fail(f"limits.{name}", "a list of two numbers", ends, remedy)
+            low, high = (scale * validate.number(f"limits.{name}", x, "correct it") for x in ends)
+            limits[name] = low, high
         options: Any = {"indices": args.indices or 0, "path": args.output}
         found = budget_of(plan, limits, **options)
     except InvalidValue as error:
@@ -116,10 +117,11 @@ def _print(found: "esc.Budget", system: str) -> None:
         table: list[tuple[Any, ...]] = [
             (key, share, scatter.balanced.get(key, "")) for key, share in parts
         ]
-        if scatter.first:
-            header += ["first index", "total index"]
-            more = ((scatter.first[key].value, scatter.total[key].value) for key, _ in parts)
-            table = [(*row, *pair) for row, pair in zip(table, more, strict=True)]
         print_columns([header], table)
         print()
+        if scatter.first:
+            header = ["Sobol' index", "first", "from", "to", "total", "from", "to"]
+            table = [(key, *scatter.first[key], *scatter.total[key]) for key, _ in parts]
+            print_columns([header], table)
+            print()
     _output.note(f"{found.size} cases, seed {found.seed}; {found.message}")
