@@ -165,7 +165,7 @@ class NoTrajectory(Held):
     """Trajectory of an escapement that has no motion: it consists of no pieces."""
 
     start = sign = np.empty(0)
-    losses = np.empty((5, 0))
+    losses = np.empty((7, 0))
     engagement = np.empty(0, dtype=int)
     reversals = Events(engagement, start, start, start)
     extrema = Extrema(engagement, start, start, start, maximum=np.empty(0, dtype=bool))

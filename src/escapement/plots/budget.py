@@ -54,7 +54,8 @@ def plot_budget(found: "Budget", figure: str | None = None) -> Figure:
     right.axvline(scatter.nominal * scale, color=style.BLUE, label="nominal")
     if scatter.limits and scatter.inside:
         low, high = scatter.limits
-        told = f"limits: {100.0 * scatter.inside.value:.3g} % within"
+        share = [100.0 * value for value in (scatter.inside.low, scatter.inside.high)]
+        told = f"limits: {share[0]:.3g} to {share[1]:.3g} % within (95 %)"
         right.axvline(low * scale, label=told, **style.BROKEN)
         right.axvline(high * scale, **style.BROKEN)
     finished(right, (words(name), unit), ("cases", ""), 1)

@@ -14,8 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-_zero = np.zeros_like
-
 
 def _power(a: Any, b: Any) -> tuple[Any, Any]:
     return b * a ** (b - 1.0), 0.0

@@ -41,7 +41,6 @@ _STUDENT = 2.262
 """Of Student's distribution with BATCHES - 1 degrees of freedom, 2.5 % lie above this."""
 _NOISE = 1e-9
 _LONGEST_TRANSIENT = 200
-_TAIL = 20
 
 
 class _Passed(NamedTuple):
