@@ -65,11 +65,11 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
             raise validate.fail(name, rule, value, remedy)
 
 
-def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], trains: bool) -> None:
+def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], lossy: bool) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
     contact : "", "rigid" or "compliant", as `Escapement.contact` says.
-    trains : whether there are gear trains.
+    lossy : whether there are gear trains that lose power.
     """
     if not contact:
         return
@@ -78,9 +78,9 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], train
     if not hasattr(mechanism, "clearance"):
         rule = "0 for a mechanism that is not a Geneva wheel"
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
-    if trains:
-        remedy = "add the inertias and torques of the trains to those of the model"
-        raise validate.fail(name, "0 with a barrel or a load train", value, remedy)
+    if lossy:
+        rule = "0 with a barrel or a load train that loses power"
+        raise validate.fail(name, rule, value, "give the trains an efficiency of 1")
     if not mechanism.perfect:
         raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
 
