@@ -59,7 +59,7 @@ def test_a_good_mechanism_is_called_good_and_one_way_tells_no_backlash():
     assert len(good.backlash) == 2
     one_way = esc.measure(read(WHEEL, noise=0.1 * DEG), WHEEL)
     assert one_way.backlash == ()
-    assert one_way.verdict.text.endswith("It turned one way only, which tells no backlash.")
+    assert one_way.verdict.text.endswith("It turned one way only, so backlash cannot be seen.")
 
 
 def test_play_of_the_encoder_of_the_input_is_told_as_a_lead():

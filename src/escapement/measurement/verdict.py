@@ -17,7 +17,7 @@ _MUCH = 0.25  # errors beyond such a share of a step are those of another mechan
 class Verdict(NamedTuple):
     """Whether a mechanism is good, as far as its readings tell.
 
-    good : whether it follows its theory and nothing comes back with a shaft.
+    good : whether it follows its theory and no error repeats with a shaft.
     text : a sentence or two on what is wrong, and with which shaft.
     """
 
@@ -35,11 +35,11 @@ def verdict_on(result: Any) -> Verdict:
             f"step of {math.degrees(abs(step)):.3g}. Check the mechanism, which column is the "
             "input, and the unit of the angles.",
         )
-    lacking = "" if result.backlash else " It turned one way only, which tells no backlash."
+    lacking = "" if result.backlash else " It turned one way only, so backlash cannot be seen."
     if wrong := [told for told, certain in _findings(result) if certain]:
         return Verdict(False, f"Not good: {'; '.join(wrong)}.{lacking}")
     size = f"{math.degrees(result.standard_deviation):.3g} degrees"
-    text = f"Good: nothing comes back with a shaft, and errors scatter by {size}"
+    text = f"Good: no error repeats with a shaft, and the errors scatter by {size}"
     if result.sensor_share:
         share = math.degrees(result.sensor_share.standard)
         text += f", where the encoders alone explain {share:.3g}"
@@ -108,7 +108,7 @@ def _on_what_comes_back(result: Any) -> Iterator[str]:
         )
     for told, certain in _findings(result):
         if not certain:
-            yield f"{told}, or is noise whose neighbours are alike"
+            yield f"{told}, or is noise with correlated neighbours"
     unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
     if unknown:
         yield (
