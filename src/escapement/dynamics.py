@@ -81,7 +81,7 @@ def is_viscous(scene):
 
 @inner_jit
 def is_drag_free(scene):
-    """Whether nothing resists the motion that grows with the speed itself."""
+    """Whether there is no resistance that grows with the speed, such as that of air or oil."""
     return scene.driver_drag + scene.follower_drag == 0.0 and not is_viscous(scene)
 
 
@@ -167,7 +167,8 @@ def contact(g, k, pull, w, root, scene):
     """X = N h (rho + g p): its sign is the side of the slot that carries the force.
 
     It depends neither on the side itself nor on losses that grow with the contact force, so
-    the side is explicit and unique below the Painleve limit. Its zero is Filemon's pin reversal.
+    the side is explicit and unique below the Painleve limit. The pin changes sides where it is
+    zero; at constant driver speed F = 0 takes its place, which is Filemon's pin reversal.
     """
     return scene.rho * resistance(g, k, w, root, scene) + g * drive(pull, w, root, scene)
 

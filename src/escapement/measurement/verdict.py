@@ -17,7 +17,8 @@ _MUCH = 0.25  # errors beyond such a share of a step are those of another mechan
 class Verdict(NamedTuple):
     """Whether a mechanism is good, as far as its readings tell.
 
-    good : whether it follows its theory and no error repeats with a shaft.
+    good : whether the errors are small for this mechanism, and no error that repeats with a shaft
+        and no backlash is certain.
     text : a sentence or two on what is wrong, and with which shaft.
     """
 
@@ -39,7 +40,7 @@ def verdict_on(result: Any) -> Verdict:
     if wrong := [told for told, certain in _findings(result) if certain]:
         return Verdict(False, f"Not good: {'; '.join(wrong)}.{lacking}")
     size = f"{math.degrees(result.standard_deviation):.3g} degrees"
-    text = f"Good: no error repeats with a shaft, and the errors scatter by {size}"
+    text = f"Good: no error is certain to repeat with a shaft, and the errors scatter by {size}"
     if result.sensor_share:
         share = math.degrees(result.sensor_share.standard)
         text += f", where the encoders alone explain {share:.3g}"
