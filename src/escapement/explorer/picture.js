@@ -53,16 +53,18 @@ export class Picture {
   mark(engagement) {
     this.marked = engagement;
     const [[x, y], [a, b]] = this.touch(this.jamAngle, engagement);
-    const out = [a + 1.22 * (x - a), b + 1.22 * (y - b)];
-    this.jamLine.setAttribute("d", `M${a} ${b}L${out.join(" ")}`);
-    this.jamText.setAttribute("x", out[0]);
-    this.jamText.setAttribute("y", -out[1] + (y > 0 ? -0.04 : 0.14) * this.half);
+    // the words stand outside the bodies, where no pin passes
+    const edge = y > 0 ? this.high + 0.04 * this.half : this.low - 0.04 * this.half;
+    this.jamLine.setAttribute("d", `M${a} ${b}L${x} ${y}L${x} ${edge}`);
+    this.jamText.setAttribute("x", x);
+    this.jamText.setAttribute("y", -edge + (y > 0 ? -0.03 : 0.12) * this.half);
   }
 
   draw({ bodies, box, later }) {
     const { svg } = this;
     const [left, right, low, high] = box;
     [...svg.children].filter((child) => child.tagName === "g").forEach((child) => child.remove());
+    [this.low, this.high] = [low, high];
     const half = (this.half = 0.5 * (high - low));
     const room = 0.15 * half;
     svg.setAttribute("viewBox", `${left - room} ${-high - 1.6 * room} `
@@ -76,7 +78,7 @@ export class Picture {
     this.parts = this.parts.filter(({ at, turn }) => turn.some(Boolean) || at.some(([, , rate]) => rate));
     this.add(up, "path", { class: "centres", d: `M${left - 0.8 * room} 0L${right + 0.8 * room} 0` });
     this.jam = this.add(svg, "g", { class: "jam" });
-    this.jamLine = this.add(this.jam, "path", { transform: "scale(1,-1)" });
+    this.jamLine = this.add(this.jam, "path", { transform: "scale(1,-1)", fill: "none" });
     this.jamText = this.add(this.jam, "text", { "text-anchor": "middle" });
     this.jamText.textContent = "jams here first";
     this.force = this.add(up, "path", { class: "force" });
