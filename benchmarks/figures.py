@@ -1,6 +1,6 @@
 """Figures of accuracy, drawn from the tables in benchmarks/results.
 
-One function a figure; `docs/make_figures.py` puts them into the documentation.
+Each function draws one figure; `docs/make_figures.py` puts them into the documentation.
 """
 
 import csv
@@ -198,7 +198,7 @@ def conditioning():
         axes.imshow(values, cmap="RdBu_r", vmin=-2.2, vmax=2.2, aspect="auto")
         for (i, j), value in np.ndenumerate(values):
             ink = "white" if abs(value) > 1.3 else "black"
-            # differences leave 1e-10 behind, which must not decide where a digit is rounded to
+            # errors of 1e-10, which differences leave, must not change the rounded digits
             text = f"{round(value, 6):.2f}" if abs(value) > 5e-3 else "0"
             axes.text(j, i, text, ha="center", va="center", fontsize=7, color=ink)
         axes.set_xticks(range(len(parameters)), [p.replace("_", "\n") for p in parameters])
