@@ -1,4 +1,4 @@
-"""What many tests share: the command line, calls counted or ended."""
+"""Fixtures of many tests: the command line, and calls that are counted or made to fail."""
 
 import json
 import os

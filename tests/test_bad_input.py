@@ -1,4 +1,4 @@
-"""Whatever is wrong is said in one line: the argument, its rule, the value, a remedy.
+"""Every wrong input gives one line: the argument, its rule, the value and a remedy.
 
 What is refused follows from the declarations, wherever a value comes in.
 """

@@ -1,4 +1,4 @@
-"""Measured beats back to parts: planted errors are found again, and what cannot be told is said."""
+"""Beats to parts: known errors are found again, and the message names what cannot be determined."""
 
 import math
 from dataclasses import replace

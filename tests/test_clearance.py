@@ -1,4 +1,4 @@
-"""Clearance with rigid impact: PHYSICS_REAL's example, an independent time integration, laws."""
+"""Clearance with rigid impact: an example, an independent integration in time, and laws."""
 
 import math
 import threading

@@ -1,4 +1,4 @@
-"""Walls that yield: worked examples, limits, energy, judges, and what is refused."""
+"""Walls that yield: examples, limits, energy, independent solutions, and refusals."""
 
 import math
 

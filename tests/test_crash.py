@@ -1,4 +1,4 @@
-"""Whatever strikes a running study, nothing finished is lost and the file is the same.
+"""However a running study is interrupted, no finished case is lost and the file is the same.
 
 A sample of `benchmarks/crash.py`, which goes through every call, error and many instants.
 """

@@ -1,4 +1,4 @@
-"""What a person meets on the first day: the project's own files, notebooks, and printed values."""
+"""First contact with the project: its own files, notebooks, and the way values are printed."""
 
 import tomllib
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Files to cut by: what a reader finds in them is the geometry, and each is whole and closed."""
+"""Files for cutting: they contain the exact geometry, and every curve is closed."""
 
 import json
 import math

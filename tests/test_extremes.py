@@ -1,4 +1,4 @@
-"""What is allowed comes to an end, and says what is missing."""
+"""Extreme but valid inputs: every computation ends, and a message names missing figures."""
 
 import math
 from itertools import pairwise

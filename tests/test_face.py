@@ -1,4 +1,4 @@
-"""The names of `import escapement as esc`: what type checkers and editors know of them."""
+"""The names of `import escapement as esc`, as type checkers and editors see them."""
 
 import os
 import re

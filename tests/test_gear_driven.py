@@ -1,4 +1,4 @@
-"""Gear-driven wheels: roots of equation (8), motion, cognates, slots, and what cannot be."""
+"""Gear-driven wheels: roots of equation (8), motion, cognates, slots, and refusals."""
 
 import math
 from fractions import Fraction

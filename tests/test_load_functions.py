@@ -1,4 +1,4 @@
-"""Loads that jump, bend and err: the figures are those of a dense scan."""
+"""Loads with jumps and kinks, and wrong ones: the figures agree with a dense scan."""
 
 import math
 

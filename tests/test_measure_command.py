@@ -1,4 +1,4 @@
-"""`escapement measure`: its report, its files, and one line for whatever is wrong."""
+"""`escapement measure`: its report, its files, and one line for each mistake."""
 
 import json
 import math

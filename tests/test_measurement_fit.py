@@ -1,4 +1,4 @@
-"""Measured positions against theory: the zeros that were planted are found again."""
+"""Measured positions against theory: the fit finds the known zeros of the encoders."""
 
 import math
 

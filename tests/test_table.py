@@ -1,4 +1,4 @@
-"""Tables instead of pin paths: what kernels read, and the motions of followers that stop."""
+"""Tables instead of pin paths: the numbers that kernels read, and followers that stop."""
 
 import numpy as np
 import pytest
