@@ -1,4 +1,4 @@
-"""What real parts do to the period: the table and the figure of the page on effects.
+"""The effect of real parts on the period: table and figure of the page on effects.
 
 `python -m pages.effects`, called in docs, prints the table.
 """

@@ -1,4 +1,4 @@
-"""What errors of parts do to the period: the table and the figures of the page on them.
+"""The effect of errors of parts on the period: table and figures of the page on them.
 
 `python -m pages.imperfect`, called in docs, prints the table.
 """
