@@ -14,6 +14,7 @@ from escapement.errors import InvalidValue
 from escapement.study.varied import unit_cube
 from escapement.tolerance.differences import with_number
 from escapement.tolerance.dual import Dual
+from escapement.tolerance.figures import figures_of
 from escapement.tolerance.indices import sobol_indices
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=5e-4)
@@ -82,6 +83,16 @@ def test_derivatives_are_those_of_the_figures(timer, names):
             share = 1e-5 if figure.startswith("rise") else 1e-7
             error = share * abs(figures[figure] / value)
             assert row[name] == pytest.approx(differences(figure), abs=error), (figure, name)
+
+
+@pytest.mark.parametrize("errors", [{}, {"pin_angle_errors": (3e-4, -1e-4, 0.0)}])
+def test_with_viscous_drag_the_contraction_is_the_integral_along_the_cycle(errors):
+    """The march takes it from a solution by Newton's method, the derivatives from the motion."""
+    wheel = esc.Geneva(3, pins=3 if errors else None, crank_radius=0.01, **errors)
+    own = esc.Escapement(wheel, esc.Inertia(1e-6, 5e-6), 0.015, 0.3, driver_viscous=1e-4)
+    figures = esc.terminal(own)
+    again = figures_of(own, figures, ("torque",), cycle_only=True)[0]["contraction"]
+    assert figures.contraction / float(again) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_the_period_goes_as_torque_to_minus_one_half():
