@@ -39,11 +39,11 @@ def test_headings_tell_order_and_unit(tmp_path, heading, turned, units):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("1 2\n3 4 5\n", ["2 fields apart by blanks", "line 2", "'3 4 5'"]),
+        ("1 2\n3 4 5\n", ["2 fields separated by blanks", "line 2", "'3 4 5'"]),
         ("1,2\n3,nan\n", ["two finite numbers", "line 2"]),
         ("O.0,0.0\n1,2\n", ["numbers in fields", "line 1", "'O.0,0.0'"]),
         ("0,0,\n1,2\n", ["name its 3 columns", "line 1", "'0,0,'"]),
-        ("theta rad phi rad\n1 2\n", ["4 fields apart by blanks", "line 2", "'1 2'"]),
+        ("theta rad phi rad\n1 2\n", ["4 fields separated by blanks", "line 2", "'1 2'"]),
         ("theta_rad,phi\n1,2\n", ["units of both columns", "theta_deg,phi_deg"]),
     ],
 )
