@@ -108,7 +108,7 @@ def test_plot_names_the_cases_that_leave_gaps(command, study):
     command("sweep", study("[1e-13, 0.2, 0.5]"))
     code, _, err = command("plot", "four.h5")
     assert code == 0
-    gaps = "escapement: some of the 12 cases leave gaps in the figure: 4 painleve, "
+    gaps = "escapement: some of the 12 cases leave gaps in the figure: 4 with status painleve, "
     gaps += "4 without rise time, 4 without settling time\n"
     assert err == "escapement: study drawn in four.png\n" + gaps
 

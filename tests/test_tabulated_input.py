@@ -109,7 +109,7 @@ def test_a_rounded_last_row_is_the_end_of_the_cell(decimals, unit):
     theta, phi = printed(61, 1, decimals, unit)
     if 10.0**-decimals * unit > 5e-6:
         # the follower's acceleration would be wrong by more than a fiftieth of its greatest
-        with pytest.raises(InvalidValue, match=r"phi rounded to .* say that they are measured"):
+        with pytest.raises(InvalidValue, match=r"phi rounded to .* give measured=True"):
             assert esc.Tabulated(theta, phi).spline
         return
     given = esc.Tabulated(theta, phi, cell_angle=CELL, follower_step=STEP)

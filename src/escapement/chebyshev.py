@@ -165,9 +165,9 @@ def fit(
             rough = np.maximum(misses, tails) > _RIPPLE * scale
         if rough.sum() > (kinks if depth == _DEEPEST else MOST_KINKS):
             raise InvalidValue(
-                f"load torque, or a transmission, must be smooth but for at most {kinks} kinks, "
+                f"a load torque or transmission must be smooth except for at most {kinks} kinks, "
                 f"got more, one of them near {low[rough][0]:.9g} rad; smooth it, give fewer points "
-                "of a load or name the corners of a transmission"
+                "of a load, or name the corners of a transmission"
             )
         if depth == _DEEPEST:
             rows[rough] = 0.0

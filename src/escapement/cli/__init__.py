@@ -91,7 +91,7 @@ def _answer(argv: Sequence[str]) -> int:
     except OSError as error:
         _drop_output()
         message = f"input or output failed: {error.strerror or error}; free space, or use another"
-        return _complain(f"{message} place", StorageError.exit_code)
+        return _complain(f"{message} disk", StorageError.exit_code)
     except MemoryError:
         message = "not enough memory; ask for a shorter motion or fewer cases"
         return _complain(message, StorageError.exit_code)

@@ -138,7 +138,7 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
     if motion.end_time == 0.0:
         wanted = [str(path) for path in (args.output, args.plot) if path is not None]
         if wanted:
-            _output.note(f"there is no motion to write, so {' and '.join(wanted)} was not made")
+            _output.note(f"there is no motion to write, so no {' and no '.join(wanted)} was made")
         return
     if args.output is not None:
         from escapement.progress import Progress

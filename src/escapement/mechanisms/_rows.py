@@ -34,13 +34,13 @@ def columns(theta: Any, phi: Any, measured: bool) -> tuple[FloatArray, FloatArra
     remedy = "give a list of angles in rad"
     x, y = validate.numbers("theta", theta, remedy), validate.numbers("phi", phi, remedy)
     if x.ndim != 1 or x.size < FEWEST:
-        rule = f"at least {FEWEST} rows long, a number a row"
-        raise validate.fail("theta", rule, x.shape, "give more of the position function")
+        rule = f"at least {FEWEST} rows long"
+        raise validate.fail("theta", rule, x.shape, "give more rows")
     if y.shape != x.shape:
-        raise validate.fail("phi", f"as long as theta, {x.size}", y.shape, "give one phi a theta")
+        raise validate.fail("phi", f"as long as theta, {x.size}", y.shape, "give one phi a row")
     if not measured and x.size > MOST_EXACT:
         rule = f"at most {MOST_EXACT} rows of an exact table"
-        remedy = "leave rows out, or say that they are measured"
+        remedy = "leave rows out, or give measured=True (--measured)"
         raise validate.fail("theta", rule, x.size, remedy)
     return x, y
 
@@ -72,11 +72,11 @@ class Rows(Kind):
         Numbers(long_name="follower angles", unit="angle", remedy="give a list of angles in rad")
     ))  # fmt: skip
     measured: bool = field(default=False, metadata=setting(
-        Truth(long_name="the rows scatter, and a smooth curve goes between them")
+        Truth(long_name="the rows scatter, and a smooth curve is fitted to them")
     ))  # fmt: skip
     cell_angle: float = field(default=0.0, metadata=quantity(
         "driver angle after which the motion repeats itself", "angle", exclusive=True, axis=False,
-        metavar="DEG", remedy="give the angle, after it the motion repeats itself"
+        metavar="DEG", remedy="give the angle, after which the motion repeats itself"
     ))  # fmt: skip
     follower_step: float = field(default=0.0, metadata=quantity(
         "angle the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
@@ -123,7 +123,7 @@ class Rows(Kind):
         usual = float(np.median(distances[distances > self._near]))
         if distances[widest] > max(_GAP * cell, _MANY[self.measured] * usual):
             gap, whole, after = np.degrees([distances[widest], cell, places[widest]])
-            rule = f"and has none for {gap:.3g} of {whole:.4g} degrees after {after:.4g}"
+            rule = f"got none for {gap:.3g} of {whole:.4g} degrees after {after:.4g}"
             remedy = "the curve there is a guess; give rows there"
             warnings.warn(f"theta must have rows all over the cell, {rule}: {remedy}", stacklevel=4)
 
@@ -175,7 +175,7 @@ class Rows(Kind):
         if gap <= self._near:
             raise InvalidValue(
                 "theta must differ from row to row in an exact table, cells taken together; "
-                "leave out repeated rows, or say that the rows are measured"
+                "leave out repeated rows, or give measured=True (--measured)"
             )
         spline = table.interpolating(x, rest[[*order, order[0]]])
         if np.ptp(rest) > 0.0:
@@ -195,7 +195,7 @@ class Rows(Kind):
             raise InvalidValue(
                 f"theta must differ by at least {least:.2g} rad from row to row in an exact table "
                 f"of phi rounded to {digit:.2g} rad, cells taken together, got {gap:.2g}; give "
-                "more digits, leave rows out, or say that they are measured"
+                "more digits, leave rows out, or give measured=True (--measured)"
             )
 
     @property

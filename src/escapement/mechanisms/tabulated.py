@@ -196,8 +196,8 @@ class Tabulated(Rows):
         if g[worst] < -max(_BACKWARDS * g.max(), doubt):
             raise InvalidValue(
                 f"phi must rise (or fall) throughout for a motion, got a slope of {g[worst]:.3g} "
-                f"against its sense at theta = {theta[worst]:.6g} rad; correct the table, or "
-                "measure more of it"
+                f"in the other sense at theta = {theta[worst]:.6g} rad; correct the table, or "
+                "give more rows"
             )
         start, end = self.breaks
         # the last knot is the first again

@@ -148,8 +148,8 @@ class Curve(NamedTuple):
         if np.any(radius + np.sign(half) * width <= 0.0):
             least = float(radius[half * width < 0.0].min())
             raise InvalidValue(
-                f"a cutter beside the line by {abs(width):.6g} must not be wider than the "
-                f"arcs that it runs in, got one of radius {least:.6g}; choose a narrower kerf"
+                f"a cutter that runs {abs(width):.6g} beside the line must fit into every arc, "
+                f"got an arc of radius {least:.6g}; choose a narrower kerf"
             )
         corner = np.angle(np.roll(before, -1) / after)
         if np.any(corner * math.copysign(1.0, width) < -_CORNER):
