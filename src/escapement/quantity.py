@@ -202,7 +202,7 @@ class Quantity(Setting):
         """As `read`, of what was typed on the command line; a fraction stays one."""
         value: Any = text
         if not self.fraction:
-            # what is no number is refused by the check, which shows it as typed
+            # the check refuses a text that is not a number, and shows it as typed
             with contextlib.suppress(ValueError):
                 value = int(text) if self.whole else float(text)
         return self.check(label, value) if self.fraction else self.read(label, value)
@@ -256,7 +256,7 @@ class Numbers(Setting):
         """As `read`, of numbers with commas between them."""
         words: list[Any] = text.split(",")
         for i, word in enumerate(words):
-            # what is no number is refused by the check, which shows it as typed
+            # the check refuses a text that is not a number, and shows it as typed
             with contextlib.suppress(ValueError):
                 words[i] = float(word)
         return self.read(label, words)

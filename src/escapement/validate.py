@@ -29,7 +29,7 @@ def number(name: str, value: Any, remedy: str = "give a finite real number") -> 
     if type(value) is float and math.isfinite(value):  # nearly always: the rest takes a microsecond
         return value
     real = isinstance(value, Real) and not isinstance(value, bool)
-    with contextlib.suppress(OverflowError):  # of a whole number too great for a double
+    with contextlib.suppress(OverflowError):  # a whole number may be too great for a double
         if real and math.isfinite(value):
             return float(value)
     raise fail(name, "a finite number", value, remedy)

@@ -230,7 +230,7 @@ def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> F
     problems = [problem for problem in PROBLEMS if problem.name in names]
     figure = style.new_figure(style.TWO_COLUMN, 0.6 + 2.9 * len(problems))
     panels = style.new_panels(figure, len(problems))
-    panels[0].invert_xaxis()  # of all panels, because they share it
+    panels[0].invert_xaxis()  # this inverts the axis of all panels, which share it
     for ax, problem in zip(panels, problems, strict=True):
         _plot_solvers([point for point in drawn if point.problem == problem.name], ax)
         ax.set_title(problem.title, fontsize=style.LABEL_SIZE)

@@ -13,7 +13,7 @@ import sys
 
 from escapement.errors import EscapementError, InvalidValue, StorageError
 
-# what takes time to load is imported within `main`, which ends in order after Ctrl-C
+# modules that take time to load are imported in `main`, which handles Ctrl-C
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -154,7 +154,7 @@ def _complain(message: str, code: int) -> int:
     """One line on stderr, whatever line breaks the message has."""
     import contextlib
 
-    with contextlib.suppress(OSError):  # of a reader that left, as in `escapement ... 2>&1 | head`
+    with contextlib.suppress(OSError):  # the reader may have left: `escapement ... 2>&1 | head`
         _tell("error", message)
     return code
 

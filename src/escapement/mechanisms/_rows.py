@@ -22,11 +22,11 @@ _ALLOWED = 0.02  # error that rounding may make of a ratio, and of its greatest 
 _NEARER = 50.0  # units of the last digit by which exact rows must be apart for that
 _BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
 _SAMPLES = 2001
-_ROUNDING = 2.0**-50  # of the angles: what an even ratio leaves in a table
-_CLOSE = 1e-9  # of a cell: angles this _near each other are the same
-_GAP = 0.1  # of a cell without rows: the curve across is a guess
-_MANY = {False: 5.0, True: 15.0}  # usual distances of exact, measured rows: no gap by chance
-_OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
+_ROUNDING = 2.0**-50  # share of the angles that a constant ratio leaves by rounding
+_CLOSE = 1e-9  # angles that differ by a smaller share of a cell are equal
+_GAP = 0.1  # greatest share of a cell that may have no rows
+_MANY = {False: 5.0, True: 15.0}  # a gap is wider than this many usual distances, exact or measured
+_OPEN = {False: 1e-6, True: 0.02}  # share of a step by which a cell's rows may miss it
 
 
 def columns(theta: Any, phi: Any, measured: bool) -> tuple[FloatArray, FloatArray]:

@@ -37,7 +37,7 @@ TOLERANCES = (0.01, 0.1, 1.0)
 """Deviations of the output within which the report counts it as standing still [degrees]."""
 
 _LENGTHS = ("centre_distance", "semi_major_axis", "semi_minor_axis", "focal_distance")
-_GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
+_GREATEST_RATIO = 1e4  # greatest ratio of the radii; above it no gear could have the peak of g
 _MOST_STATIONS = 1000
 _SHRINKING = 20  # halvings of the pieces towards a stop: to a millionth of a cell
 _OUTSIDE = 8.0  # last digits of an angle

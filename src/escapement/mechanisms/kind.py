@@ -56,7 +56,7 @@ class Kind(Declared):
     motion_ratio: Any = 1.0
     """Share of the cell during which the follower moves: 1 without a dwell."""
 
-    # of subclasses, as fields or properties
+    # subclasses have these as fields or properties
     path: Any
     breaks: Any
     follower_angle: Any

@@ -16,7 +16,7 @@ from escapement.mechanisms.kind import ArrayLike, np, slotted, table
 from escapement.quantity import InputFile, Setting, declared
 from escapement.scene import Path
 
-_BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
+_BACKWARDS = 1e-3  # share of the greatest g that rounding and noise may leave at a stop
 _SAMPLES = 2001
 _REPORTED = 721
 

@@ -18,7 +18,7 @@ from escapement.errors import InvalidValue
 ComplexArray = NDArray[np.complex128]
 FloatArray = NDArray[np.float64]
 
-_STRAIGHT = 1e-12  # an arc that turns by less is a line to rounding [rad]
+_STRAIGHT = 1e-12  # an arc that turns by less is a line except for rounding [rad]
 _CORNER = 1e-7  # ways that meet at a smaller angle go on without a corner [rad]
 _CHORD = math.radians(4.0)
 # the integrands turn by four times an arc's angle at most, for which 24 points are exact

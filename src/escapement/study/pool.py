@@ -84,7 +84,7 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
         def share(value: Any) -> Any:
             # A lost result of a task is computed again; lost scattered data are not.
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of Dask, where the value is large
+                warnings.simplefilter("ignore")  # Dask warns if the value is large
                 return client.submit(_itself, value, pure=False)
 
         def ahead() -> int:

@@ -5,9 +5,9 @@ from rest, a near stop) and goes on with the left half. The chain of panels thus
 as the scene needs, and later engagements use the same chain again.
 
 A panel is passed in steps: `_choose` between it and the spare panel of a start, `_pass_over` it
-to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` what happens in it,
-and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first,
-and so may `_choose` for a start, by the tail it sets.
+to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` the events in it,
+and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first.
+`_choose` may find this for a start, from the tail of its solution.
 """
 
 import numpy as np
