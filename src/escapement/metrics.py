@@ -179,7 +179,7 @@ class Figures(Shown):
         return max(self.reversal_angles, default=_NAN)
 
     def as_dict(self) -> dict[str, Any]:
-        """All figures by name, with the published average beside the mean."""
+        """All figures by name, with the published average after the mean."""
         return {name: getattr(self, name) for name in _NAMES}
 
 

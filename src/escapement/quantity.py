@@ -139,7 +139,7 @@ class Quantity(Setting):
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule."""
-        # the usual case first: a check must cost little beside a motion of microseconds
+        # the usual case first: a check must cost little compared with a motion of microseconds
         plain = type(value) is float and not (self.whole or self.fraction)
         if plain and math.isfinite(value) and self._within(value):
             return value

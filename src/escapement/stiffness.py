@@ -68,7 +68,7 @@ def contact_stiffness(
     pin, wall = (1.0 - poisson**2) / modulus, (1.0 - wall_nu**2) / own["wall_modulus"]
     half = math.sqrt(4.0 * load * radius * (pin + wall) / math.pi)
     if not half < 0.1 * min(radius, own["depth"]):
-        rule = "so small that the contact is narrow beside radius and depth"
+        rule = "so small that the contact is narrow compared with radius and depth"
         raise validate.fail("force", rule, force, "give a smaller force or a wider contact")
     approach = pin * (2.0 * math.log(4.0 * radius / half) - 1.0)
     approach += wall * (2.0 * math.log(2.0 * own["depth"] / half) - wall_nu / (1.0 - wall_nu))

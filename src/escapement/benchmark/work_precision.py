@@ -63,7 +63,7 @@ class Point(NamedTuple):
 
 
 class Standing(NamedTuple):
-    """A solver beside `energy` on one problem.
+    """A solver compared with `energy` on one problem.
 
     problem, solver : names.
     error : at which its time is taken; of `energy`, what a call without a
@@ -115,7 +115,7 @@ def run(
     quick : bool
         A version of ten seconds instead of many minutes.
     further : sequence of MeasuredSolver
-        Solvers to measure beside the package's engines and SciPy's; their families name
+        Solvers to measure besides the package's engines and SciPy's; their families name
         the packages they come from.
     note : callable
         Called with a description of each measurement.

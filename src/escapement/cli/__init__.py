@@ -31,7 +31,7 @@ COMMANDS = {
     "export": "write parts as DXF or SVG, after a check of the motion",
     "drive-torque": "torque and pin reversals at constant driver speed",
     "measure": "measured positions against theory, with statistics",
-    "reproduce": "a source's printed numbers beside computed ones",
+    "reproduce": "a source's printed numbers compared with computed ones",
     "bench": "run time against error of all engines",
 }
 

@@ -197,7 +197,7 @@ class _NormalEquations(NamedTuple):
     ) -> tuple[dict[_Place, tuple[float, float, float]], list[_Place]]:
         """The test of each wanted error together with the significant ones, and the latter."""
         sure: list[_Place] = []
-        # the most significant first, each tested beside those before
+        # the most significant first, each tested together with those before
         while rest := [one for one in wanted if one not in sure]:
             chances = np.nan_to_num([self.test(one, sure)[2] for one in rest], nan=np.inf)
             if not chances.min() < SURE / len(wanted):

@@ -99,7 +99,7 @@ def doubt_of(
 
 def _computed(parts: Parts, unknowns: FloatArray) -> FloatArray:
     beats = parts.beats(unknowns)
-    assert beats is not None, "a fit ends at a wheel that runs, and so does one just beside it"
+    assert beats is not None, "a fit ends at a wheel that runs, and so do all close to it"
     return beats
 
 

@@ -137,7 +137,7 @@ class Rows(Kind):
         else:
             doubt = 2.0 * last_digit(phi)
         allowed = max(_OPEN[self.measured] * step, doubt)
-        # a last row beside the end of the cell is short of it
+        # the last row may be a little before the end of the cell
         allowed += 3.0 * self._mean_ratio * abs(float(np.ptp(theta)) - self.cell_angle)
         if abs(turned - step) > allowed:
             degrees = math.degrees(turned)

@@ -178,7 +178,7 @@ class EllipticalPlanetary(Kind):
         """Contribution of planet, satellite shaft and driving ellipse to the driver's inertia.
 
         Their kinetic energy is that of a driver inertia mean - swing cos(k theta):
-        the planet turns 1 + k times as fast as the carrier, and a centre of mass beside the shaft
+        the planet turns 1 + k times as fast as the carrier, and a centre of mass off the shaft
         moves alternately faster and slower than the shaft.
 
         Parameters

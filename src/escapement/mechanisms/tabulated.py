@@ -136,7 +136,7 @@ class Tabulated(Rows):
 
     @classmethod
     def from_options(cls, **given: Any) -> Tabulated:
-        """The mechanism of a file, and of the angles that were typed beside it."""
+        """The mechanism of a file, and of the angles that were typed with it."""
         return cls.from_csv(given.pop("table"), **given)
 
     @cached_property

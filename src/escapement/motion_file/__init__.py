@@ -129,7 +129,7 @@ def _blocks(
 ) -> Iterator[tuple[str, _Lines, int | None]]:
     """Samples and, for a `whole` motion, all other data, block by block to limit the memory.
 
-    Beside the prefix and values of some datasets their final length is given, or None.
+    In addition to prefix and values, the final length of some datasets is given, or None.
     """
     for part in motion.parts():
         # the end of a part is the start of the next one

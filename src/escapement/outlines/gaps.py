@@ -49,7 +49,7 @@ def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]
     """How far points lie outside a body, and the nearest point of its edges; both of one shape.
 
     The distance is negative inside. The nearest line or arc tells the side; at a corner it is
-    that of the two ways which the point lies further beside.
+    that of the two ways from which the point is further to the side.
     """
     p, line = points[:, None], ways.turn == 0.0
     chord = ways.end - ways.start

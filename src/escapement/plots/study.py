@@ -188,7 +188,7 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
         second axis; with five points or more on both axes there are maps below. With more axes
         the first two are drawn, and the others are fixed at their middle value, which the title
         names; `study.at(slots=6)` is the slice at another value. A sample is drawn by
-        `plot_sample`, or with axes beside it by `plot_spread`.
+        `plot_sample`, or, if it has axes too, by `plot_spread`.
 
     Raises
     ------

@@ -92,7 +92,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
         return _found(STALL, state, first.left, 0.0, count)
     if lossy:
-        # beside the march E is that of the scene without losses in its trains
+        # outside the march, E belongs to the scene whose trains lose nothing
         state = _turned(state, first.entry.g, own.rho, scene.rho)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]

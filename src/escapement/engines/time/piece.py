@@ -140,7 +140,7 @@ class _Problem:
 
     @cached_property
     def arguments(self) -> tuple[Any, ...]:
-        """What `slope` takes beside x and y."""
+        """What `slope` takes in addition to x and y."""
         task, law = self.task, self.law
         middle = 0.5 * (task.theta + task.end)
         signs = law.signs(middle, task.sign) if task.sign else (0.0, 0.0)
