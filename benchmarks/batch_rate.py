@@ -1,4 +1,4 @@
-"""Time by case of all figures of merit on random cases in a batch.
+"""Time per case of all figures of merit for random cases in a batch.
 
 ``python benchmarks/batch_rate.py [--cases 200000]``
 

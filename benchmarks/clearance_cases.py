@@ -4,7 +4,7 @@
 side, restitutions from 0 to 0.6 and frictions up to 2 below the Painleve limit, with loads,
 bearings and drags. It simulates twenty engagements of each, looks for the terminal cycle, asks
 for 4001 states, and writes a row for each to ``results/clearance_cases.csv``: the processor time of
-the three, how far the pin went beyond a wall, in crank radii, and what the ledger leaves.
+the three, how far the pin went beyond a wall, in crank radii, and the residual of the energy.
 """
 
 import csv

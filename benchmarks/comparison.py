@@ -1,4 +1,4 @@
-"""What is wrong with an answer of the package, in the eyes of `independent` and `judge`."""
+"""Comparison of an answer of the package with those of `independent` and `judge`."""
 
 import math
 import os
@@ -19,12 +19,12 @@ import escapement.metrics
 from escapement.status import Status
 
 FOLLOWED = 10_000
-"""Engagements of a transient, a hundredth of what users get: rise and settling times are
-not compared, and to follow them all would take hours. What stops later has not converged."""
+"""Engagements of a transient, a hundredth of the usual limit, since following all would take
+hours. Rise and settling times are not compared; a motion that stops later has not converged."""
 escapement.metrics.MAX_ENGAGEMENTS = FOLLOWED
 
 ENGAGEMENTS = {"bulk": 4, "ivp": 2}
-SLOW = 20.0  # seconds of the processor that no single case may take
+SLOW = 20.0  # greatest processor time of a case [s]
 OUTCOMES = (
     "ok",
     "wrong",
@@ -39,7 +39,7 @@ OUTCOMES = (
 
 
 class Numbers(NamedTuple):
-    """What is compared: handoffs, then angle and time of a stall; what cannot be is empty."""
+    """Numbers that are compared: handoffs, then angle and time of a stall; empty without them."""
 
     status: int
     times: np.ndarray
@@ -75,7 +75,7 @@ def simulated(problem, engine, rtol, engagements):
 
 
 def distance(found, reference):
-    """Greatest relative error of the numbers; infinite where they tell another story."""
+    """Greatest relative error of the numbers; infinite if the motions differ in kind."""
     if found.status != reference.status or found.times.size != reference.times.size:
         return math.inf
     errors = [0.0]
@@ -103,7 +103,7 @@ def verdict(problem, found, reference, engagements, rtol):
         if error <= 10.0 * rtol:
             return "ok", error
         if error > 1e-3 and distance(reference, truth) < 1e-10:
-            return "wrong", error  # the problem is a tame one
+            return "wrong", error  # the problem is well conditioned
         unavoidable = judge.unavoidable(*problem.physics, engagements=engagements, exact=exact)
     except ArithmeticError:
         return "undecided", math.nan
@@ -167,7 +167,7 @@ def compare_terminal(problem):
     error = _apart(figures, cycle)
     if error <= 10.0 * problem.rtol:
         return "ok", error / problem.rtol, ""
-    # how far one rounding in friction alone moves a fixed point that hardly contracts
+    # change of a fixed point with little contraction by one rounding in the friction
     noise = 2.0**-52 / max(-math.expm1(out[3]), 1e-300) * out[independent.VARIATION]
     if error <= 10.0 * (problem.rtol + noise):
         kind = "beyond doubles"

@@ -3,8 +3,8 @@
     python benchmarks/compliant_cases.py ledger      500 cases: the energy balance closes
     python benchmarks/compliant_cases.py hard       1000 cases: friction from 0 to 2
 
-The wall's energy bounds how deep a pin may press: no deeper than all energy in the spring allows.
-A pin that passed a wall would show as a deeper one.
+A pin cannot press deeper than the depth at which all energy is in the wall's spring. If a pin
+passed through a wall, its depth would be greater.
 """
 
 import argparse

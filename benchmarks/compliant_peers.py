@@ -4,10 +4,10 @@
     python benchmarks/compliant_peers.py
 
 Four slots, friction 0.3, pins of 0.05 r, a play of 5e-4 r, walls of 1e6 torque/r^2 with more than
-critical damping; the driver enters at 86 rad/s, the pin in the middle of its slot. Errors are those
-of the handoff's time and speed, the greater one. Exudyn has a friction that is proportional to the
+critical damping; the driver enters at 86 rad/s, the pin in the middle of its slot. The error is
+the greater one of the handoff's time and speed. Exudyn has a friction that is proportional to the
 speed where it is slow, and its dashpot pulls, so that it solves another problem by a little: its
-error is measured against its own finest run, and how far that lies from ours is printed apart.
+error is measured against its own finest run, whose difference from ours is printed separately.
 
 All runs take turns; times are medians of processor time. The last column is, of each solver's
 fastest run with an error below 1e-6, its time over ours.

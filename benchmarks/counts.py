@@ -1,4 +1,4 @@
-"""What came out of the cases, kept in CSV files from one slice of a run to the next."""
+"""Numbers of cases by outcome, kept in CSV files between the slices of a run."""
 
 import csv
 
@@ -40,7 +40,7 @@ def read(path, seed):
 
 
 def write(path, table, seed):
-    """Replace the table; each slice is in it whole or not at all."""
+    """Replace the table, which contains a slice completely or not at all."""
     partial = path.with_suffix(".partial")
     with open(partial, "w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -52,7 +52,7 @@ def write(path, table, seed):
 
 
 def append(path, failures):
-    """Add rows to the list of failures, headed where it is new."""
+    """Add rows to the list of failures; a new list begins with a heading."""
     fresh = not path.exists()
     with open(path, "a", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")

@@ -1,4 +1,4 @@
-"""What crash safety costs: a study of ten million cases, written once and kept as it grows.
+"""Run time of crash safety: a study of ten million cases, written directly and crash-safe.
 
     python benchmarks/crash_cost.py [--cases 10000000] [--workers 2] [--folder .]
 

@@ -4,8 +4,8 @@
 
 Three mechanisms, log10 of the inertia ratio uniform in -2 to 1, friction uniform up to
 0.99 of the Painlevé limit, six engagements from rest. The error is the largest relative
-one of all handoff times and speeds: of every case against the engine itself at its
-tightest tolerance, and of some, half of them the worst by that measure, against the
+error of all handoff times and speeds. Every case is compared with the engine itself at its
+tightest tolerance; some cases, half of them the worst by that measure, are compared with the
 integrator of the tests in 34 digits.
 """
 
@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT / "tests" / "reference"))
 TIGHTEST, DEFAULT = 1e-13, 1e-12
 TOLERANCES = (DEFAULT, 1e-10, 1e-8, 1e-6, 1e-4)
 FINEST = 1e-12
-"""The promise at the default tolerance; a looser one is the promise itself."""
+"""Greatest error allowed at the default tolerance; at a looser tolerance it is the tolerance."""
 SETTING = {"digits": 34, "order": 26, "tolerance": "1e-23"}
 
 
@@ -129,7 +129,7 @@ def summaries(cases: list[Case]) -> list[Summary]:
 
 
 def main() -> int:
-    """Judge, print, write; 1 where a promise is broken."""
+    """Judge, print, write; returns 1 if an error is too large."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=1000)
     parser.add_argument("--references", type=int, default=50, help="cases judged in 34 digits")
@@ -142,7 +142,7 @@ def main() -> int:
         judge(scene, share, handoffs(scene, TIGHTEST, args.engagements), "energy at 1e-13")
         for scene, share in scenes
     ]
-    # the finest tool looks at some cases as they come and at those that look worst
+    # the most accurate integrator checks some cases at random, and the worst ones
     worst = sorted(range(len(scenes)), key=lambda place: -cases[place].error_default)
     chosen = [*range(args.references // 2), *worst[: (args.references + 1) // 2]]
     for scene, share in (scenes[place] for place in dict.fromkeys(chosen)):

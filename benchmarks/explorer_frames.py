@@ -1,6 +1,6 @@
 """Script time of the explorer's page in headless Chromium, in ms, and its first picture.
 
-Writes `results/explorer_frames.csv`: of 200 repetitions the least and the median time, and the mean
+Writes `results/explorer_frames.csv`: the least and the median time of 200 repetitions, and the mean
 processor time of the page's thread, which other work on the machine does not lengthen.
 The motion is twenty engagements of Meyer's four pins from rest, with friction from 0.30 to 0.40.
 """

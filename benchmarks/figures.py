@@ -95,7 +95,7 @@ def work_precision():
 
 
 def tolerance():
-    """Error got against error asked for, both engines."""
+    """Measured error against the tolerance, for both engines."""
     figure = new_figure(TWO_COLUMN, 3.1)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, ((engine,), rows) in zip(panels, grouped(table("tolerance"), "engine"), strict=True):

@@ -3,8 +3,8 @@
 ``python benchmarks/first_result.py``
 
 The cache starts in an empty folder: the first line of each kind compiles, the others load
-what it left. Times of the whole process, interpreter included; on a busy machine the
-processor's time is the one to read.
+it from there. Times are those of the whole process, interpreter included; on a busy machine only
+the processor time is meaningful.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""What imperfect parts cost: studies of random sets of errors, and engagements beside ideal ones.
+"""Run time with imperfect parts: studies of random errors, and engagements against ideal ones.
 
 ``python benchmarks/imperfect_parts.py [--cases 100000] [--workers 2] [--rounds 3]``
 

@@ -1,4 +1,4 @@
-"""What engine `ivp` costs beside the loop over solve_ivp that a user would write.
+"""Run time of engine `ivp` compared with a loop over solve_ivp that a user would write.
 
 ``python benchmarks/ivp_cost.py [--rounds 7]``
 
@@ -7,7 +7,7 @@ DOP853 and a compiled right-hand side: the one that `ivp` has too. A terminal ev
 at its corner or at a pin reversal, and an event on the acceleration locates the extrema of the
 speed. It integrates no losses, keeps no interpolant, and misses two events within one step.
 
-Both run at rtol 1e-4 to 1e-11. The error is the greatest relative one of handoff times and
+Both run at rtol 1e-4 to 1e-11. The error is the greatest relative error of handoff times and
 speeds against `energy` at 1e-13. Times are those of the processor, the shortest of
 several rounds in which the two alternate; at an equal error they are interpolated.
 """
@@ -138,7 +138,7 @@ def plain_loop(escapement, rtol):
 
 
 def by_ivp(escapement, rtol):
-    """The same by the engine, called as a user calls it."""
+    """Handoff times [s] and speeds [rad/s] by the engine, called as a user calls it."""
     motion = esc.simulate(escapement, ENGAGEMENTS, engine="ivp", rtol=rtol)
     return motion.handoff_times, motion.handoff_velocities
 

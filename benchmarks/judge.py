@@ -1,7 +1,7 @@
-"""The last word where two answers differ: the tests' Taylor reference in 34 digits.
+"""The reference that decides where two answers differ: Taylor series of the tests in 34 digits.
 
-It also tells how far an error of one rounding in a parameter moves each number: what no
-program working in double precision can be asked to do better than.
+It also computes the change of each number by one rounding in a parameter. No program in double
+precision can have a smaller error.
 """
 
 import sys
@@ -73,7 +73,7 @@ def unavoidable(slots, pins, internal, rho, mu, load, speed, engagements, exact)
         inputs[name] *= 1 + mpf(ROUNDING)
         moved = answer(slots, pins, internal, **inputs, engagements=engagements).numbers()
         if len(moved) != len(total):
-            return None  # even whether it stops hangs on the last bit
+            return None  # the last bit of a parameter decides whether the motion stops
         for i, (x, y) in enumerate(zip(moved, exact.numbers(), strict=True)):
             total[i] += abs(x / y - 1)
     return [float(x) for x in total]
@@ -127,7 +127,7 @@ def _engage(case, w):
 
 
 def _smooth_reach(here):
-    """How far W itself may be trusted: past a stop, where only the time is singular."""
+    """How far the series of W is accurate: beyond a stop, where only the time is singular."""
     tolerance = mpf(SETTING["tolerance"])
     grown = here.w[1:] if here.from_rest else here.w
     return min(reach(x, tolerance) for x in (grown, here.tangent, here.contact))

@@ -30,7 +30,7 @@ INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 class Row(NamedTuple):
     """How often of so many seeds an interval held the true value.
 
-    right : how often it was told, and on the right shaft alone; of a fit, that it converged.
+    right : how often it was reported, only on the right shaft; how often a fit converged.
     half_width_percent : the greatest half of an interval over the true value.
     """
 
@@ -43,7 +43,7 @@ class Row(NamedTuple):
 
 
 def behind(angles: np.ndarray, play: float) -> np.ndarray:
-    """Angle of a shaft behind a free play: it stands until it is pushed from one side."""
+    """Angle of a shaft driven through a free play: it rests until it is pushed from one side."""
     at, found = angles[0], []
     for angle in angles:
         if angle - at > play / 2:

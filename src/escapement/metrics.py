@@ -198,7 +198,7 @@ def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, fl
     Parameters
     ----------
     motion : Motion
-        From the start on.
+        The motion, from its start on.
     start, terminal : float
         Speed at the first pin entry, and at the terminal handoff [rad/s].
 

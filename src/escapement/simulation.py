@@ -173,9 +173,9 @@ def terminal(
     -------
     Figures
         Their `status` is NO_TERMINAL where no loss grows with the speed, STALL when the drive
-        cannot carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
-        Of a spring that runs down they are those of the full spring, and of a torque curve
-        those of its first torque, as the message says.
+        cannot carry the load, PAINLEVE at or above the limit. A figure that does not exist is NaN.
+        For a spring that runs down they belong to its full torque, and for a torque curve to its
+        first torque, as the message says.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)

@@ -49,7 +49,7 @@ def contact_stiffness(
     Raises
     ------
     InvalidValue
-        Where a number breaks its rule, or the contact is wider than a tenth of the radius, for
+        If a number breaks its rule, or the contact is wider than a tenth of the radius, for
         which Hertz's theory of a narrow contact no longer holds.
 
     Source: Johnson (1985), Contact Mechanics, section 5.6, eqs. 5.57 and 5.58. Plane strain,

@@ -222,7 +222,7 @@ def time_at(points: Sequence[Point], error: float) -> float:
 def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> Figure:
     """A panel for each problem: measured error to the right, run time upwards.
 
-    Of solve_ivp only the lines with a Numba right-hand side are drawn. The legend has the
+    For solve_ivp only the lines with a Numba right-hand side are drawn. The legend has the
     slowest solver first, which is at the top of a panel.
     """
     drawn = [point for point in points if point.language != "Python"]

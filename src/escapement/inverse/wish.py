@@ -94,7 +94,7 @@ class Wish(Shown):
     pin : float
         Radius of the pins over the crank radius [-].
     density : float
-        Of the discs [kg/m^3], which have the outlines of `parts_of`.
+        Density of the discs [kg/m^3], which have the outlines of `parts_of`.
     bounds : Mapping
         (least, greatest) for names in `BOUNDS`; a single number is the greatest, for the jam
         margin the least.

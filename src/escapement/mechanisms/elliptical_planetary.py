@@ -118,7 +118,7 @@ class EllipticalPlanetary(Kind):
         stop_interval : float
             Input angle from one stop to the next, 2 pi R2/R1 [rad]; less than a turn.
         centre_distance : float
-            Of carrier axis and planet shaft, R1 + R2 [m].
+            Distance of the carrier's axis from the planet's shaft, R1 + R2 [m].
         """
         remedy = "give the input angle between stops in rad, less than 2 pi"
         interval = between_0_and(2.0 * math.pi, "stop_interval", stop_interval, remedy)
@@ -135,7 +135,7 @@ class EllipticalPlanetary(Kind):
         sun_teeth, planet_teeth : int
             Teeth of the sun and, fewer, of the planet.
         module : float
-            Of both [m], > 0.
+            Module of both gears [m], > 0.
         """
         sun = validate.integer("sun_teeth", sun_teeth, 1, "give the teeth of the sun")
         planet = validate.integer("planet_teeth", planet_teeth, 1, "give those of the planet")

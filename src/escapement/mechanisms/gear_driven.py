@@ -60,7 +60,7 @@ class GearDriven(ImperfectWheel):
     fixed_radius : float, optional
         Radius R0 of the fixed gear [m]; contact forces and all other lengths need it.
     pin_radius, roller_radius : float
-        As of a `Geneva` [m].
+        As in `Geneva` [m].
     centre_distance_error : float
         By how much the axes of planet and fixed gear are too far apart, which is the error of
         the carrier's length [m]; negative where they are too close.
@@ -264,7 +264,7 @@ class GearDriven(ImperfectWheel):
         Raises
         ------
         InvalidValue
-            Where one of the cognate's slots stands in the way of an unused lobe.
+            If one of the cognate's slots is where an unused lobe passes.
         """
         return replace(self, curve=COGNATES[self.curve], **_SIZELESS)
 

@@ -40,9 +40,9 @@ class Curve(NamedTuple):
     Attributes
     ----------
     corners : ndarray of complex, shape (n,)
-        Where one line or arc ends and the next begins. The last one leads back to the first.
+        Points at which a line or arc ends and the next begins. The last leads back to the first.
     bulges : ndarray, shape (n,)
-        Of the way from each corner to the next.
+        Bulge of the line or arc from each corner to the next.
     """
 
     corners: ComplexArray

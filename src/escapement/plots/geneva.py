@@ -48,7 +48,7 @@ def plot_geneva(
         Where to draw; its limits are set in crank radii, follower axis at the
         origin. Default: a new figure.
     exaggerate : float
-        By what the errors of the parts are multiplied, >= 0. Unless it is 1, broken lines show
+        Factor on the errors of the parts, >= 0. Unless it is 1, broken lines show
         the perfect wheel and its pins.
     follower_angle : float, optional
         Angle of the follower [rad], as `State.phi` of a motion with clearance gives it.

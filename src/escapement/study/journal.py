@@ -69,7 +69,7 @@ class Journal:
     Parameters
     ----------
     path : Path
-        Of the database.
+        Path of the database.
     named : path
         The output as the user named it, for messages.
     force, resume : bool

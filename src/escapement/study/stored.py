@@ -89,7 +89,7 @@ class Stored(NDArrayOperatorsMixin):
     Parameters
     ----------
     path : str
-        Of the file, absolute.
+        Absolute path of the file.
     dataset : h5py.Dataset
         The array.
     finite : bool
