@@ -27,7 +27,7 @@ PER_TURN = 200
 
 
 class Cost(NamedTuple):
-    """A file of measurements and what it takes. peak_memory : of the process [MB]."""
+    """A file of measurements, and time and memory for it. peak_memory : of the process [MB]."""
 
     rows: int
     megabytes: float

@@ -48,7 +48,7 @@ class Map(NamedTuple):
 
 
 def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
-    """One sweep in this process, watched."""
+    """One sweep in this process, with its times and memory."""
     begin = time.perf_counter()
     import escapement as esc
     from escapement.engines.energy import batch

@@ -4,7 +4,7 @@
 
 A test at the level of 5 % should reject 5 % of all sets of normal errors. Pearson's
 chi-squared test does so or not depending on how the classes are made and where mean and
-deviation come from; every way of doing it is a test here.
+deviation come from. Each of these ways is tested here.
 """
 
 import argparse

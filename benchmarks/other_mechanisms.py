@@ -5,9 +5,9 @@
 Gear-driven wheels of all four curves, planetary drives with elliptical gears, and tables
 of 20 to 120 rows; inertia ratios of 1e-4 to 1e4, friction up to 0.99 of the Painlevé limit
 or efficiencies from 0.3 to 1, loads up to 0.9 of what the drive carries in every position,
-starts at rest and fast; three engagements. The engines share no numerical method, so what
-they agree on is no accident of either; the worst difference of handoff times and speeds is
-counted in tolerances, as is a motion of which they tell different stories.
+starts at rest and at a high speed; three engagements. The engines share no numerical method, so
+their agreement is evidence for both. The worst difference of handoff times and speeds is given in
+tolerances; it is infinite if the motions of both differ in kind.
 """
 
 import argparse
@@ -95,7 +95,7 @@ def draw(kind, random):
 
 
 def difference(timer, speed):
-    """Worst relative difference over the tolerance, infinite where the stories differ; ledger."""
+    """Worst relative difference over the tolerance, infinite if they differ in kind; ledger."""
     fast, slow = (
         esc.simulate(timer, 3, initial_speed=speed, engine=name, rtol=RTOL)
         for name in ("energy", "ivp")
@@ -114,7 +114,7 @@ def difference(timer, speed):
 
 
 def main() -> int:
-    """Compare, print, write; 1 where the engines differ by more than both may be off."""
+    """Compare, print, write; returns 1 if the engines differ by more than both errors allow."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=300, help="of every kind")
     parser.add_argument("--seed", type=int, default=1974)

@@ -1,4 +1,4 @@
-"""Random cases over all that a Geneva escapement may be, corners included."""
+"""Random cases over the whole range of Geneva escapements, extremes included."""
 
 import math
 from typing import NamedTuple
@@ -33,7 +33,7 @@ class Problem(NamedTuple):
 
 
 def draw(random, smallest_rtol=1e-13):
-    """A random case; every corner of the range gets its part."""
+    """A random case; each extreme of the range gets some of them."""
     internal = bool(random.random() < 0.15)
     few = random.random() < 0.9
     slots = int(random.integers(3, 41) if few else round(10 ** random.uniform(1.6, 3)))

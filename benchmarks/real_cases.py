@@ -5,7 +5,7 @@
 Every case has a random subset of the effects, any kind of slotted wheel, with or without a
 dwell, and starts from rest or fast. The fast engine is asked for 1e-12, ``ivp`` for 1e-10. A
 case is wrong when they differ by more than ten times that in a time or a speed of a handoff, in
-their status or in their reversals, or when the ledger of the fast one leaves more than 1e-12.
+their status or in their reversals, or when the energy residual of the fast one is above 1e-12.
 With ``--drives`` springs, torque curves and trains with efficiencies from 0.6 to 1 are among the
 effects, and changes of the sense of the power in a train are compared as well.
 """

@@ -24,7 +24,7 @@ FOLLOWER = 5e-6
 SHARES = tuple(0.01 * 4.0**-k for k in range(9))
 """Steps of differences, as shares of the number."""
 ROUNDING = 1e-15
-"""Share of a figure that is taken for rounding."""
+"""Share of a figure that counts as rounding."""
 LENGTHS = ("crank_radius", "pin_radius", "centre_distance_error")
 
 
@@ -63,10 +63,10 @@ def random_design(random):
 
 
 def richardson(timer, name, figures, value):
-    """Derivatives of figures by differences, and by how much each may be wrong.
+    """Derivatives of figures by differences, and an estimate of the error of each.
 
-    Steps fall until the estimate of the error grows again: that is how far two extrapolations
-    disagree, and what rounding of the figures may do. A step that reaches over a corner disagrees.
+    Steps fall until the estimate of the error grows again. It is the difference of two
+    extrapolations plus the rounding of the figures; a step across a corner makes it large.
     """
     best = {}
     for share in SHARES:
@@ -84,7 +84,7 @@ def richardson(timer, name, figures, value):
 
 
 def compare(count):
-    """The worst disagreement of each figure over random designs, and the doubt of its judge."""
+    """The worst difference of each figure over random designs, and the error of the comparison."""
     worst, random, designs, pairs = {}, Random(28), 0, 0
     for case in range(count):
         timer = random_design(random)

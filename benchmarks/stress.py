@@ -10,9 +10,9 @@ speed, and tolerances of 1e-13 to 1e-3:
     bulk   the `energy` engine against the Taylor integrator of `independent`
     ivp    both engines and that integrator, on fewer engagements
 
-What differs by more than ten times the tolerance goes to `judge.py`, 34 digits, which also
-says what one rounding in each parameter does to the number; only what exceeds both is
-called wrong. Every case runs in a process that is given up after five minutes.
+Numbers that differ by more than ten times the tolerance go to `judge.py`, with 34 digits, which
+also computes their change by one rounding in each parameter; only a number that exceeds both is
+called wrong. Every case runs in a process, which is stopped after five minutes.
 
 Case number i is the same in every run. Each run goes on where the last one stopped, adds
 its counts to results/stress_PART.csv and lists what failed in stress_PART.failures.csv,

@@ -1,4 +1,4 @@
-"""The error asked for against the error got, and what becomes of it at the edges.
+"""Measured errors against the tolerance, and against steps, limits and long runs.
 
     python benchmarks/tolerance.py [--energy 1000] [--ivp 1000] [--only NAME ...]
 
@@ -82,7 +82,7 @@ def error_of(problem, engine, rtol, truth, **more):
 def study_tolerance(options):
     """Share of random cases whose error is at most ten times the one asked for.
 
-    Where an answer is off by more than was asked for, the 34 digits of `judge.py` decide:
+    If an error exceeds the tolerance, the 34 digits of `judge.py` decide:
     the double precision of the independent integrator has its own errors.
     """
     head = ["engine", "rtol", "cases", "median", "q95", "worst", "worst / rtol", "share <= 10 rtol"]
@@ -122,8 +122,8 @@ def study_tolerance(options):
 def study_order(_options):
     """Order of solve_ivp's methods by regression of error on step.
 
-    The error is the root of the mean square over eight initial speeds, or the zeros that
-    an error passes through on its way down would be taken for order.
+    The error is the root mean square over eight initial speeds: a single error passes through
+    zero as it falls, which would look like a higher order.
     """
     problems = [
         Problem(4, 4, False, 1.0, 0.2, 0.0, float(speed), 1e-9, 0.1)

@@ -7,7 +7,7 @@ accuracy.
 
 `prepare` states the problem in time, like everyone else. `prepare_angle` hands heyoka the
 package's own formulation, w = theta_dot^2 over the driver angle, where only the reversal
-is left to find: the difference is what the formulation alone is worth.
+is left to find: the difference shows the effect of the formulation alone.
 """
 
 from typing import Any

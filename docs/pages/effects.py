@@ -1,4 +1,4 @@
-"""What real parts do to the period: the table and the figure of the page on effects.
+"""Effects of real parts on the period: the table and the figure of the page on effects.
 
 `python -m pages.effects`, called in docs, prints the table.
 """
@@ -31,7 +31,7 @@ SHARED = {"driver_bearing_torque": "torque", "friction": "friction"}
 
 
 class Effect(NamedTuple):
-    """One row of the table: what real parts have, beside Meyer's numbers."""
+    """One row of the table: numbers of real parts in addition to Meyer's."""
 
     name: str
     wheel: Numbers

@@ -1,4 +1,4 @@
-"""What errors of parts do to the period: the table and the figures of the page on them.
+"""Effects of errors of parts on the period: the table and the figures of the page on them.
 
 `python -m pages.imperfect`, called in docs, prints the table.
 """
@@ -80,7 +80,7 @@ def imperfect_response() -> Figure:
         periods = np.array([one.period for one in found])
         ax.plot(1e3 * sizes, 100.0 * (periods / periods[10] - 1.0), color=style.GREY, lw=1.0)
         for (name, marker), look in zip(KINDS.items(), style.LOOKS, strict=False):
-            # the gravest of the four handoffs marks the point
+            # the mark of a point is that of the most serious of its four handoffs
             worst = [max(one.motion.handoffs.kind.tolist(), key=[*KINDS].index) for one in found]
             own = [k for k in range(sizes.size) if worst[k] == name and k != 10]
             ax.plot(

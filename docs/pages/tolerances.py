@@ -1,4 +1,4 @@
-"""The figures of what a drawing's tolerances do."""
+"""The figure of the effects of a drawing's tolerances."""
 
 from matplotlib.figure import Figure
 
