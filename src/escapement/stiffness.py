@@ -18,14 +18,14 @@ def contact_stiffness(
 ) -> float:
     """Stiffness of a cylindrical pin on a flat wall [N/m].
 
-    A line contact yields by no power of the force: pin and wall approach each other by
+    In a line contact the approach is not a power of the force. Pin and wall approach each other by
 
         P (1 - nu_1^2)/(pi E_1) [2 ln(4 R/a) - 1]
         + P (1 - nu_2^2)/(pi E_2) [2 ln(2 h/a) - nu_2/(1 - nu_2)]
 
     with the force P by width and a = sqrt(4 P R/(pi E*)), half the width of the contact. The
-    stiffness is the force over this approach. It depends on the force through a logarithm alone:
-    ten times the force makes it about a fifth greater, so that a typical force is good enough.
+    stiffness is the force over this approach. It depends on the force only through a
+    logarithm: ten times the force makes it about a fifth greater, so a typical force is enough.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def contact_stiffness(
     modulus, poisson : float
         Young's modulus [Pa] and Poisson's ratio [-] of the pin.
     wall_modulus, wall_poisson : float, optional
-        Those of the wall; by default the pin's.
+        Young's modulus [Pa] and Poisson's ratio [-] of the wall; by default those of the pin.
     depth : float, optional
         Distance h behind the wall over which it is compressed [m]; by default the pin's diameter.
 

@@ -72,7 +72,7 @@ def integer(name: str, value: Any, minimum: int, remedy: str, maximum: float | N
 
 
 def truth(name: str, value: Any, remedy: str = "give a truth value") -> bool:
-    """`value` as a bool, Python's or NumPy's; numbers are none."""
+    """`value` as a bool, Python's or NumPy's; numbers are refused."""
     if type(value).__name__ in ("bool", "bool_"):  # NumPy has one of its own
         return bool(value)
     raise fail(name, "true or false", value, remedy)

@@ -74,9 +74,10 @@ class Wish(Shown):
     Parameters
     ----------
     period : float, optional
-        Time of one engagement at the middle of the friction [s]; either it or
+        Time of one engagement at the middle friction [s]. Give either `period`, or both
+        `total_time` and `turns`.
     total_time, turns : float, optional
-        time of a whole run from rest [s], and how often the driver turns in it.
+        Time of a whole run from rest [s], and the number of turns of the driver in it.
     torque : float or (low, high)
         Torque on the driver [N m]; for a spring that at the start.
     torque_lost : float
@@ -96,8 +97,8 @@ class Wish(Shown):
     density : float
         Density of the discs [kg/m^3], which have the outlines of `parts_of`.
     bounds : Mapping
-        (least, greatest) for names in `BOUNDS`; a single number is the greatest, for the jam
-        margin the least.
+        (least, greatest) value of figures, by names in `BOUNDS`. A single number is the greatest
+        value, but for the jam margin the least.
     objectives : sequence of str
         Names in `OBJECTIVES`, the figures to minimise.
     """
