@@ -88,8 +88,8 @@ def _on_the_fit(result: Any) -> Iterator[str]:
     if wraps(readings.input[known]) and steps[far] > _CLOSE_TO_HALF_A_TURN:
         line = readings.line[known[far + 1]]
         yield (
-            f"the input moves by {math.degrees(steps[far]):.0f} degrees up to line {line}, almost "
-            "half a turn: its turns may be miscounted, take samples at smaller steps"
+            f"the input moves by {math.degrees(steps[far]):.0f} degrees up to line {line}: its "
+            "turns may be miscounted; take samples at smaller steps"
         )
 
 
