@@ -26,7 +26,7 @@ from escapement.tolerance.scatter import LEVELS
 RESULTS = Path(__file__).resolve().parent / "results" / "budget_coverage.csv"
 SIGMA, HYPERCUBES = 0.1, 20
 SIZE = 51 * HYPERCUBES
-"""No quantile then lies on the edge of a stratum, where hypercubes have no error at all."""
+"""With this size no quantile is at the edge of a stratum, where hypercubes have no error."""
 
 
 def of_log_normal(seeds):

@@ -25,7 +25,7 @@ counts as not converged."""
 escapement.metrics.MAX_ENGAGEMENTS = FOLLOWED
 
 ENGAGEMENTS = {"bulk": 4, "ivp": 2}
-SLOW = 20.0  # seconds of the processor that no single case may take
+SLOW = 20.0  # greatest processor time of a case [s]
 OUTCOMES = (
     "ok",
     "wrong",

@@ -188,7 +188,7 @@ def _motions(timer: Escapement) -> list[Question]:
 
 
 def _real(timer: Escapement) -> Escapement:
-    """The same with pins, journals and drags of usual size."""
+    """The timer with pins, journals and drags of usual size."""
     wheel = replace(timer.mechanism, crank_radius=0.01, pin_radius=0.0005)
     journals = {
         f"{body}_bearing_{what}": value

@@ -129,7 +129,7 @@ def summaries(cases: list[Case]) -> list[Summary]:
 
 
 def main() -> int:
-    """Judge, print, write; 1 where a promise is broken."""
+    """Judge, print, write; returns 1 if an error is too large."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=1000)
     parser.add_argument("--references", type=int, default=50, help="cases judged in 34 digits")

@@ -99,7 +99,7 @@ def test_kinks_alone_count_against_a_load(monkeypatch):
 def test_what_is_too_rough_is_refused():
     with pytest.raises(
         InvalidValue,
-        match="load torque, or a transmission, must be smooth but for at most 5000 kinks",
+        match="load torque or transmission must be smooth except for at most 5000 kinks",
     ):
         driven(lambda phi: np.sin(1e6 * phi))
 

@@ -29,7 +29,7 @@ RESISTANCES = (
     *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
     *("driver_journal", "follower_journal"),
 )
-"""Numbers of a `Scene` that resist the motion beside friction in the slot."""
+"""Numbers of a `Scene` that resist the motion, besides friction in the slot."""
 LENGTHS = ("crank_radius", "pin_radius", "roller_radius", "clearance")
 """Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
 _ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")

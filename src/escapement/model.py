@@ -224,7 +224,7 @@ class Escapement(Declared):
         check_contact(self.contact, self.mechanism, vars(self), lossy)
 
     def _check_curve(self) -> None:
-        """Refuse a curve beside a spring rate, and one with too many points for a cell."""
+        """Refuse a curve together with a spring rate, or with too many points in a cell."""
         if isinstance(self.torque, TorqueCurve):
             if self.spring_rate > 0.0:
                 remedy = "let its torque fall by itself"

@@ -1,4 +1,4 @@
-"""What the tolerances of a drawing do to figures of merit, and which to tighten."""
+"""Command `budget`: how tolerances scatter the figures of merit, and which of them to tighten."""
 
 from pathlib import Path
 from typing import Any
@@ -17,10 +17,13 @@ UNITS = "units of the figures printed (default: those of the study)"
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
-    text = "a study with a [sample] of tolerances, and [limits] of figures"
+    text = "a study file with the tables [sample], of tolerances, and [limits], of figures"
     add("config", type=Path, metavar="CONFIG.toml", help=text)
     rule: dict[str, Any] = {"minimum": 0, "whole": True, "remedy": "give 0 for none"}
-    text = "cases for Sobol' indices, of which (numbers + 2) N are solved (default: 0)"
+    text = (
+        "cases N for Sobol' indices; (k + 2) N are solved for k numbers with a tolerance "
+        "(default: 0)"
+    )
     _arguments.add_number(parser, "indices", text, "N", **rule)
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "OUT.h5", "write the sample, as sweep does")
@@ -29,7 +32,7 @@ def configure(parser: Parser) -> None:
 
 
 def execute(args: Arguments) -> int:
-    """Compute the budget, write and draw what was asked for, print it."""
+    """Compute the budget and print it; write and draw it where that was asked for."""
     from escapement.study.parse import load_tables
     from escapement.study.plan import unit_kind
     from escapement.tolerance.budget import budget_of
@@ -63,7 +66,7 @@ def execute(args: Arguments) -> int:
 def _record(scatter: Any, name: str, system: str) -> dict[str, Any]:
     """The scatter of a figure by JSON key, in a system of units.
 
-    An estimate is a list of its value and the ends of its interval.
+    An estimate is a list of three numbers: its value and the ends of its interval.
     """
     from escapement.study.plan import unit_kind
 

@@ -113,7 +113,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     count, darkest = (2 * _LEVELS, 0.95) if cells else (_LEVELS, 0.7)  # black can be read on 0.7
     levels = _levels(float(z.min()), float(z.max()), count)
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.05, darkest, 256)))
-    norm = BoundaryNorm(levels, colours.N)  # as many steps of colour as levels, wide or narrow
+    norm = BoundaryNorm(levels, colours.N)  # one colour for each interval of levels
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
     dress_axis(ax, "x", x, NARROW if bar == "top" else LINE)
@@ -130,7 +130,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
         if inside.size:
             look: dict[str, Any] = {"colors": style.BLACK, "linewidths": 0.6}
             _label_contours(ax, ax.contour(x.values, y.values, z, inside, **look))
-    every = 1 + levels.size // _LEVELS  # as many numbers as have room
+    every = 1 + levels.size // _LEVELS  # only as many labels as there is room for
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(style.label(table.name, table.unit), size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)

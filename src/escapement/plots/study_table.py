@@ -38,7 +38,7 @@ STEPPED = {
     "settling_time": "another extremum is the last beyond 1 %",
 }
 """Times of an extremum of the speed, and why they jump."""
-_LEAP = 0.25  # of a period: neighbours that differ by more have a jump between them
+_LEAP = 0.25  # neighbours that differ by more than this share of a period have a jump
 _DECADE = 8.0  # an axis that spans this factor in equal ratios is logarithmic
 
 

@@ -26,7 +26,7 @@ from escapement.train import train_numbers
 
 
 def model_numbers() -> dict[str, Quantity]:
-    """Numbers of an escapement beside its mechanism that may be axes, by name."""
+    """Numbers of an escapement, besides those of its mechanism, that may be axes, by name."""
     every = {**quantities(Escapement), **quantities(Inertia), **train_numbers(), **quantities(Run)}
     return {name: entry for name, entry in every.items() if entry.axis}
 

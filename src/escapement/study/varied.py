@@ -34,7 +34,7 @@ _BESIDE = {
     "relative_standard_deviation": _ENDS,
     "log_standard_deviation": _ENDS,
 }
-"""Keys of a distribution beside that of its width; a distribution without a width has ends."""
+"""Keys of a distribution besides that of its width; a distribution without a width has ends."""
 WIDTHS = frozenset(_BESIDE) - {""}
 """Keys of a distribution that lies around the nominal value."""
 _NEVER = 1e-10  # share of a normal distribution at either side that no draw reaches

@@ -1,4 +1,4 @@
-"""The figures of merit as duals: with their derivatives by the numbers of the model."""
+"""The figures of merit as dual numbers: each with its derivatives by the model's parameters."""
 
 from __future__ import annotations
 
@@ -23,17 +23,21 @@ from escapement.tolerance.law import ANGLE, SPEED, Law
 from escapement.tolerance.variation import Variation
 
 SHALLOW = 1e-6
-"""A deviation that has fallen further has too few digits for its derivative."""
+"""Deviations below this share of the first one have too few digits for a derivative."""
 VANISHED = 1e-9
-"""A lever, over the crank, that is this small is what sets a limit of friction."""
+"""If the lever of the contact force, over the crank radius, is below this at a limit of friction,
+the limit is set by the lever."""
 LONGEST = 2000
-"""Engagements of a transient that is followed for the rise times."""
+"""Greatest number of engagements that are followed for the rise times."""
 
 
 def figures_of(
     escapement: Escapement, figures: Figures, names: tuple[str, ...], cycle_only: bool = False
 ) -> tuple[dict[str, Dual], str]:
-    """The figures [SI] as duals by the numbers alone, and what is not among them."""
+    """The figures [SI] as dual numbers, and a message about those that are missing.
+
+    Their slopes are the derivatives by the parameters in `names`.
+    """
     law = Law(escapement, names)
     varied = Variation(figures.motion, law)  # type: ignore[arg-type]
     end = varied.boundaries[-1]
@@ -93,7 +97,7 @@ def figures_of(
 
 
 def _blow(varied: Variation, boundary: Any, closed: Any) -> Dual:
-    """Energy that the blow at a handoff takes, in natural units."""
+    """Energy lost in the blow at a handoff, in natural units."""
     law, meeting = varied.law, varied.next_meeting(boundary.piece)
     left = law.plain(law.blow(meeting)) if law.parts[meeting].strikes else None
     if left is None:
@@ -109,8 +113,10 @@ def _blow(varied: Variation, boundary: Any, closed: Any) -> Dual:
 def _limit(
     escapement: Escapement, limit: float, names: tuple[str, ...], before: bool
 ) -> Dual | None:
-    """A Painleve limit: there the least margin J h of one half of the engagement vanishes, or the
-    lever of the contact force.
+    """A Painleve limit, or None if it has no derivatives.
+
+    At this friction either the least margin J h of one half of the engagement vanishes, or the
+    lever h of the contact force. `before` chooses the half before dead centre.
     """
     from scipy.optimize import brentq
 
@@ -148,15 +154,15 @@ def _limit(
 def _rises(
     escapement: Escapement, figures: Figures, law: Law, handoff: Dual, clock: Dual
 ) -> tuple[dict[str, Dual], str]:
-    """`rise_time_63` and `rise_time_98` of a start from rest."""
+    """`rise_time_63` and `rise_time_98`, and "done" or the reason why they are missing."""
     late = figures.rise_time_98
     if not late > 0.0:
-        return {}, "the rise times have no derivative, because there are none"
+        return {}, "there are no rise times here, so they have no derivatives"
     count = len(escapement.meetings)
     long = simulation.simulate(escapement, duration=late * (1.0 + 1e-9))
     wanted = count * (1 + long.handoff_times.size // count)
     if wanted > LONGEST:
-        return {}, f"the rise times have no derivative here: they take over {LONGEST} engagements"
+        return {}, f"the rise times take more than {LONGEST} engagements: no derivatives"
     motion = simulation.simulate(escapement, wanted)
     varied = Variation(motion, law)
     rounds = [b for b in varied.boundaries[1:] if varied.begins(b.piece)][count - 1 :: count]
@@ -174,5 +180,5 @@ def _rises(
             share = (level - depth[k - 1]) / (depth[k] - depth[k - 1])
             found[name] = times[k - 1] + share * (times[k] - times[k - 1])
     if len(found) < 2:
-        return found, "rise times have no derivative where a cycle all but ends the deviation"
+        return found, "the speed settles within one cycle, so rise times have no derivatives"
     return found, "done"

@@ -1,4 +1,4 @@
-"""The state of driver and follower where they move on their own, from natural units to SI."""
+"""Conversion of states with separate motions of driver and follower from natural units to SI."""
 
 from typing import Any
 
@@ -10,12 +10,12 @@ from escapement.model import Escapement
 from escapement.motion import State
 
 OWN = LOSSES[:5]
-"""What is lost here: there are no trains."""
+"""The losses that this engine computes: it has no trains."""
 COLUMNS = (
     *("theta", "theta_dot", "theta_ddot", "phi", "phi_dot", "phi_ddot"),
     *("contact_moment", "contact_force"),
 )
-"""Columns of a state, which the power lost in each of `OWN` follows."""
+"""Columns of a state; after them comes the power lost in each of `OWN`."""
 
 
 def every_loss(own: FloatArray) -> FloatArray:
