@@ -176,7 +176,8 @@ def budget_of(
         _add_indices(plan, scatters, indices, int(drawn["seed"]))
     failed = intervals.share(study.results["status"] != Status.OK)
     lost = "cases that could not be computed count as outside the limits"
-    notes = [lost] if failed.value else []
+    notes = [plan.idle] if plan.idle else []
+    notes += [lost] if failed.value else []
     notes += filter(None, (_without(name, scatter) for name, scatter in scatters.items()))
     message = "; ".join(notes) or "done"
     sized = int(drawn["size"])
