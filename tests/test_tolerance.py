@@ -184,16 +184,19 @@ def test_contributors_add_up_and_correlations_count():
 
 
 def test_a_worst_case_inside_is_searched_for():
-    # the first order contribution of an error of perfect parts has a corner
-    own = replace(TIMER, mechanism=esc.Geneva(4, crank_radius=0.01))
-    found = esc.budget(own, {"centre_distance_error": {"tolerance": 2e-6}}, size=64)
-    worst = found.figures["period"].worst
-    assert worst.searched
-    ends = [
-        esc.terminal(with_number(own, "centre_distance_error", x)).period for x in (-2e-6, 2e-6)
-    ]
-    assert worst.high == pytest.approx(max(ends), rel=1e-9)
-    assert worst.low == pytest.approx(min(ends), rel=1e-6)
+    # an error of perfect parts has a corner: the period falls on both sides of it, while the angle
+    # of the last reversal is least there
+    own, name = replace(TIMER, mechanism=esc.Geneva(4, crank_radius=0.01)), "centre_distance_error"
+    figures = ["period", "last_reversal_angle"]
+    found = esc.budget(own, {name: {"tolerance": 2e-6}}, figures=figures, size=64).figures
+    ends = [esc.terminal(with_number(own, name, x)) for x in (-2e-6, 2e-6)]
+    low, high, searched = found["period"].worst
+    assert [low, high] == pytest.approx([ends[1].period, ends[0].period], rel=1e-12)
+    assert not searched
+    low, high, searched = found["last_reversal_angle"].worst
+    assert low == pytest.approx(esc.terminal(own).last_reversal_angle, rel=1e-6)
+    assert high == pytest.approx(max(end.last_reversal_angle for end in ends), rel=1e-9)
+    assert searched
 
 
 def test_indices_of_a_known_function():

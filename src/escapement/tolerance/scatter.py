@@ -160,7 +160,18 @@ def scatter_of(
     columns = np.array([plan.every(name) for name in names])[:, answered]
     tried = columns[:, [int(kept.argmin()), int(kept.argmax())]].T
     own = (plan, names, figure)
-    worst = worst_case(partial(_value, *own), partial(_slopes, *own), bounds, places, tried)
+    sides = {name: corners.get(figure, {}).get(name, (math.nan, math.nan)) for name in names}
+    # a kink with slopes of one sign is as good as a slope of that sign
+    alike = np.array(
+        [below if below * above > 0.0 else math.nan for below, above in sides.values()]
+    )
+
+    def slopes_at(place: FloatArray) -> FloatArray:
+        found = _slopes(*own, place)
+        at_kink = np.isnan(found) & (place == places)
+        return np.where(at_kink, alike, found)
+
+    worst = worst_case(partial(_value, *own), slopes_at, bounds, places, tried)
     slopes, covariance = _first_order(plan, nominal, spreads, figure, corners)
     variances, total = covariance.sum(axis=1), float(covariance.sum())
     order: Any = np.argsort(-variances) if math.isfinite(total) else ()
