@@ -309,6 +309,7 @@ def test_every_figure_of_a_budget_has_its_scatter_to_first_order():
     found = esc.budget(geared, tolerances, figures=figures, size=2000)
     for name, scatter in found.figures.items():
         assert scatter.sigma == pytest.approx(scatter.deviation.value, rel=0.05, abs=1e-15), name
+    assert "beat_error sigma" not in repr(found)  # it is 0 of 0
     shares = found.figures["period"].contributions
     assert shares["spring_rate"] == shares["initial_speed"] == 0.0
     own = {"friction": {"tolerance": 0.002}}

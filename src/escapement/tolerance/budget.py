@@ -61,7 +61,8 @@ class Budget(Shown):
     def _shown(self) -> list[tuple[str, Any, str]]:
         rows: list[tuple[str, Any, str]] = [("cases", self.size, ""), ("seed", self.seed, "")]
         for name, scatter in self.figures.items():
-            rows += [(f"{name} sigma/nominal", scatter.sigma / scatter.nominal, "")]
+            if scatter.nominal and math.isfinite(scatter.sigma):
+                rows += [(f"{name} sigma/nominal", scatter.sigma / scatter.nominal, "")]
             rows += [(f"{name} yield", scatter.inside.value, "")] if scatter.inside else []
         return rows
 
