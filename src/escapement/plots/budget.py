@@ -47,6 +47,7 @@ def plot_budget(found: "Budget", figure: str | None = None) -> Figure:
     left.barh(places, [100.0 * share for _, share in bars], color=style.BLUE)
     if not bars:
         middle = {"transform": left.transAxes, "ha": "center", "va": "center"}
+        left.set_xlim(0.0, 100.0)
         left.text(0.5, 0.5, NO_SHARES, middle, fontsize=style.SMALL_SIZE)
     left.set_yticks(places, [words(key) for key, _ in bars])
     finished(left, ("share of variance", "%"), ("", ""), 1, legend=False)
