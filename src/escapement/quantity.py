@@ -51,6 +51,7 @@ class Setting:
     slotted : True if only mechanisms with slots have it, False if only mechanisms without have
         it; all others keep its default.
     instead : name of the setting that other mechanisms have instead.
+    needs : name of a number without which it has no effect.
     key, section, default : filled in from the class that declares it: name of the field, table
         of a study file ("" is the top level), and default, None where there is none.
     """
@@ -67,6 +68,7 @@ class Setting:
     system: str = units.SYSTEMS[0]
     slotted: bool | None = None
     instead: str = ""
+    needs: str = ""
     key: str = ""
     section: str = ""
     default: Any = None

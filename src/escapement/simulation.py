@@ -114,12 +114,15 @@ def simulate(
         fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
-    if motion.status is not Status.PAINLEVE and (note := uniqueness_note(escapement)):
-        motion.message = _joined(motion.message, note)
+    note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
+    motion.message = _joined(motion.message, note, escapement.idle)
     return motion
 
 
-def _joined(message: str, note: str) -> str:
+def _joined(message: str, *notes: str | None) -> str:
+    note = "; ".join(filter(None, notes))
+    if not note:
+        return message
     return note if message == MESSAGES[Status.OK] else f"{message}; {note}"
 
 
@@ -181,6 +184,14 @@ def terminal(
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
+    found = _terminal(escapement, engine, settings)
+    return (
+        replace(found, message=_joined(found.message, idle)) if (idle := escapement.idle) else found
+    )
+
+
+def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> Figures:
+    """As `terminal`, without the note on settings that have no effect."""
     if why := _impossible(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=why)
     base = limits(escapement)
@@ -188,7 +199,7 @@ def terminal(
         first = escapement.curve.torque[0]
         if first == 0.0:
             return replace(base, status=Status.STALL, message=_NO_START)
-        found = terminal(escapement.held, initial_speed=settings["initial_speed"], solver=solver)
+        found = _terminal(escapement.held, engine, settings)
         note = _FULL if escapement.spring_rate else _AT_START
         return replace(found, message=_joined(found.message, note))
     # the limit is decided before anything is integrated

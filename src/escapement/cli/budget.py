@@ -4,12 +4,11 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement import validate
 from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.errors import InvalidValue
 from escapement.text import print_columns, words
-from escapement.units import factor, printed
+from escapement.units import factor, measured, printed
 
 UNITS = "units of the figures printed (default: those of the study)"
 
@@ -34,22 +33,13 @@ def configure(parser: Parser) -> None:
 def execute(args: Arguments) -> int:
     """Compute the budget and print it; write and draw it where that was asked for."""
     from escapement.study.parse import load_tables
-    from escapement.study.plan import unit_kind
     from escapement.tolerance.budget import budget_of
 
     _output.check_wanted(args, file="OUT.h5")
     plan, tables = load_tables(args.config, "limits")
     system = plan.configuration["units"]
-    limits = {}
     try:
-        for name, ends in tables["limits"].items():
-            validate.choice("limits", name, tuple(x for x in plan.results if x != "status"))
-            scale = factor(unit_kind(name), system)
-            if not (isinstance(ends, list) and len(ends) == 2):
-                remedy = f"write {name} = [low, high]"
-                raise validate.fail(f"limits.{name}", "a list of two numbers", ends, remedy)
-            low, high = (scale * validate.number(f"limits.{name}", x, "correct it") for x in ends)
-            limits[name] = low, high
+        limits = {name: _limits(name, ends, system) for name, ends in tables["limits"].items()}
         options: Any = {"indices": args.indices or 0, "path": args.output}
         found = budget_of(plan, limits, **options)
     except InvalidValue as error:
@@ -61,6 +51,18 @@ def execute(args: Arguments) -> int:
     extra = {"size": found.size, "seed": found.seed, "failed": list(found.failed)}
     _output.tell(args, {**record, **extra, "message": found.message}, lambda: _print(found, shown))
     return SOME_FAILED if found.failed.value else 0
+
+
+def _limits(name: str, ends: Any, system: str) -> Any:
+    """Limits of a study file in SI; what is no pair of numbers stays as it is."""
+    from escapement.study.plan import unit_kind
+
+    if not isinstance(ends, list):
+        return ends
+    kind = unit_kind(name)
+    own = [measured(f"limits.{name}", x, kind, system, "give a number") for x in ends]
+    scale = factor(kind, system)
+    return [scale * x if type(x) in (int, float) else x for x in own]
 
 
 def _record(scatter: Any, name: str, system: str) -> dict[str, Any]:
@@ -115,16 +117,17 @@ def _print(found: "esc.Budget", system: str) -> None:
             rows += [("share within limits", *scatter.inside), ("C_pk", *scatter.capability)]
         print_columns([["", "value", "from", "to"]], rows)
         print()
-        header = ["tolerance", "share of variance", "factor for equal shares"]
         parts = scatter.contributions.items()
-        table: list[tuple[Any, ...]] = [
-            (key, share, scatter.balanced.get(key, "")) for key, share in parts
-        ]
-        print_columns([header], table)
-        print()
+        if parts:
+            header = ["tolerance", "share of variance", "factor for equal shares"]
+            table: list[tuple[Any, ...]] = [
+                (key, share, scatter.balanced.get(key, "")) for key, share in parts
+            ]
+            print_columns([header], table)
+            print()
         if scatter.first:
             header = ["Sobol' index", "first", "from", "to", "total", "from", "to"]
-            table = [(key, *scatter.first[key], *scatter.total[key]) for key, _ in parts]
+            table = [(key, *scatter.first[key], *scatter.total[key]) for key in scatter.first]
             print_columns([header], table)
             print()
     _output.note(f"{found.size} cases, seed {found.seed}; {found.message}")

@@ -20,7 +20,8 @@ _NUMBER = "give a number, or [low, high]"
 
 
 def _quantity(name: str, long_name: str, unit: str = "ratio", **rule: Any) -> Quantity:
-    return Quantity(name=name, key=name, long_name=long_name, unit=unit, **rule)
+    remedy = "give a number in this range"
+    return Quantity(name=name, key=name, long_name=long_name, unit=unit, remedy=remedy, **rule)
 
 
 NUMBERS = {

@@ -152,10 +152,15 @@ class Wheel(Kind):
             raise validate.fail("roller_radius", rule, roller, "give both radii")
         name = "roller_radius" if roller else "pin_radius"
         outer = roller or pin
-        if not outer:
+        play = getattr(self, "clearance", 0.0)
+        if not (outer or play):
             return
-        check_lengths({name: outer}, self.crank_radius, self.plain_crank)
-        most = self.crank_radius * self.widest_pin - 0.5 * getattr(self, "clearance", 0.0)
+        check_lengths({name: outer, "clearance": play}, self.crank_radius, self.plain_crank)
+        widest = self.crank_radius * self.widest_pin
+        if outer < widest <= outer + 0.5 * play:
+            rule = f"less than {2.0 * (widest - outer):.6g} m, where neighbouring slots meet"
+            raise validate.fail("clearance", rule, play, "choose less play or a larger wheel")
+        most = widest - 0.5 * play
         if not outer < most:
             rule = f"less than {most:.6g} m, where neighbouring slots meet"
             raise validate.fail(name, rule, outer, "choose a thinner pin or a larger wheel")

@@ -27,6 +27,8 @@ _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
 _MOST_TICKS = 10  # up to this many whole numbers along an axis each get a tick
 NARROW = 24
 """Characters of a label that fit below a third of a page."""
+TALL = 28
+"""Characters of a label that fit beside a panel."""
 _WIDE = 3.0  # from this ratio of the greatest result to the least, contours are in even ratios
 _STEPS = (
     (1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
@@ -68,7 +70,7 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
         elif sides:
             ax.fill_between(along, *sides, lw=0.0, **band)
     dress_axis(ax, "x", x, line)
-    ax.set_ylabel(style.label(table.name, table.unit))
+    ax.set_ylabel(style.label(table.name, table.unit, TALL))
     return drawn
 
 

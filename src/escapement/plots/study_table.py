@@ -17,6 +17,7 @@ from escapement.units import spelt
 
 _SHORT = {
     "friction": "coefficient of friction",
+    "blow_max": "energy of a blow",
     "velocity_max": "maximum driver velocity",
     "velocity_mean": "mean driver velocity",
     "rise_time_63": "rise time, 63 %",
