@@ -335,7 +335,7 @@ def test_blocks_have_a_language_and_are_closed(page):
 def test_figures_can_be_drawn_again_and_are_all_shown(tmp_path, monkeypatch):
     main = runpy.run_path(str(DOCS / "make_figures.py"))["main"]
     monkeypatch.setitem(main.__globals__, "DPI", 40)
-    # few pictures, cases and designs: the code blocks of the pages compute the whole
+    # few pictures, cases and designs are enough to see that every figure is drawn
     for owner, name, few in (
         (esc.plots, "animate", {"frames": 3}),
         (esc, "budget", {"size": 1000}),
