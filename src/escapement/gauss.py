@@ -108,6 +108,15 @@ def dot(a, b, count):
 
 
 @inner_jit
+def series_at(c, x):
+    """Value of the power series with coefficients c."""
+    value = 0.0
+    for k in range(N - 1, -1, -1):
+        value = value * x + c[k]
+    return value
+
+
+@inner_jit
 def root_between(c, x, low, high, rising):
     """Root of the power series with coefficients c in a bracket, from the guess x.
 

@@ -21,6 +21,7 @@ from escapement.engines.contact.rigid.panel import (
     PLACES,
     SMALLEST,
     STOPS,
+    flow_behind,
     law_at,
     next_panel,
     solve_panel,
@@ -29,6 +30,7 @@ from escapement.engines.contact.rigid.walls import next_break, wall_scene
 from escapement.gauss import POINTS, N, root_between, to_powers
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
+from escapement.power_flow import UNKNOWN
 
 DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, RESTLESS, LIFTED, TURNED, STRUCK = range(10)
 """How an engagement ends: at the handoff, or behind the time asked for; where the drive cannot go
@@ -38,6 +40,8 @@ comes to rest, and at a blow."""
 FLIGHT, WALL, LOCKED, BLOW, EXTREMUM, LIFT, SLIDE = range(7)
 """Kinds of rows: pieces of the motion, and events."""
 MOST_PIECES = 20_000
+MOST_TURNS = 1000
+"""Turns of power in a train that are followed while the pin touches a wall."""
 MOST_EXTREMA = 4
 """Extrema of the speed that are looked for in one panel."""
 
@@ -159,15 +163,16 @@ def touch(work, notes, case, body, end_time, tail, count):
     side, theta = body.wall, body.theta
     way, w, width = 1.0 if body.speed >= 0.0 else -1.0, body.speed * body.speed, np.inf
     if w == 0.0:
-        scene = wall_scene(case, side, theta, 1.0)
+        scene = wall_scene(case, side, theta, 1.0, 0.0, UNKNOWN)
         rate = law_at(scene, side, theta, 0.0)[1]
         if not rate > 0.0:
             return body, _stopped(theta, scene)
         # over an angle that no panel can be smaller than, the acceleration is constant
         w, theta = 2.0 * rate * SMALLEST, theta + SMALLEST
         body = _on_wall(case, body, theta, np.sqrt(w), body.time + np.sqrt(w) / rate)
+    flow, turns = UNKNOWN, 0
     while True:
-        scene = wall_scene(case, side, theta, way)
+        scene = wall_scene(case, side, theta, way, w, flow)
         limit = next_break(case, side, theta, way, scene)
         found = next_panel(work, scene, side, theta, w, width, limit, tail, True, count)
         if found.code == JAMS:
@@ -182,6 +187,7 @@ def touch(work, notes, case, body, end_time, tail, count):
             body = _turned(notes, body, np.sign(law_at(scene, side, theta, w)[1]))
             trend = _extrema_on(work, notes, case, found, body, scene, way)
         ends = found.code == GOES_ON and found.width == limit - theta
+        flow = flow_behind(found, scene.flow, ends)
         theta, w, width = limit if ends else theta + found.width, found.w, 2.0 * found.width
         body = _on_wall(case, body, theta, way * np.sqrt(w), body.time + found.time)
         body = Body(*body[:6], trend)
@@ -189,6 +195,9 @@ def touch(work, notes, case, body, end_time, tail, count):
             return body, np.int64(OVER)
         if found.code == LIFTS:
             return body, np.int64(LIFTED)
+        turns += 1 if found.code != GOES_ON else 0
+        if turns > MOST_TURNS:
+            return body, np.int64(RESTLESS)
         if way > 0.0 and not theta < scene.edges[-1]:
             return body, np.int64(DONE)
         if way < 0.0 and not theta > scene.edges[0]:
@@ -276,7 +285,7 @@ def _knocked(notes, case, body):
 def holds(case, body):
     """Whether the wall that the pin touches carries a force, and whether J_s is positive."""
     way = 1.0 if body.speed >= 0.0 else -1.0
-    scene = wall_scene(case, body.wall, body.theta, way)
+    scene = wall_scene(case, body.wall, body.theta, way, body.speed * body.speed, UNKNOWN)
     force, _rate, sound = law_at(scene, body.wall, body.theta, body.speed * body.speed)
     return force > 0.0, sound
 
@@ -331,7 +340,9 @@ def turn_on(work, notes, case, body, step, end_time, count):
             note(notes, BLOW, locked)
             row = _last(notes)
             row.before, row.energy = body.speed, 0.5 * moved * moved
-            row.approach, row.impulse = moved * radius, moved / radius
+            # what is behind a lossy train gives back less than it holds
+            inertia = 1.0 + (scene.load_train_efficiency - 1.0) * scene.load_train
+            row.approach, row.impulse = moved * radius, inertia * moved / radius
         if notes.wanted:
             note(notes, LOCKED, locked)
         end = scene.edges[-1] + scene.dwell

@@ -14,6 +14,7 @@ from escapement.dynamics import is_drag_free
 from escapement.engines.contact.rigid.panel import BEND, PLACES, B, G, U, W, X
 from escapement.gauss import BARYCENTRIC, POINTS, N, cumulate, tail_of
 from escapement.jit import inner_jit
+from escapement.power_flow import passed_on
 from escapement.roots import newton_in_bracket
 
 STRIDE = 0.03
@@ -53,14 +54,21 @@ def driver_rate(scene, theta, speed, way):
     torque = torque_at(theta, scene)[0]
     lost = scene.bearing + scene.driver_drag * speed * speed
     # way times speed, so that a part beyond whose end the driver turns back is smooth
-    return (torque - way * (lost + scene.driver_viscous * way * speed)) / scene.rho
+    lost = way * (lost + scene.driver_viscous * way * speed)
+    if scene.barrel_efficiency == 1.0:
+        return (torque - lost) / scene.rho
+    own = scene.rho - scene.barrel
+    return passed_on(own, scene.barrel, torque, -lost, scene.barrel_efficiency, way)[0]
 
 
 @inner_jit
 def follower_rate(scene, turning, way):
     """phi_ddot of a follower that nothing touches and that goes the way +1, -1 or 0 for rest."""
-    lost = scene.load + scene.follower_drag * turning * turning
-    return -way * (lost + scene.follower_viscous * way * turning)
+    air = scene.follower_drag * turning * turning + scene.follower_viscous * way * turning
+    if scene.load_train_efficiency == 1.0 or way == 0.0:
+        return -way * (scene.load + air)
+    own, efficiency = 1.0 - scene.load_train, scene.load_train_efficiency
+    return passed_on(own, scene.load_train, -way * scene.load, -way * air, efficiency, way)[0]
 
 
 @inner_jit
@@ -78,7 +86,7 @@ def launch(work, scene, theta, speed, phi, turning, end, count):
         return _in_series(work, scene, theta, speed, phi, turning, end, count)
     rest = -turning / slowing if slowing != 0.0 else np.inf
     length, square = np.inf, speed * speed + 2.0 * rate * (end - theta)
-    if speed < 0.0 and scene.bearing > 0.0:
+    if speed < 0.0 and (scene.bearing > 0.0 or scene.barrel_efficiency != 1.0):
         length = -speed / rate
     elif square >= 0.0 and speed >= 0.0:
         length = 2.0 * (end - theta) / (speed + np.sqrt(square))

@@ -20,19 +20,33 @@ from escapement.dynamics import (
     reduced_inertia,
     root_of,
 )
-from escapement.gauss import POINTS, N, cumulate, integral, root_between, tail_of, to_powers
+from escapement.gauss import (
+    POINTS,
+    N,
+    cumulate,
+    integral,
+    root_between,
+    series_at,
+    tail_of,
+    to_powers,
+)
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, transmission_on
+from escapement.power_flow import UNKNOWN, within_flow
 
-ROWS = 15
-G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, X, NET, PLACES = range(ROWS)
-"""Rows of the workspace: values at the Gauss points. PLACES are those points, X is s X, NET the
-torque that accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`."""
-GOES_ON, LIFTS, STOPS, JAMS = 0, 1, 2, 3
-"""How a panel ends: in the middle of the contact, at a lift-off, where the driver stops, or
-where J_s is not positive."""
+ROWS = 17
+G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, NET, PLACES, X, Q, Z = range(ROWS)
+"""Rows of the workspace: values at the Gauss points. PLACES are those points, NET the torque that
+accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`. X is s X; Q and Z are the
+torques through lossy trains, with the sign that they keep while the power flows the same way."""
+GOES_ON, LIFTS, TURNS_BARREL, TURNS_LOAD, STOPS, JAMS = range(6)
+"""How a panel ends: in the middle of the contact, at a lift-off, where power in the barrel's train
+or in that of the load turns back, where the driver stops, or where J_s is not positive."""
 SMALLEST = 1e-12
 """A panel of a smaller width [rad] is not halved."""
+
+_SAME = 1e-9
+"""Torque through a train that counts as zero where the pin lifts off, over that of the drive."""
 
 
 class Panel(NamedTuple):
@@ -59,6 +73,18 @@ def law_at(scene, side, theta, w):
     inertia = reduced_inertia(g, c, scene)
     rate = net_torque(g, c, k, pull, w, root, scene) / inertia
     return side * contact(g, k, pull, w, root, scene), rate, inertia > 0.0
+
+
+@inner_jit
+def _kept_at(scene, side, theta, w, row):
+    """The value of X, Q or Z, which is positive up to the end of a panel."""
+    force, rate, _sound = law_at(scene, side, theta, w)
+    if row == X:
+        return force
+    g, _u, dg, _radius = pose_at(scene.path, theta)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    q, z = within_flow(g, dragged_slope(g, dg, scene), rate, pull, w, scene)
+    return q if row == Q else z
 
 
 @inner_jit
@@ -117,6 +143,9 @@ def solve_panel(work, scene, side, left, width, w, count):
         work[SLOW][i] = half / np.sqrt(work[W][i])
         work[X][i] = side * contact(g[i], k[i], pull, work[W][i], root, scene)
         work[NET][i] = net_torque(g[i], work[BEND][i], k[i], pull, work[W][i], root, scene)
+        if scene.flow != UNKNOWN:
+            rate = work[NET][i] / reduced_inertia(g[i], work[BEND][i], scene)
+            work[Q][i], work[Z][i] = within_flow(g[i], k[i], rate, pull, work[W][i], scene)
     tail = tail_of(work[ENERGY], count) / greatest
     tail = max(tail, tail_of(work[SLOW], count) * np.sqrt(slowest) / abs(half))
     tail = max(tail, tail_of(work[INVERSE], count) * scene.rho)
@@ -127,7 +156,8 @@ def solve_panel(work, scene, side, left, width, w, count):
 def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
     """Solve the panel from a driver angle towards a limit, as wide as its `tail` may be.
 
-    `width` is the width to try first. With `lifts` the panel ends where the pin lifts off.
+    `width` is the width to try first. With `lifts` the panel ends where the pin lifts off. In any
+    case it ends where power in a train turns back.
     """
     span = limit - theta
     if not abs(width) < 0.9 * abs(span):
@@ -141,25 +171,78 @@ def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
             break
         width *= 0.5
         found = solve_panel(work, scene, side, theta, width, w, count)
-    if not lifts or found.code != GOES_ON:
+    if found.code != GOES_ON:
         return found
-    at = N
+    if lifts:
+        found = _ended(work, scene, side, found, w, X, LIFTS, count)
+    # without inertia behind it the power of a train keeps its direction
+    if scene.flow != UNKNOWN and scene.barrel > 0.0 and scene.barrel_efficiency != 1.0:
+        found = _ended(work, scene, side, found, w, Q, TURNS_BARREL, count)
+    if scene.flow != UNKNOWN and scene.load_train > 0.0 and scene.load_train_efficiency != 1.0:
+        found = _ended(work, scene, side, found, w, Z, TURNS_LOAD, count)
+    return found
+
+
+@inner_jit
+def flow_behind(panel, flow, ends):
+    """The flow of power behind a panel in a flow; unknown where the panel `ends` at a break."""
+    if panel.code == TURNS_BARREL:
+        return flow + (1.0 if flow == 0.0 or flow == 2.0 else -1.0)
+    if panel.code == TURNS_LOAD:
+        return flow + (2.0 if flow < 2.0 else -2.0)
+    return UNKNOWN if ends else flow
+
+
+@inner_jit
+def _first_change(work, row, at_end):
+    """Places between which a row first becomes zero; both are 1 where it stays positive."""
+    low = -1.0
     for i in range(N):
-        if at == N and not work[X][i] > 0.0:
-            at = i
-    if at == N and law_at(scene, side, theta + width, found.w)[0] > 0.0:
-        return found
-    low = POINTS[at - 1] if at > 0 else -1.0
-    high = POINTS[at] if at < N else 1.0
-    to_powers(work[X], work[B])
+        if not work[row][i] > 0.0:
+            return low, POINTS[i]
+        low = POINTS[i]
+    return low, 1.0 if not at_end > 0.0 else low
+
+
+@inner_jit
+def _first_dip(work, row):
+    """As `_first_change`, of a row that is positive at all points but may not be between two."""
+    values = work[row]
+    to_powers(values, work[B])
+    for k in range(N):
+        work[DECAY][k] = (k + 1) * work[B][k + 1] if k + 1 < N else 0.0
+    for i in range(1, N - 1):
+        if values[i] <= values[i - 1] and values[i] <= values[i + 1]:
+            low, high = POINTS[i - 1], POINTS[i + 1]
+            least = root_between(work[DECAY], POINTS[i], low, high, True)[0]
+            if series_at(work[B], least) < 0.0:
+                return (low if least < POINTS[i] else POINTS[i]), least
+    return 1.0, 1.0
+
+
+@inner_jit
+def _ended(work, scene, side, panel, w, row, code, count):
+    """The panel, or its part up to where a row first becomes zero, which ends with a code."""
+    if panel.code >= STOPS:
+        return panel
+    theta, width, found = panel.left, panel.width, panel
+    at_end = _kept_at(scene, side, theta + width, panel.w, row)
+    # without a load the force and the power of its train become zero at the same place
+    at_end += _SAME if panel.code == LIFTS else 0.0
+    low, high = _first_change(work, row, at_end)
+    if low == high and code != LIFTS:
+        low, high = _first_dip(work, row)
+    if low == high:
+        return panel
+    to_powers(work[row], work[B])
     x, slope = root_between(work[B], 0.5 * (low + high), low, high, False)
+    slope *= 2.0 / width
     width *= 0.5 * (1.0 + x)
-    slope *= 2.0 / found.width
     for _ in range(8):
         found = solve_panel(work, scene, side, theta, width, w, count)
-        more = -law_at(scene, side, theta + width, found.w)[0] / slope
+        more = -_kept_at(scene, side, theta + width, found.w, row) / slope
         # the motion itself depends on the lift-off by the cube of its error
         if found.code != GOES_ON or not abs(more) > 1e-11 or abs(more) > 0.1 * abs(width):
             break
         width += more
-    return Panel(LIFTS, theta, width, found.w, found.time, found.tail)
+    return Panel(code, theta, width, found.w, found.time, found.tail)

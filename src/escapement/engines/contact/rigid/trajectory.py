@@ -18,7 +18,7 @@ from escapement.engines.contact.rigid.engagement import (
 )
 from escapement.engines.contact.rigid.march import march
 from escapement.engines.contact.rigid.trace import LOST, TABLE, trace
-from escapement.engines.contact.state import OWN, every_loss, state_from
+from escapement.engines.contact.state import state_from
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import State
@@ -156,7 +156,7 @@ class RigidTrajectory(Held):
     @property
     def losses(self) -> FloatArray:
         """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (7, n)."""
-        return every_loss(self._work[:, : len(OWN)].T)
+        return np.asarray(self._work[:, :-1].T)
 
     @property
     def load_work(self) -> FloatArray:

@@ -7,6 +7,7 @@ import numpy as np
 from escapement.drive import next_knot
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, slide_change
+from escapement.power_flow import UNKNOWN, flowing, in_flow
 from escapement.roots import newton_in_bracket
 from escapement.scene import Path, Scene
 
@@ -43,6 +44,7 @@ def case_of(scene, joint, rtol):
     breaks = np.empty((2, 3))
     # where the follower stands still its losses change their sense
     turns = scene.load + scene.follower_drag + scene.follower_journal > 0.0
+    turns = turns or scene.load_train_efficiency != 1.0
     for row, side, own in ((0, 1.0, plus), (1, -1.0, minus)):
         entry, exit_ = scene.edges[0], scene.edges[-1]
         breaks[row, 0] = slide_change(own.path, own.pin, side, entry, exit_)
@@ -70,25 +72,41 @@ def _standstill(path, outer, inner):
 
 
 @inner_jit
-def wall_scene(case, side, theta, way):
+def wall_scene(case, side, theta, way, w, flow):
     """The scene of a wall at a driver angle, with all losses turned round where they drive.
 
+    With trains that lose power it is that of the `flow`, or of the one that holds at the squared
+    speed `w` where that is `UNKNOWN`.
+
     The load opposes the follower, which goes back where g < 0. While the driver goes back, `way`
-    is -1 and every loss takes the other sign, so that the same law holds.
+    is -1 and every loss takes the other sign, so that the same law holds. For the same reason a
+    train has the efficiency 1/eta where the body before it goes back.
     """
     scene = case.plus if side > 0.0 else case.minus
     # at a standstill itself the way decides on which side of it the motion goes on
     g = pose_at(scene.path, theta + 1e-12 * way)[0]
-    load = scene.load if g >= 0.0 else -scene.load
-    if way > 0.0 and load == scene.load:
-        return scene
-    return Scene(
+    sense = 1.0 if g >= 0.0 else -1.0
+    if way > 0.0 and (sense > 0.0 or (scene.load == 0.0 and scene.load_train_efficiency == 1.0)):
+        return _flowing(scene, side, theta, w, flow)
+    barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
+    turned = Scene(
         scene.path, scene.edges, scene.dwell, scene.torque, scene.turned, scene.rho,
-        way * scene.mu_plus, way * scene.mu_minus, way * load, way * scene.bearing,
+        way * scene.mu_plus, way * scene.mu_minus, way * sense * scene.load, way * scene.bearing,
         way * scene.driver_drag, way * scene.follower_drag, way * scene.driver_viscous,
         way * scene.follower_viscous, scene.pin, way * scene.driver_journal,
-        way * scene.follower_journal, *scene[17:],
+        way * scene.follower_journal, scene.gain, scene.flow,
+        scene.barrel, barrel if way > 0.0 else 1.0 / barrel,
+        scene.load_train, train if way * sense > 0.0 else 1.0 / train,
     )  # fmt: skip
+    return _flowing(turned, side, theta, w, flow)
+
+
+@inner_jit
+def _flowing(scene, side, theta, w, flow):
+    """The scene of a flow, or of the one that holds; the scene itself if nothing is lost."""
+    if flow == UNKNOWN:
+        return flowing(theta, side, w, scene)
+    return in_flow(scene, flow)
 
 
 @inner_jit
