@@ -35,7 +35,9 @@ from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.power_flow import UNKNOWN, within_flow
 
 ROWS = 17
-G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, NET, PLACES, X, Q, Z = range(ROWS)
+G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, NET, PLACES, X, Q, Z = range(
+    ROWS
+)
 """Rows of the workspace: values at the Gauss points. PLACES are those points, NET the torque that
 accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`. X is s X; Q and Z are the
 torques through lossy trains, with the sign that they keep while the power flows the same way."""
